@@ -1,0 +1,14 @@
+//! Coronet: drop impact with particles. The engine; the program is in `stages/`.
+//!
+//! Modules in reading order; a module names only modules of its own row or of rows before it:
+//! `scene space kernel | particle | effect | method | measure record | pipeline`.
+
+pub mod scene;
+pub mod space;
+pub mod kernel;
+pub mod particle;
+pub mod effect;
+pub mod method;
+pub mod measure;
+pub mod record;
+pub mod pipeline;

@@ -1,0 +1,302 @@
+//! What is asked: the resolved scene, in SI units, defaults filled in. No numerics.
+//!
+//! The file format lives in [`file`]; everything after it sees only these types.
+//! Axes: x and y are lateral, z is up. A 2-D scene is the x-z plane: y is zero everywhere.
+
+/// Number of space dimensions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    Two,
+    Three,
+}
+
+impl Dimension {
+    /// 2 or 3.
+    pub fn count(self) -> usize {
+        match self {
+            Dimension::Two => 2,
+            Dimension::Three => 3,
+        }
+    }
+}
+
+/// What happens at one side of the box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Leaves here, enters opposite. Both sides of an axis are periodic or none is.
+    Periodic,
+    /// Nothing there; a particle that leaves is removed and its mass booked.
+    Open,
+    /// No-slip wall made of fixed particles outside the box.
+    Wall,
+}
+
+/// The box `[0, size_x] x [0, size_y] x [0, size_z]`, m. In 2-D `size[1] == 0` and y is periodic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    pub size: [f64; 3],
+    /// `boundary[axis] = [low side, high side]`.
+    pub boundary: [[Side; 2]; 3],
+    /// Velocity of each wall, m/s, `wall_velocity[axis][low/high][component]`; zero at rest.
+    pub wall_velocity: [[[f64; 3]; 2]; 3],
+}
+
+/// Effects that the scene asks for. `None` is absent: no cost, no array, no key.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Effects {
+    /// Acceleration vector, m/s^2.
+    pub gravity: Option<[f64; 3]>,
+    /// Dynamic viscosity, Pa s.
+    pub viscosity: Option<f64>,
+    /// Surface tension coefficient, N/m.
+    pub tension: Option<f64>,
+}
+
+/// Geometry of a body, m, in box coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Sphere, or disc in 2-D.
+    Sphere { centre: [f64; 3], radius: f64 },
+    /// Semi-axes; ellipse in 2-D.
+    Ellipsoid { centre: [f64; 3], semi_axes: [f64; 3] },
+    /// Axis-parallel block, rectangle in 2-D.
+    Block { low: [f64; 3], high: [f64; 3] },
+    /// Liquid from z = 0 to `depth` over the whole lateral extent of the box.
+    Layer { depth: f64 },
+}
+
+/// Initial velocity of a body, m/s.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    Uniform([f64; 3]),
+    /// u = -U cos(kx) sin(kz), w = U sin(kx) cos(kz), k = 2 pi / size_x.
+    TaylorGreen { speed: f64 },
+    /// Velocity that deforms a drop in its n = 2 mode: u = -a x (per lateral axis of d-1), w = +a z
+    /// made divergence-free, about the body's centre; `rate` a in 1/s.
+    Stretch { rate: f64 },
+}
+
+/// One body of liquid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    pub name: String,
+    pub shape: Shape,
+    pub motion: Motion,
+    /// Display colour of the body, RGB.
+    pub colour: [u8; 3],
+}
+
+/// How a body's particles are first placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arrangement {
+    /// Simple cubic lattice (Nishio et al.).
+    Lattice,
+    /// Poisson-disk sampling, then optimisation (Kuri et al.).
+    Poisson,
+}
+
+/// Settings of the pack stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pack {
+    /// Particle spacing s0, m.
+    pub spacing: f64,
+    pub arrangement: Arrangement,
+    /// Largest standard deviation of density from rho0, kg/m^3 (Poisson only).
+    pub tolerance: f64,
+    pub seed: u64,
+    /// Iterations after which the optimiser gives up with an error.
+    pub iterations: usize,
+}
+
+/// Settings of the relax stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relax {
+    /// Longest simulated time, s.
+    pub time: f64,
+    /// Stop when kinetic energy per mass is below this, J/kg.
+    pub kinetic_energy: f64,
+    /// ... and the standard deviation of density of supported particles below this, kg/m^3.
+    pub density_spread: f64,
+    /// Damping rate, 1/s: a = -damping v.
+    pub damping: f64,
+}
+
+/// Settings of the impact stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Impact {
+    /// Simulated time to reach, s.
+    pub end: f64,
+    /// Wall-clock seconds between in-flight checkpoints. In no key.
+    pub checkpoint_every: f64,
+}
+
+/// Frames of the log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frames {
+    /// Simulated time between frames, s.
+    pub interval: f64,
+    /// Log time = simulated time x this.
+    pub time_scale: f64,
+    pub colour: Colour,
+}
+
+/// What the colour of a particle shows in the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colour {
+    Body,
+    Speed,
+    Pressure,
+}
+
+/// Settings of the post stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Post {
+    /// Instants of the snapshot panels, s.
+    pub panels: Vec<f64>,
+    /// Instants of the averaged pressure and velocity fields, s.
+    pub fields: Vec<f64>,
+    /// Reference curves to draw and compare with.
+    pub references: Vec<Reference>,
+}
+
+/// A reference curve from a CSV file with the column names of `measures.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    pub label: String,
+    /// As written in the file; relative to the pipeline file.
+    pub path: std::path::PathBuf,
+}
+
+/// Smoothing kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KernelName {
+    CubicSpline,
+    WendlandC2,
+}
+
+/// How density is obtained.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// Nishio Eq. 4.
+    Summation,
+    /// Continuity equation with density diffusion of this strength (delta-SPH).
+    Continuity { diffusion: f64 },
+}
+
+/// What a pressure below zero becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pressure {
+    Clipped,
+    Signed,
+}
+
+/// Mass of a particle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mass {
+    /// rho0 s0^d.
+    Nominal,
+    /// rho0 / SUM W over the lattice, so that the lattice's summed density is rho0.
+    LatticeSum,
+}
+
+/// Form of the viscous term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViscosityForm {
+    /// Nishio Eq. 6 as printed: (d+3)/(d+2) too strong.
+    TwoTerm,
+    /// Nishio Eq. 6 multiplied by (d+2)/(d+3).
+    TwoTermExact,
+    /// Morris, Fox & Zhu 1997.
+    Morris,
+}
+
+/// Form of the surface-stress tension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TensionForm {
+    /// Nishio Eqs. 9-13 as printed: normalised colour, difference gradient.
+    NormalisedColour,
+    /// Colour and normal from raw sums.
+    RawColour,
+}
+
+/// Strength alpha of the tension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TensionStrength {
+    Fixed(f64),
+    /// Calibrated by the virial identity on the arrangement at hand.
+    Virial,
+}
+
+/// Time stepping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeStepping {
+    /// Velocity Verlet with a fixed step, s.
+    Fixed { step: f64 },
+    /// Velocity Verlet, step = the least of the limits x `safety`.
+    Adaptive { safety: f64 },
+    /// Dual-criteria (Zhang, Rezavand & Hu 2020): advective and acoustic CFL numbers.
+    Dual { advective: f64, acoustic: f64 },
+}
+
+/// How walls give pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallPressure {
+    /// Wall particles sum their own density (they take part in every sum).
+    Summation,
+    /// Extrapolated from the liquid (Adami, Hu & Adams 2012).
+    Extrapolated,
+}
+
+/// Every setting of WCSPH, after the preset and the overrides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wcsph {
+    pub kernel: KernelName,
+    /// h / s0.
+    pub smoothing: f64,
+    pub density: Density,
+    pub pressure: Pressure,
+    /// Exponent chi of the equation of state (Nishio Eq. 7); 1 is linear.
+    pub exponent: f64,
+    /// c / V of Nishio Eq. 8 (10 is Mach 0.1).
+    pub sound_speed_factor: f64,
+    /// V in m/s; `None`: the largest of impact speed, sqrt(2 g T), sqrt(2 sigma / (rho R)).
+    pub reference_speed: Option<f64>,
+    pub mass: Mass,
+    pub viscosity_form: ViscosityForm,
+    pub tension_form: TensionForm,
+    pub tension_strength: TensionStrength,
+    /// H / h of the long kernel.
+    pub tension_smoothing: f64,
+    pub wall_pressure: WallPressure,
+    /// Strength of particle shifting (0 is off).
+    pub shifting: f64,
+    /// Strength of the compression-only (shock) dissipation (0 is off).
+    pub shock_dissipation: f64,
+    pub time_stepping: TimeStepping,
+}
+
+/// The method and its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Method {
+    Wcsph(Wcsph),
+}
+
+/// A scene, resolved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    pub name: String,
+    pub title: String,
+    pub dimension: Dimension,
+    pub domain: Domain,
+    /// Liquid density rho0, kg/m^3.
+    pub density: f64,
+    pub effects: Effects,
+    pub bodies: Vec<Body>,
+    pub pack: Pack,
+    /// `None`: bodies go to the impact as packed.
+    pub relax: Option<Relax>,
+    pub impact: Impact,
+    pub frames: Frames,
+    pub post: Post,
+    pub method: Method,
+}

@@ -3,12 +3,12 @@
 //! Modules in reading order; a module names only modules of its own row or of rows before it:
 //! `scene space kernel | particle | effect | method | measure record | pipeline`.
 
+pub mod effect;
+pub mod kernel;
+pub mod measure;
+pub mod method;
+pub mod particle;
+pub mod pipeline;
+pub mod record;
 pub mod scene;
 pub mod space;
-pub mod kernel;
-pub mod particle;
-pub mod effect;
-pub mod method;
-pub mod measure;
-pub mod record;
-pub mod pipeline;

@@ -33,3 +33,35 @@ pub struct Wall {
     pub position: [Vec<f64>; 3],
     pub velocity: [Vec<f64>; 3],
 }
+
+/// All that a bit-identical restart of a solver needs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Simulated time, s.
+    pub time: f64,
+    pub step: u64,
+    /// In the order that the solver left them: restart keeps it.
+    pub particles: Particles,
+    /// Named scalars of the method (removed mass, last time step, calibrated strength ...).
+    pub scalars: Vec<(String, f64)>,
+    /// Named per-particle arrays of the method, each of `particles.len()` values.
+    pub arrays: Vec<(String, Vec<f64>)>,
+}
+
+/// One recorded frame of the liquid, SI units, f32 as in the log; particles sorted by `id`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Simulated time, s.
+    pub time: f64,
+    pub id: Vec<u32>,
+    pub body: Vec<u8>,
+    pub position: [Vec<f32>; 3],
+    pub velocity: [Vec<f32>; 3],
+    pub pressure: Vec<f32>,
+    pub density: Vec<f32>,
+    /// 1 at the free surface, else 0.
+    pub surface: Vec<u8>,
+    /// Scalars that the solver computes in f64, by name with unit suffix
+    /// (`kinetic_energy_J`, `mass_kg`, `mass_removed_kg`, `time_step_s` ...), in a fixed order.
+    pub scalars: Vec<(String, f64)>,
+}

@@ -58,7 +58,10 @@ pub enum Shape {
     /// Sphere, or disc in 2-D.
     Sphere { centre: [f64; 3], radius: f64 },
     /// Semi-axes; ellipse in 2-D.
-    Ellipsoid { centre: [f64; 3], semi_axes: [f64; 3] },
+    Ellipsoid {
+        centre: [f64; 3],
+        semi_axes: [f64; 3],
+    },
     /// Axis-parallel block, rectangle in 2-D.
     Block { low: [f64; 3], high: [f64; 3] },
     /// Liquid from z = 0 to `depth` over the whole lateral extent of the box.
@@ -70,10 +73,14 @@ pub enum Shape {
 pub enum Motion {
     Uniform([f64; 3]),
     /// u = -U cos(kx) sin(kz), w = U sin(kx) cos(kz), k = 2 pi / size_x.
-    TaylorGreen { speed: f64 },
+    TaylorGreen {
+        speed: f64,
+    },
     /// Velocity that deforms a drop in its n = 2 mode: u = -a x (per lateral axis of d-1), w = +a z
     /// made divergence-free, about the body's centre; `rate` a in 1/s.
-    Stretch { rate: f64 },
+    Stretch {
+        rate: f64,
+    },
 }
 
 /// One body of liquid.

@@ -1,0 +1,140 @@
+//! Files that appear whole or not at all: a temporary name in the same folder, fsync, rename,
+//! fsync of the folder. Whatever goes wrong on the way, the old file stays and nothing is left over
+//! (but a kill leaves the temporary file: see [`is_temporary`]).
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+const SUFFIX: &str = ".coronet-tmp";
+
+/// An operation on a file that failed.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {action} {}: {source}", path.display())]
+pub struct FileError {
+    pub path: PathBuf,
+    /// What was tried, as a verb: `write`, `rename` ...
+    pub action: &'static str,
+    pub source: io::Error,
+}
+
+impl FileError {
+    /// For `map_err`: wraps an `io::Error` with the path and the action.
+    pub fn new(path: &Path, action: &'static str) -> impl Fn(io::Error) -> FileError {
+        let path = path.to_path_buf();
+        move |source| FileError {
+            path: path.clone(),
+            action,
+            source,
+        }
+    }
+
+    /// Whether there was no such file.
+    pub fn is_not_found(&self) -> bool {
+        self.source.kind() == io::ErrorKind::NotFound
+    }
+}
+
+/// A file being written under a temporary name; dropped without [`commit`](Self::commit), it
+/// vanishes.
+pub struct AtomicFile {
+    file: Option<File>,
+    temporary: PathBuf,
+    path: PathBuf,
+}
+
+impl AtomicFile {
+    /// Starts a new version of `path`, whose folder must exist.
+    pub fn create(path: &Path) -> Result<Self, FileError> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let unique = format!(".{name}.{}.{count}{SUFFIX}", std::process::id());
+        let temporary = path.with_file_name(unique);
+        // A left-over of a killed process with our id may be in the way: it is nobody's any more.
+        let file = OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .open(&temporary)
+            .map_err(FileError::new(&temporary, "create"))?;
+        Ok(AtomicFile {
+            file: Some(file),
+            temporary,
+            path: path.to_path_buf(),
+        })
+    }
+
+    /// The open file, for writers that need it.
+    pub fn file(&mut self) -> &mut File {
+        self.file.as_mut().expect("open until commit")
+    }
+
+    /// The final name.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Makes the content durable and gives it its final name.
+    pub fn commit(mut self) -> Result<(), FileError> {
+        let file = self.file.take().expect("open until commit");
+        let published = file
+            .sync_all()
+            .map_err(FileError::new(&self.path, "flush to disk"))
+            .and_then(|()| {
+                drop(file);
+                fs::rename(&self.temporary, &self.path)
+                    .map_err(FileError::new(&self.path, "rename into place"))
+            });
+        if let Err(error) = published {
+            let _ = fs::remove_file(&self.temporary);
+            return Err(error);
+        }
+        sync_folder_of(&self.path)
+    }
+}
+
+impl Write for AtomicFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file().flush()
+    }
+}
+
+impl Drop for AtomicFile {
+    fn drop(&mut self) {
+        if self.file.take().is_some() {
+            let _ = fs::remove_file(&self.temporary);
+        }
+    }
+}
+
+/// Replaces `path` by `bytes`, atomically and durably.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(bytes)
+        .map_err(FileError::new(path, "write"))?;
+    file.commit()
+}
+
+/// Makes the names in the folder of `path` durable.
+pub fn sync_folder_of(path: &Path) -> Result<(), FileError> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    File::open(folder)
+        .and_then(|folder| folder.sync_all())
+        .map_err(FileError::new(folder, "flush to disk"))
+}
+
+/// Whether `path` is named like a temporary file of [`AtomicFile`]: after a kill such files are
+/// rubbish, unless their process still lives.
+pub fn is_temporary(path: &Path) -> bool {
+    path.file_name()
+        .is_some_and(|name| name.to_string_lossy().ends_with(SUFFIX))
+}

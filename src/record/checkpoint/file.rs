@@ -1,0 +1,249 @@
+//! Writing, reading and glancing at checkpoint files.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use rayon::prelude::*;
+use sha2::{Digest as _, Sha256};
+
+use super::codec::{self, ElementType, FORMAT_VERSION, HEADER_LIMIT, Header, Section};
+use super::section::{self, Unreadable};
+use super::{Checkpoint, CheckpointError, content_digest};
+use crate::record::atomic::{AtomicFile, FileError};
+use crate::record::digest::Digest;
+
+const MAGIC: [u8; 8] = *b"\x89CRN\r\n\x1a\n";
+
+/// Magic, version, header length, SHA-256 of the rest of this and of the header.
+const PREAMBLE: usize = 8 + 4 + 8 + 32;
+
+/// What the header of a checkpoint tells without reading its arrays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Peek {
+    pub version: u32,
+    pub kind: String,
+    /// Simulated time, s.
+    pub time: f64,
+    pub step: u64,
+    pub scalars: Vec<(String, f64)>,
+    pub texts: Vec<(String, String)>,
+    pub arrays: Vec<PeekArray>,
+    /// Digest of the content, if the arrays are what the table says ([`read`] checks that).
+    pub digest: Digest,
+    /// Length of the file, bytes.
+    pub file_size: u64,
+}
+
+/// One array of a [`Peek`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeekArray {
+    pub name: String,
+    pub element: ElementType,
+    /// Number of elements.
+    pub count: u64,
+    /// Length in the file, bytes.
+    pub compressed: u64,
+}
+
+pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest, CheckpointError> {
+    let mut file = AtomicFile::create(path)?;
+    let io = FileError::new(path, "write");
+    // Integers have fixed width: a header with blank lengths and hashes is as long as the final.
+    let blank = checkpoint.arrays.iter().map(|(name, array)| Section {
+        name: name.clone(),
+        element: section::element(array),
+        count: array.len() as u64,
+        compressed: 0,
+        digest: [0; 32],
+    });
+    let mut header = checkpoint.header(blank.collect());
+    let length = encode(&header, path)?.len();
+    file.write_all(&vec![0; PREAMBLE + length]).map_err(&io)?;
+    // As many arrays at a time as there are threads: all the memory is their compressed bytes.
+    let batch = rayon::current_num_threads().max(1);
+    let arrays = checkpoint.arrays.chunks(batch);
+    for (arrays, sections) in arrays.zip(header.sections.chunks_mut(batch)) {
+        let packed: Vec<_> = arrays
+            .par_iter()
+            .map(|(_, array)| section::pack(array, level))
+            .collect();
+        for (packed, section) in packed.into_iter().zip(sections) {
+            let packed = packed.map_err(FileError::new(path, "compress"))?;
+            section.compressed = packed.bytes.len() as u64;
+            section.digest = packed.digest.0;
+            file.write_all(&packed.bytes).map_err(&io)?;
+        }
+    }
+    let bytes = encode(&header, path)?;
+    let mut start = Vec::with_capacity(PREAMBLE + bytes.len());
+    start.extend(MAGIC);
+    start.extend(FORMAT_VERSION.to_le_bytes());
+    start.extend((bytes.len() as u64).to_le_bytes());
+    start.extend(header_hash(&start[8..20], &bytes));
+    start.extend(bytes);
+    file.file().seek(SeekFrom::Start(0)).map_err(&io)?;
+    file.write_all(&start).map_err(&io)?;
+    file.commit()?;
+    Ok(content_digest(&header))
+}
+
+/// Reads and verifies a whole checkpoint.
+pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
+    let (mut file, header, _) = open(path)?;
+    let io = FileError::new(path, "read");
+    let mut arrays = Vec::with_capacity(header.sections.len());
+    for batch in header.sections.chunks(rayon::current_num_threads().max(1)) {
+        let mut packed = Vec::with_capacity(batch.len());
+        for section in batch {
+            // `open` found that the file is long enough for all of them.
+            let mut bytes = vec![0; section.compressed as usize];
+            file.read_exact(&mut bytes).map_err(&io)?;
+            packed.push((section, bytes));
+        }
+        let unpacked: Vec<_> = packed
+            .into_par_iter()
+            .map(|(section, bytes)| section::unpack(section, &bytes))
+            .collect();
+        for (array, section) in unpacked.into_iter().zip(batch) {
+            let array = array.map_err(|why| match why {
+                Unreadable::TooLarge(what) => too_large(path, what),
+                Unreadable::Corrupt(what) => corrupt(path, &section.name, what),
+            })?;
+            arrays.push((section.name.clone(), array));
+        }
+    }
+    Ok(Checkpoint {
+        kind: header.kind,
+        time: header.time,
+        step: header.step,
+        scalars: header.scalars,
+        texts: header.texts,
+        arrays,
+    })
+}
+
+/// Reads and verifies only the header.
+pub fn peek(path: &Path) -> Result<Peek, CheckpointError> {
+    let (_, header, file_size) = open(path)?;
+    let digest = content_digest(&header);
+    let array = |section: Section| PeekArray {
+        name: section.name,
+        element: section.element,
+        count: section.count,
+        compressed: section.compressed,
+    };
+    Ok(Peek {
+        version: FORMAT_VERSION,
+        kind: header.kind,
+        time: header.time,
+        step: header.step,
+        scalars: header.scalars,
+        texts: header.texts,
+        arrays: header.sections.into_iter().map(array).collect(),
+        digest,
+        file_size,
+    })
+}
+
+/// Opens a file, verifies its header and that its sections end where the file ends.
+/// Returns the file at its first section, the header and the file's length.
+fn open(path: &Path) -> Result<(File, Header, u64), CheckpointError> {
+    let io = FileError::new(path, "read");
+    let mut file = File::open(path).map_err(FileError::new(path, "open"))?;
+    let found = file.metadata().map_err(&io)?.len();
+    let truncated = |expected| CheckpointError::Truncated {
+        path: path.to_path_buf(),
+        expected,
+        found,
+    };
+    let mut start = Vec::with_capacity(PREAMBLE);
+    (&file)
+        .take(PREAMBLE as u64)
+        .read_to_end(&mut start)
+        .map_err(&io)?;
+    if !start.iter().zip(&MAGIC).all(|(a, b)| a == b) {
+        return Err(CheckpointError::NotACheckpoint {
+            path: path.to_path_buf(),
+        });
+    }
+    if start.len() < PREAMBLE {
+        return Err(truncated(PREAMBLE as u64));
+    }
+    let version = u32::from_le_bytes(start[8..12].try_into().expect("4 bytes"));
+    if version > FORMAT_VERSION {
+        return Err(CheckpointError::NewerVersion {
+            path: path.to_path_buf(),
+            found: version,
+            supported: FORMAT_VERSION,
+        });
+    }
+    let length = u64::from_le_bytes(start[12..20].try_into().expect("8 bytes"));
+    if length > HEADER_LIMIT as u64 {
+        return Err(too_large(path, format!("a header of {length} bytes")));
+    }
+    let after_header = PREAMBLE as u64 + length;
+    if found < after_header {
+        return Err(truncated(after_header));
+    }
+    let mut bytes = vec![0; length as usize];
+    file.read_exact(&mut bytes).map_err(&io)?;
+    if header_hash(&start[8..20], &bytes) != start[20..] {
+        return Err(corrupt(path, "header", "SHA-256 does not match".into()));
+    }
+    let header = codec::decode(&bytes).map_err(|what| corrupt(path, "header", what))?;
+    check_end(path, &header, after_header, found)?;
+    Ok((file, header, found))
+}
+
+/// Compares the sum of the sections with the length of the file.
+fn check_end(path: &Path, header: &Header, start: u64, found: u64) -> Result<(), CheckpointError> {
+    let mut end = start;
+    for section in &header.sections {
+        section::check_length(section).map_err(|what| too_large(path, what))?;
+        end = end.checked_add(section.compressed).ok_or_else(|| {
+            too_large(
+                path,
+                format!("array {:?}: {} bytes", section.name, section.compressed),
+            )
+        })?;
+    }
+    if found < end {
+        return Err(CheckpointError::Truncated {
+            path: path.to_path_buf(),
+            expected: end,
+            found,
+        });
+    }
+    if found > end {
+        let what = format!("{} bytes after the last array", found - end);
+        return Err(corrupt(path, "end", what));
+    }
+    Ok(())
+}
+
+fn header_hash(version_and_length: &[u8], header: &[u8]) -> [u8; 32] {
+    let mut hasher = Sha256::new();
+    hasher.update(version_and_length);
+    hasher.update(header);
+    hasher.finalize().into()
+}
+
+fn encode(header: &Header, path: &Path) -> Result<Vec<u8>, CheckpointError> {
+    codec::encode(header).map_err(|what| too_large(path, format!("header: {what}")))
+}
+
+fn too_large(path: &Path, what: String) -> CheckpointError {
+    CheckpointError::TooLarge {
+        path: path.to_path_buf(),
+        what,
+    }
+}
+
+fn corrupt(path: &Path, section: &str, what: String) -> CheckpointError {
+    CheckpointError::Corrupt {
+        path: path.to_path_buf(),
+        section: section.to_string(),
+        what,
+    }
+}

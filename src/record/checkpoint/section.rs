@@ -1,0 +1,211 @@
+//! One array as bytes: little-endian, shuffled by blocks, zstd.
+//!
+//! Shuffling puts the sign and exponent bytes of neighbours side by side, where they compress; the
+//! noise of the mantissa's last bytes stays apart. A block has 131072 elements, so that each of
+//! its byte planes is exactly one zstd block of 128 KiB, and work space is 2 MiB however long the
+//! array.
+
+use std::io::{self, Read, Write};
+
+use sha2::{Digest as _, Sha256};
+
+use super::Array;
+use super::codec::{ElementType, Section};
+use crate::record::digest::Digest;
+
+const BLOCK: usize = 128 << 10;
+
+/// zstd's smallest block (4 bytes) holds at most 128 KiB: no frame expands more.
+const LARGEST_EXPANSION: u64 = 32 << 10;
+
+/// Largest window of a frame that is decoded, log2 of bytes.
+const WINDOW_LOG: u32 = 27;
+
+/// An array, ready for a file.
+pub struct Packed {
+    pub bytes: Vec<u8>,
+    pub digest: Digest,
+}
+
+/// Why a section is not what its table says.
+pub enum Unreadable {
+    TooLarge(String),
+    Corrupt(String),
+}
+
+/// Numbers of fixed width.
+trait Element: Copy {
+    const SIZE: usize;
+    /// Writes `values` to `bytes`, little-endian.
+    fn to_bytes(values: &[Self], bytes: &mut [u8]);
+    fn from_bytes(bytes: &[u8], values: &mut Vec<Self>);
+}
+
+macro_rules! element {
+    ($($number:ty),*) => {$(
+        impl Element for $number {
+            const SIZE: usize = size_of::<$number>();
+
+            fn to_bytes(values: &[Self], bytes: &mut [u8]) {
+                for (value, bytes) in values.iter().zip(bytes.chunks_exact_mut(Self::SIZE)) {
+                    bytes.copy_from_slice(&value.to_le_bytes());
+                }
+            }
+
+            fn from_bytes(bytes: &[u8], values: &mut Vec<Self>) {
+                values.extend(bytes.chunks_exact(Self::SIZE).map(|bytes| {
+                    <$number>::from_le_bytes(bytes.try_into().expect("exact chunk"))
+                }));
+            }
+        }
+    )*};
+}
+element!(f64, f32, u64, u32, u8);
+
+/// Type of the elements of `array`.
+pub fn element(array: &Array) -> ElementType {
+    match array {
+        Array::F64(_) => ElementType::F64,
+        Array::F32(_) => ElementType::F32,
+        Array::U64(_) => ElementType::U64,
+        Array::U32(_) => ElementType::U32,
+        Array::U8(_) => ElementType::U8,
+    }
+}
+
+/// SHA-256 of the little-endian bytes.
+pub fn digest(array: &Array) -> Digest {
+    match array {
+        Array::F64(values) => digest_of(values),
+        Array::F32(values) => digest_of(values),
+        Array::U64(values) => digest_of(values),
+        Array::U32(values) => digest_of(values),
+        Array::U8(values) => digest_of(values),
+    }
+}
+
+/// Compresses and hashes.
+pub fn pack(array: &Array, level: i32) -> io::Result<Packed> {
+    match array {
+        Array::F64(values) => pack_values(values, level),
+        Array::F32(values) => pack_values(values, level),
+        Array::U64(values) => pack_values(values, level),
+        Array::U32(values) => pack_values(values, level),
+        Array::U8(values) => pack_values(values, level),
+    }
+}
+
+/// Decompresses `bytes` to exactly what `section` says and checks the hash.
+pub fn unpack(section: &Section, bytes: &[u8]) -> Result<Array, Unreadable> {
+    Ok(match section.element {
+        ElementType::F64 => Array::F64(unpack_values(section, bytes)?),
+        ElementType::F32 => Array::F32(unpack_values(section, bytes)?),
+        ElementType::U64 => Array::U64(unpack_values(section, bytes)?),
+        ElementType::U32 => Array::U32(unpack_values(section, bytes)?),
+        ElementType::U8 => Array::U8(unpack_values(section, bytes)?),
+    })
+}
+
+/// Refuses a length that the compressed bytes cannot hold, before anything is allocated.
+pub fn check_length(section: &Section) -> Result<(), String> {
+    let length = section.count.checked_mul(section.element.size() as u64);
+    let most = section.compressed.saturating_mul(LARGEST_EXPANSION);
+    match length {
+        Some(length) if length <= most => Ok(()),
+        _ => Err(format!(
+            "array {:?} of {} elements in {} bytes",
+            section.name, section.count, section.compressed
+        )),
+    }
+}
+
+fn digest_of<T: Element>(values: &[T]) -> Digest {
+    let mut hasher = Sha256::new();
+    let mut bytes = vec![0; BLOCK.min(values.len()) * T::SIZE];
+    for block in values.chunks(BLOCK) {
+        let bytes = &mut bytes[..block.len() * T::SIZE];
+        T::to_bytes(block, bytes);
+        hasher.update(bytes);
+    }
+    Digest(hasher.finalize().into())
+}
+
+fn pack_values<T: Element>(values: &[T], level: i32) -> io::Result<Packed> {
+    let length = values.len() * T::SIZE;
+    let mut encoder = zstd::stream::write::Encoder::new(Vec::new(), level)?;
+    encoder.include_checksum(true)?;
+    encoder.set_pledged_src_size(Some(length as u64))?;
+    let mut hasher = Sha256::new();
+    let mut plain = vec![0; BLOCK.min(values.len()) * T::SIZE];
+    let mut planes = plain.clone();
+    for block in values.chunks(BLOCK) {
+        let plain = &mut plain[..block.len() * T::SIZE];
+        let planes = &mut planes[..block.len() * T::SIZE];
+        T::to_bytes(block, plain);
+        hasher.update(&*plain);
+        shuffle(plain, planes, T::SIZE);
+        encoder.write_all(planes)?;
+    }
+    Ok(Packed {
+        bytes: encoder.finish()?,
+        digest: Digest(hasher.finalize().into()),
+    })
+}
+
+fn unpack_values<T: Element>(section: &Section, bytes: &[u8]) -> Result<Vec<T>, Unreadable> {
+    let corrupt = |error: io::Error| Unreadable::Corrupt(error.to_string());
+    check_length(section).map_err(Unreadable::TooLarge)?;
+    let count = section.count as usize;
+    let mut values = Vec::new();
+    values
+        .try_reserve_exact(count)
+        .map_err(|error| Unreadable::TooLarge(error.to_string()))?;
+    let mut decoder = zstd::stream::read::Decoder::with_buffer(bytes)
+        .map_err(corrupt)?
+        .single_frame();
+    decoder.window_log_max(WINDOW_LOG).map_err(corrupt)?;
+    let mut hasher = Sha256::new();
+    let mut plain = vec![0; BLOCK.min(count) * T::SIZE];
+    let mut planes = plain.clone();
+    while values.len() < count {
+        let here = BLOCK.min(count - values.len()) * T::SIZE;
+        decoder.read_exact(&mut planes[..here]).map_err(corrupt)?;
+        unshuffle(&planes[..here], &mut plain[..here], T::SIZE);
+        hasher.update(&plain[..here]);
+        T::from_bytes(&plain[..here], &mut values);
+    }
+    // Reading on also makes zstd compare its checksum.
+    let beyond = decoder.read(&mut [0]).map_err(corrupt)?;
+    if beyond != 0 || !decoder.finish().is_empty() {
+        return Err(Unreadable::Corrupt("longer than its table says".into()));
+    }
+    if <[u8; 32]>::from(hasher.finalize()) != section.digest {
+        return Err(Unreadable::Corrupt("SHA-256 does not match".into()));
+    }
+    Ok(values)
+}
+
+/// `planes` = byte 0 of all elements, byte 1 of all ...
+fn shuffle(plain: &[u8], planes: &mut [u8], size: usize) {
+    let count = plain.len() / size;
+    if count == 0 {
+        return;
+    }
+    for (k, plane) in planes.chunks_exact_mut(count).enumerate() {
+        for (byte, element) in plane.iter_mut().zip(plain.chunks_exact(size)) {
+            *byte = element[k];
+        }
+    }
+}
+
+fn unshuffle(planes: &[u8], plain: &mut [u8], size: usize) {
+    let count = plain.len() / size;
+    if count == 0 {
+        return;
+    }
+    for (k, plane) in planes.chunks_exact(count).enumerate() {
+        for (byte, element) in plane.iter().zip(plain.chunks_exact_mut(size)) {
+            element[k] = *byte;
+        }
+    }
+}

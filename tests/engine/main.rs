@@ -1,0 +1,4 @@
+//! Tests of the engine, module by module.
+
+mod record_checkpoint;
+mod record_damage;

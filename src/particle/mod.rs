@@ -1,4 +1,10 @@
-//! What moves: arrays of particles.
+//! What moves: arrays of particles, and how they are first placed.
+//!
+//! Reading order: [`shape`] (the region of a body), [`lattice`], [`wall`].
+
+pub mod lattice;
+pub mod shape;
+pub mod wall;
 
 /// Liquid particles, structure of arrays, SI units, length `len()` each.
 #[derive(Clone, Debug, Default, PartialEq)]

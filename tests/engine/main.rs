@@ -1,4 +1,6 @@
 //! Tests of the engine, module by module.
 
+mod pack_lattice;
+mod pack_scene;
 mod record_checkpoint;
 mod record_damage;

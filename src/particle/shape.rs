@@ -1,0 +1,167 @@
+//! The region that a body fills while it is packed.
+//!
+//! Spheres and ellipsoids are packed about the origin, so that where they hang, how fast they move
+//! and how large the box is do not change their packing. Layers and blocks touch the sides of the
+//! box and are packed in box coordinates. A 2-D region lies in the x-z plane and its volume is an
+//! area.
+
+use crate::scene::{Dimension, Domain, Scene, Shape, Side};
+
+/// What lies behind one face of a box-shaped region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Face {
+    /// Nothing: a free surface.
+    Free,
+    /// The wall particles of the box.
+    Wall,
+    /// The region itself, again.
+    Periodic,
+}
+
+/// Form of a region, m.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Form {
+    /// About the origin; all of its surface is free.
+    Ellipsoid { semi_axes: [f64; 3] },
+    /// `face[axis] = [low, high]`. In 2-D the y axis is degenerate and periodic.
+    Block {
+        low: [f64; 3],
+        high: [f64; 3],
+        face: [[Face; 2]; 3],
+    },
+}
+
+/// A region to be filled with particles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    pub dimension: Dimension,
+    pub form: Form,
+}
+
+impl Region {
+    /// The region of `scene.bodies[body]`. A face of a layer or block belongs to a side of the box
+    /// when it is nearer to it than half a particle spacing.
+    pub fn new(scene: &Scene, body: usize) -> Region {
+        let domain = &scene.domain;
+        let form = match &scene.bodies[body].shape {
+            Shape::Sphere { radius, .. } => Form::Ellipsoid {
+                semi_axes: [*radius; 3],
+            },
+            Shape::Ellipsoid { semi_axes, .. } => Form::Ellipsoid {
+                semi_axes: *semi_axes,
+            },
+            Shape::Block { low, high } => block(scene, *low, *high),
+            Shape::Layer { depth } => {
+                block(scene, [0.0; 3], [domain.size[0], domain.size[1], *depth])
+            }
+        };
+        Region {
+            dimension: scene.dimension,
+            form,
+        }
+    }
+
+    /// Axes along which the region extends: x, z or x, y, z.
+    pub fn axes(&self) -> &'static [usize] {
+        axes(self.dimension)
+    }
+
+    /// m^3, or m^2 in 2-D.
+    pub fn volume(&self) -> f64 {
+        match &self.form {
+            Form::Ellipsoid { semi_axes: a } => match self.dimension {
+                Dimension::Two => std::f64::consts::PI * a[0] * a[2],
+                Dimension::Three => 4.0 / 3.0 * std::f64::consts::PI * a[0] * a[1] * a[2],
+            },
+            Form::Block { low, high, .. } => {
+                self.axes().iter().map(|&k| high[k] - low[k]).product()
+            }
+        }
+    }
+
+    /// Lowest and highest corner of the region, m.
+    pub fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut low, mut high) = match &self.form {
+            Form::Ellipsoid { semi_axes: a } => (a.map(|a| -a), *a),
+            Form::Block { low, high, .. } => (*low, *high),
+        };
+        if self.dimension == Dimension::Two {
+            (low[1], high[1]) = (0.0, 0.0);
+        }
+        (low, high)
+    }
+
+    /// Period along each axis, m; `None` where the region does not repeat.
+    pub fn period(&self) -> [Option<f64>; 3] {
+        let mut period = [None; 3];
+        if let Form::Block { low, high, face } = &self.form {
+            for &k in self.axes() {
+                if face[k][0] == Face::Periodic {
+                    period[k] = Some(high[k] - low[k]);
+                }
+            }
+        }
+        period
+    }
+
+    /// Does any face touch a wall of the box?
+    pub fn touches_wall(&self) -> bool {
+        match &self.form {
+            Form::Ellipsoid { .. } => false,
+            Form::Block { face, .. } => face.iter().flatten().any(|&f| f == Face::Wall),
+        }
+    }
+
+    /// Is `x` in the region when free surfaces and walls are moved inwards by `inset` (m)?
+    /// The ellipsoid is shrunk along its axes, which is exact for a sphere.
+    pub fn contains(&self, x: [f64; 3], inset: f64) -> bool {
+        match &self.form {
+            Form::Ellipsoid { semi_axes } => {
+                let shrunk = |k: usize| (semi_axes[k] - inset).max(1e-3 * semi_axes[k]);
+                self.axes()
+                    .iter()
+                    .map(|&k| (x[k] / shrunk(k)).powi(2))
+                    .sum::<f64>()
+                    <= 1.0
+            }
+            Form::Block { low, high, face } => self.axes().iter().all(|&k| {
+                let margin = |side: usize| match face[k][side] {
+                    Face::Periodic => 0.0,
+                    Face::Free | Face::Wall => inset.min(0.49 * (high[k] - low[k])),
+                };
+                x[k] >= low[k] + margin(0) && x[k] < high[k] - margin(1)
+            }),
+        }
+    }
+}
+
+/// Axes of a space: x, z or x, y, z.
+pub fn axes(dimension: Dimension) -> &'static [usize] {
+    match dimension {
+        Dimension::Two => &[0, 2],
+        Dimension::Three => &[0, 1, 2],
+    }
+}
+
+fn block(scene: &Scene, low: [f64; 3], high: [f64; 3]) -> Form {
+    let near = 0.5 * scene.pack.spacing;
+    let mut face = [[Face::Periodic; 2]; 3];
+    for &k in axes(scene.dimension) {
+        face[k] = faces(&scene.domain, k, [low[k], high[k]], near);
+    }
+    Form::Block { low, high, face }
+}
+
+/// Faces of a block at `extent` (low, high) along axis `k`, m.
+fn faces(domain: &Domain, k: usize, extent: [f64; 2], near: f64) -> [Face; 2] {
+    let touches = [
+        extent[0].abs() < near,
+        (extent[1] - domain.size[k]).abs() < near,
+    ];
+    let face = |side: usize| match domain.boundary[k][side] {
+        Side::Wall if touches[side] => Face::Wall,
+        Side::Periodic if touches[0] && touches[1] => Face::Periodic,
+        _ => Face::Free,
+    };
+    [face(0), face(1)]
+}

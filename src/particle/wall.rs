@@ -1,0 +1,87 @@
+//! Fixed wall particles outside the box.
+//!
+//! They sit on the lattice that the box itself would have, first layer half a spacing outside, and
+//! take part in every sum of the method. Corners and edges where walls meet are filled; a wall that
+//! ends at an open side goes on beyond it by the same depth, so that the last liquid inside still
+//! sees all of it.
+
+use super::Wall;
+use super::lattice::cells;
+use super::shape::axes;
+use crate::scene::{Method, Scene, Side};
+
+/// Wall particles deep enough for the largest kernel support of the scene.
+pub fn build(scene: &Scene) -> Wall {
+    build_layers(scene, layers(scene))
+}
+
+/// Layers that cover the largest kernel support: of the density kernel, 2h, or of the tension's,
+/// 2H.
+pub fn layers(scene: &Scene) -> usize {
+    let Method::Wcsph(wcsph) = &scene.method;
+    let tension = match scene.effects.tension {
+        Some(_) => wcsph.tension_smoothing.max(1.0),
+        None => 1.0,
+    };
+    let support = 2.0 * wcsph.smoothing * tension;
+    (support - 1e-9).ceil().max(1.0) as usize
+}
+
+/// Wall particles of `layers` layers at every side that is [`Side::Wall`], z slowest, x fastest.
+pub fn build_layers(scene: &Scene, layers: usize) -> Wall {
+    let domain = &scene.domain;
+    let depth = layers as i64;
+    let mut count = [1; 3];
+    let mut pitch = [0.0; 3];
+    let mut range = [[0, 1]; 3];
+    for &k in axes(scene.dimension) {
+        (count[k], pitch[k]) = cells(domain.size[k], scene.pack.spacing);
+        let extra = |side: Side| if side == Side::Periodic { 0 } else { depth };
+        range[k] = [
+            -extra(domain.boundary[k][0]),
+            count[k] + extra(domain.boundary[k][1]),
+        ];
+    }
+    let mut wall = Wall::default();
+    for iz in range[2][0]..range[2][1] {
+        for iy in range[1][0]..range[1][1] {
+            let mut ix = range[0][0];
+            while ix < range[0][1] {
+                let index = [ix, iy, iz];
+                match owner(domain.boundary, index, count) {
+                    Some((axis, side)) => {
+                        for k in 0..3 {
+                            let x = if pitch[k] == 0.0 {
+                                0.0
+                            } else {
+                                index[k] as f64 + 0.5
+                            };
+                            wall.position[k].push(x * pitch[k]);
+                            wall.velocity[k].push(domain.wall_velocity[axis][side][k]);
+                        }
+                    }
+                    // The inside of the box is hollow: go straight to the far side.
+                    None if ix == 0 => ix = count[0] - 1,
+                    None => {}
+                }
+                ix += 1;
+            }
+        }
+    }
+    wall
+}
+
+/// The wall to which the lattice cell `index` belongs: the one it is least deep behind, z before x
+/// before y in a tie; `None` for a cell behind no wall.
+fn owner(boundary: [[Side; 2]; 3], index: [i64; 3], count: [i64; 3]) -> Option<(usize, usize)> {
+    let mut nearest: Option<(i64, usize, usize)> = None;
+    for k in [2, 0, 1] {
+        for (side, depth) in [-index[k], index[k] - count[k] + 1].into_iter().enumerate() {
+            let behind = depth > 0 && boundary[k][side] == Side::Wall;
+            if behind && nearest.is_none_or(|(least, ..)| depth < least) {
+                nearest = Some((depth, k, side));
+            }
+        }
+    }
+    nearest.map(|(_, axis, side)| (axis, side))
+}

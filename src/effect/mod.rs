@@ -1,1 +1,6 @@
-//! effect
+//! One physical effect a file. An absent effect is the type `()` or is not built at all.
+
+pub mod band;
+pub mod select;
+pub mod tension;
+pub mod viscosity;

@@ -1,7 +1,25 @@
 //! One solver a file.
 
-use crate::particle::{Frame, Particles, State};
-use crate::scene::Scene;
+pub mod calibrate;
+pub mod flow;
+pub mod frame;
+pub mod limit;
+pub mod model;
+pub mod pass;
+pub mod start;
+pub mod wcsph;
+
+pub use calibrate::{Calibration, calibrate};
+pub use start::{initial, relaxed, resting};
+
+use crate::effect::select;
+use crate::effect::tension::{Surface, Tension};
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::particle::{Frame, State, Wall};
+use crate::scene::{Scene, Shape, TensionStrength};
+use flow::{Flow, Lengths};
+use model::Model;
 
 /// Physics gone wrong. The caller keeps the last good checkpoint.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -19,6 +37,18 @@ pub struct Diverged {
     /// Which limit was passed, with both values.
     pub what: String,
     pub remedy: String,
+}
+
+/// A solver that cannot be built or went wrong.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum MethodError {
+    #[error(transparent)]
+    TooSmall(#[from] crate::space::grid::TooSmall),
+    #[error("the state holds no particle; give body.NAME a shape larger than pack.spacing")]
+    Empty,
+    #[error("body {body} has no measurable surface, so the tension cannot be calibrated on it; \
+             set effects.tension.strength to a number")]
+    NoSurface { body: String },
 }
 
 /// A time-stepping method with its state.
@@ -44,6 +74,8 @@ pub trait Solver: Send {
     fn unrest(&self) -> (f64, f64);
     /// Time-step limits by name, s, least first.
     fn limits(&self) -> Vec<(&'static str, f64)>;
+    /// Bytes per particle: without neighbour rows, with them.
+    fn memory(&self) -> (f64, f64);
 }
 
 /// What a solver is to do.
@@ -55,18 +87,86 @@ pub enum Phase {
     Relax { damping: f64 },
 }
 
-/// Merges relaxed bodies and gives them their initial velocities: the state at t = 0.
-pub fn initial(_scene: &Scene, _bodies: &[Particles]) -> State {
-    todo!()
+/// Builds the scene's method on a state (fresh or restored).
+///
+/// `strength`: calibrated tension strength; `None` takes the one in the state, else the fixed one,
+/// else calibrates on the state itself.
+pub fn build(
+    scene: &Scene,
+    state: State,
+    phase: Phase,
+    strength: Option<f64>,
+) -> Result<Box<dyn Solver>, MethodError> {
+    let body = state.particles.body.first().copied().ok_or(MethodError::Empty)? as usize;
+    let model = Model::new(scene, phase, Some(body));
+    let relaxing = matches!(phase, Phase::Relax { .. });
+    let walled = !relaxing || model::rests(&scene.bodies[body]);
+    let wall = if walled { crate::particle::wall::build(scene) } else { Wall::default() };
+    let stored = state.scalars.iter().find(|s| s.0 == "tension_strength").map(|s| s.1);
+    let alpha = match (model.effects.tension, strength.or(stored), model.settings.tension_strength) {
+        (None, _, _) => 0.0,
+        (_, Some(alpha), _) => alpha,
+        (_, None, TensionStrength::Fixed(alpha)) => alpha,
+        (_, None, TensionStrength::Virial) => {
+            calibrate(scene, std::slice::from_ref(&start::at_home(scene, &state)))?.strength
+        }
+    };
+    let flow = flow_of(&model, state.particles.clone(), wall)?;
+    let d = model.dimension.count();
+    let tension =
+        select::tension(&model.effects, &model.settings, d, model.h, model.density, alpha);
+    let pool = scene.bodies.iter().any(|b| matches!(b.shape, Shape::Layer { .. }));
+    let (effects, settings, h) = (model.effects.clone(), model.settings.clone(), model.h);
+    let parts = Parts { model, flow, tension, state, pool };
+    Ok(select::pair(&effects, &settings, d, h, parts))
 }
 
-/// Builds the scene's method on a state (fresh or restored).
-/// `strength`: calibrated tension strength, if the scene has tension.
-pub fn build(
-    _scene: &Scene,
-    _state: State,
-    _phase: Phase,
-    _strength: Option<f64>,
-) -> Result<Box<dyn Solver>, Diverged> {
-    todo!()
+struct Parts {
+    model: Model,
+    flow: Flow,
+    tension: Option<Tension>,
+    state: State,
+    pool: bool,
+}
+
+impl select::Visitor for Parts {
+    type Out = Box<dyn Solver>;
+    fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Box<dyn Solver> {
+        let Parts { model, flow, tension, state, pool } = self;
+        Box::new(wcsph::Wcsph::<K, V>::new(model, flow, viscosity, tension, &state, pool))
+    }
+}
+
+/// Cells and rows for a model's lengths.
+fn flow_of(
+    model: &Model,
+    particles: crate::particle::Particles,
+    wall: Wall,
+) -> Result<Flow, MethodError> {
+    let support = 2.0 * model.h;
+    let long = if model.effects.tension.is_some() {
+        model.settings.tension_smoothing * support
+    } else {
+        support
+    };
+    // Wendland C2: slope (1 - q/2)^3 is below 1.3e-4 of its peak within 0.1 h of the support's edge.
+    let late = match model.settings.kernel {
+        crate::scene::KernelName::WendlandC2 => 0.1 * model.h,
+        crate::scene::KernelName::CubicSpline => 0.0,
+    };
+    let lengths = Lengths { support, longest: long.max(support), late };
+    Ok(Flow::new(model.dimension, &model.domain, lengths, particles, wall)?)
+}
+
+/// What the tension reads of a flow.
+fn surface_of(flow: &Flow) -> Surface<'_> {
+    Surface {
+        grid: &flow.grid,
+        liquid: &flow.liquid_cells,
+        wall: (flow.walls() > 0).then(|| (&flow.wall_cells, flow.liquid())),
+        position: &flow.particles.position,
+        density: &flow.particles.density,
+        mass: flow.particles.mass,
+        slack: 2.0 * flow.moved,
+    }
 }

@@ -1,1 +1,11 @@
-//! space
+//! Where things are: fixed-point coordinates, cells, neighbour rows, lanes.
+//!
+//! Reading order: [`grid`] (fixed-point positions and cells), [`sort`] (particles along cells),
+//! [`row`] (neighbour lists), [`sweep`] (pair sums over lists or over cell runs), [`lane`].
+
+pub mod grid;
+pub mod lane;
+pub mod parallel;
+pub mod row;
+pub mod sort;
+pub mod sweep;

@@ -1,0 +1,62 @@
+//! The particles near a surface, found by whole cells: what a long kernel has to look at.
+
+use crate::space::grid::Grid;
+use crate::space::sort::Cells;
+use rayon::prelude::*;
+
+/// Marked cells of a grid.
+#[derive(Clone, Debug, Default)]
+pub struct Band {
+    mark: Vec<bool>,
+    scratch: Vec<bool>,
+}
+
+impl Band {
+    /// Marks the cells that hold a particle for which `is` holds.
+    pub fn mark(&mut self, cells: &Cells, is: &(dyn Fn(usize) -> bool + Sync)) {
+        let n = cells.start.len() - 1;
+        self.mark.resize(n, false);
+        self.mark.par_chunks_mut(4096).enumerate().for_each(|(c, marks)| {
+            for (k, mark) in marks.iter_mut().enumerate() {
+                let cell = c * 4096 + k;
+                let run = cells.start[cell] as usize..cells.start[cell + 1] as usize;
+                *mark = run.into_iter().any(is);
+            }
+        });
+    }
+
+    /// Marks every cell within `reach` m of a marked one, axis by axis.
+    pub fn grow(&mut self, grid: &Grid, reach: f64) {
+        let count = grid.count;
+        let stride = [count[1] * count[2], count[2], 1];
+        for axis in 0..3 {
+            let n = count[axis] as i64;
+            let r = ((reach / grid.edge[axis]).ceil() as i64).min(n - 1);
+            if r <= 0 {
+                continue;
+            }
+            self.scratch.resize(self.mark.len(), false);
+            let mark = &self.mark;
+            self.scratch.par_chunks_mut(4096).enumerate().for_each(|(chunk, out)| {
+                for (k, out) in out.iter_mut().enumerate() {
+                    let cell = chunk * 4096 + k;
+                    let at = ((cell / stride[axis]) % count[axis]) as i64;
+                    let base = cell - at as usize * stride[axis];
+                    *out = (at - r..=at + r).any(|c| {
+                        let c = if grid.periodic[axis] { c.rem_euclid(n) } else { c };
+                        (0..n).contains(&c) && mark[base + c as usize * stride[axis]]
+                    });
+                }
+            });
+            std::mem::swap(&mut self.mark, &mut self.scratch);
+        }
+    }
+
+    /// The particles of marked cells, in cell order.
+    pub fn members(&self, cells: &Cells, members: &mut Vec<u32>) {
+        members.clear();
+        for (cell, _) in self.mark.iter().enumerate().filter(|(_, mark)| **mark) {
+            members.extend(cells.start[cell]..cells.start[cell + 1]);
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! The only place where a scene becomes types. An absent effect becomes `()` or `None`.
+
+use super::tension::Tension;
+use super::viscosity::{Morris, PairViscosity, TwoTerm};
+use crate::kernel::{CubicSpline, Kernel, WendlandC2};
+use crate::scene::{Effects, KernelName, ViscosityForm, Wcsph};
+
+/// What is done with the chosen types.
+pub trait Visitor {
+    type Out;
+    fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Self::Out;
+}
+
+/// Calls `visitor` with the kernel and the viscosity that the scene asks for. `h` in m.
+pub fn pair<R: Visitor>(
+    effects: &Effects,
+    settings: &Wcsph,
+    dimension: usize,
+    h: f64,
+    visitor: R,
+) -> R::Out {
+    match settings.kernel {
+        KernelName::CubicSpline => {
+            viscosity::<CubicSpline, R>(effects, settings, dimension, h, visitor)
+        }
+        KernelName::WendlandC2 => {
+            viscosity::<WendlandC2, R>(effects, settings, dimension, h, visitor)
+        }
+    }
+}
+
+fn viscosity<K: Kernel, R: Visitor>(
+    effects: &Effects,
+    settings: &Wcsph,
+    dimension: usize,
+    h: f64,
+    visitor: R,
+) -> R::Out {
+    let Some(mu) = effects.viscosity else { return visitor.visit::<K, ()>(()) };
+    let factor = (mu / h) as f32;
+    // (d+2)/(d+3): see `super::viscosity` (1).
+    let exact = (dimension as f32 + 2.0) / (dimension as f32 + 3.0);
+    match settings.viscosity_form {
+        ViscosityForm::Morris => visitor.visit::<K, _>(Morris { factor }),
+        ViscosityForm::TwoTerm => visitor.visit::<K, _>(TwoTerm { factor }),
+        ViscosityForm::TwoTermExact => visitor.visit::<K, _>(TwoTerm { factor: exact * factor }),
+    }
+}
+
+/// The tension that the scene asks for, with strength `alpha`. `h` in m, `density` in kg/m^3.
+pub fn tension(
+    effects: &Effects,
+    settings: &Wcsph,
+    dimension: usize,
+    h: f64,
+    density: f64,
+    alpha: f64,
+) -> Option<Tension> {
+    let coefficient = effects.tension?;
+    Some(Tension::new(
+        settings.tension_form,
+        settings.kernel,
+        settings.tension_smoothing * h,
+        coefficient,
+        alpha,
+        dimension,
+        density,
+    ))
+}

@@ -1,0 +1,389 @@
+//! Surface tension as the divergence of a surface stress (Nishio et al. 2010, Eqs. 9-13).
+//!
+//! (1) rho_a^H = SUM m W^H                       long kernel, H = 1.5 h
+//! (2) c_a = SUM m / rho_b^H W^H                 Eq. 11
+//! (3) n_a = SUM m / rho_a^h (c_b - c_a) grad W^H   Eq. 12; the kernel is W^H
+//! (4) T = alpha sigma |n| (I - nn/|n|^2), 0 for |n| <= 0.01 / H   Eqs. 10, 13
+//! (5) a_s = SUM m (T_a / (rho_a^H)^2 + T_b / (rho_b^H)^2) . grad W^H   Eq. 9
+//!
+//! `NormalisedColour` is (1)-(5). `RawColour` replaces (1)-(3) by n = SUM m / rho0 grad W^H, whose
+//! strength depends less on how particles are arranged. Only liquid within the reach of a surface is
+//! looked at: n is zero deeper than 2 H, the force deeper than 4 H. Wall particles count as liquid in
+//! n, so that a wetted wall is no surface.
+//!
+//! The liquid is one-sided, so alpha is not 1: [`Tension::calibrate`] finds it from the virial
+//! identity -SUM m x . a_s = (d-1) sigma A. Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)).
+//! Fails where a sheet is thinner than 2 H. Tests: tests/engine/tension.rs, tests/validation.
+
+use super::band::Band;
+use crate::kernel::{CubicSpline, Kernel, WendlandC2};
+use crate::scene::{KernelName, TensionForm};
+use crate::space::grid::Grid;
+use crate::space::lane::{Lanes, Record};
+use crate::space::parallel::{Slots, each};
+use crate::space::sort::Cells;
+use crate::space::sweep::{self, Field, Pair, Pass};
+use std::marker::PhantomData;
+
+/// Below |n| H = this there is no surface (Nishio Eq. 13).
+const EPSILON: f32 = 0.01;
+
+/// What the effect reads of a flow.
+pub struct Surface<'a> {
+    pub grid: &'a Grid,
+    pub liquid: &'a Cells,
+    /// Wall cells and the index of the first wall record, if there is a wall.
+    pub wall: Option<(&'a Cells, usize)>,
+    pub position: &'a [Vec<f64>; 3],
+    pub density: &'a [f64],
+    pub mass: f64,
+    /// What two particles may have approached since the sort, m.
+    pub slack: f64,
+}
+
+/// The effect with its scratch memory.
+pub struct Tension {
+    pub form: TensionForm,
+    pub kernel: KernelName,
+    /// H, m.
+    pub length: f64,
+    /// sigma, N/m.
+    pub coefficient: f64,
+    /// alpha.
+    pub strength: f64,
+    pub dimension: usize,
+    /// rho0, kg/m^3.
+    pub density: f64,
+    band: Band,
+    near: Vec<u32>,
+    reached: Vec<u32>,
+    vectors: Vec<[f32; 3]>,
+    scalars: Vec<f32>,
+    /// Acceleration of `reached`, m/s^2, and the trace of the pair virial.
+    force: Vec<[f32; 4]>,
+}
+
+impl Tension {
+    pub fn new(
+        form: TensionForm,
+        kernel: KernelName,
+        length: f64,
+        coefficient: f64,
+        strength: f64,
+        dimension: usize,
+        density: f64,
+    ) -> Self {
+        Tension {
+            form,
+            kernel,
+            length,
+            coefficient,
+            strength,
+            dimension,
+            density,
+            band: Band::default(),
+            near: Vec::new(),
+            reached: Vec::new(),
+            vectors: Vec::new(),
+            scalars: Vec::new(),
+            force: Vec::new(),
+        }
+    }
+
+    /// Support radius 2 H, m.
+    pub fn support(&self) -> f64 {
+        2.0 * self.length
+    }
+
+    /// Evaluates a_s near the surface. `records`: positions current; payloads are overwritten with
+    /// the root of the stress, u = sqrt(T_max) n / |n| / rho, zero away from the surface.
+    pub fn update(
+        &mut self,
+        flow: &Surface,
+        records: &mut [Record],
+        is_surface: &(dyn Fn(usize) -> bool + Sync),
+    ) {
+        match self.kernel {
+            KernelName::CubicSpline => self.update_with::<CubicSpline>(flow, records, is_surface),
+            KernelName::WendlandC2 => self.update_with::<WendlandC2>(flow, records, is_surface),
+        }
+    }
+
+    fn update_with<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        records: &mut [Record],
+        is_surface: &(dyn Fn(usize) -> bool + Sync),
+    ) {
+        let reach = self.support() + flow.slack;
+        self.band.mark(flow.liquid, is_surface);
+        match self.form {
+            TensionForm::RawColour => {
+                self.band.grow(flow.grid, reach);
+                self.band.members(flow.liquid, &mut self.near);
+                self.sweep(flow, records, &Gradient::<K>(PhantomData));
+            }
+            TensionForm::NormalisedColour => self.colour::<K>(flow, records, reach),
+        }
+        self.root::<K>(flow, records);
+        let stressed = |i: usize| records[i].0[3..6] != [0; 3];
+        self.band.mark(flow.liquid, &stressed);
+        self.band.grow(flow.grid, reach);
+        self.band.members(flow.liquid, &mut self.reached);
+        let mut force = std::mem::take(&mut self.force);
+        force.resize(self.reached.len(), [0.0; 4]);
+        let d = self.dimension as i32;
+        let factor = flow.mass * K::norm(self.dimension) / self.length.powi(d + 1);
+        let pass = Stress::<K> { factor, kernel: PhantomData };
+        self.runs(flow, records, &self.reached, &pass, &mut force);
+        self.force = force;
+    }
+
+    /// Adds the accelerations to `into`, indexed by liquid particle.
+    pub fn add(&self, into: &mut [[f32; 3]]) {
+        let into = Slots::new(into);
+        each(self.reached.len(), |k| {
+            let a = unsafe { into.at(self.reached[k] as usize) };
+            (0..3).for_each(|c| a[c] += self.force[k][c]);
+        });
+    }
+
+    /// (d - 1) sigma_eff A, J (N in 2-D): minus the pair virial of the last update.
+    pub fn virial(&self, mass: f64) -> f64 {
+        let trace: f64 = self.force.iter().map(|f| f[3] as f64).sum();
+        -0.5 * mass * self.length * trace
+    }
+
+    fn runs<const N: usize, P: Pass<N>>(
+        &self,
+        flow: &Surface,
+        records: &[Record],
+        targets: &[u32],
+        pass: &P,
+        out: &mut [P::Out],
+    ) {
+        let liquid = sweep::Source { cells: flow.liquid, offset: 0 };
+        let wall = flow.wall.map(|(cells, offset)| sweep::Source { cells, offset });
+        let both = [liquid, wall.unwrap_or(liquid)];
+        let field = Field {
+            grid: flow.grid,
+            records,
+            sources: if wall.is_some() { &both } else { &both[..1] },
+            position: flow.position,
+            cutoff: self.support() + flow.slack,
+            scale: flow.grid.scale(self.length),
+        };
+        sweep::runs(field, targets, pass, out);
+    }
+
+    fn sweep<P: Pass<3, Out = [f32; 3]>>(&mut self, flow: &Surface, records: &[Record], pass: &P) {
+        let mut vectors = std::mem::take(&mut self.vectors);
+        vectors.resize(self.near.len(), [0.0; 3]);
+        self.runs(flow, records, &self.near, pass, &mut vectors);
+        self.vectors = vectors;
+    }
+
+    /// (1)-(3): volumes, then colour, then normals, each in a narrower band.
+    fn colour<K: Kernel>(&mut self, flow: &Surface, records: &mut [Record], reach: f64) {
+        let d = self.dimension as i32;
+        let norm = K::norm(self.dimension) / self.length.powi(d);
+        let own = K::w(0.0) as f32;
+        let wall = flow.wall.map_or(records.len(), |(_, offset)| offset);
+        // A wall particle far inside a wetted wall has the bulk's volume.
+        let bulk = (flow.mass / self.density) as f32;
+        for (i, record) in records.iter_mut().enumerate() {
+            let [x, y, z] = [record.at(0), record.at(1), record.at(2)];
+            let colour = if i >= wall { 1.0 } else { 0.0 };
+            *record = Record::new([x, y, z], [0.0, bulk, colour, 0.0, 0.0]);
+        }
+        let bands = self.nested(flow, reach);
+        for (stage, band) in bands.iter().enumerate().take(2) {
+            let mut sums = std::mem::take(&mut self.scalars);
+            sums.resize(band.len(), 0.0);
+            if stage == 0 {
+                self.runs(flow, records, band, &Volume::<K>(PhantomData), &mut sums);
+            } else {
+                self.runs(flow, records, band, &Colour::<K>(PhantomData), &mut sums);
+            }
+            for (&i, &sum) in band.iter().zip(&sums) {
+                let r = &mut records[i as usize];
+                let at = [r.at(0), r.at(1), r.at(2)];
+                let volume = if stage == 0 {
+                    (1.0 / (norm * (sum + own) as f64)) as f32
+                } else {
+                    r.payload(1)
+                };
+                let colour = if stage == 1 {
+                    (norm * (sum + own * volume) as f64) as f32
+                } else {
+                    0.0
+                };
+                *r = Record::new(at, [0.0, volume, colour, 0.0, 0.0]);
+            }
+            self.scalars = sums;
+        }
+        self.near = bands.into_iter().nth(2).unwrap_or_default();
+        self.sweep(flow, records, &Difference::<K>(PhantomData));
+    }
+
+    /// Particles within 4, 3 and 2 reaches of the surface.
+    fn nested(&mut self, flow: &Surface, reach: f64) -> Vec<Vec<u32>> {
+        let mut bands: Vec<Vec<u32>> = Vec::new();
+        for times in [2.0, 1.0, 1.0] {
+            self.band.grow(flow.grid, times * reach);
+            let mut members = Vec::new();
+            self.band.members(flow.liquid, &mut members);
+            bands.push(members);
+        }
+        bands.reverse();
+        bands
+    }
+
+    /// (4): writes u of `near` into the records, zero elsewhere.
+    fn root<K: Kernel>(&mut self, flow: &Surface, records: &mut [Record]) {
+        let d = self.dimension as i32;
+        let gradient = K::norm(self.dimension) / self.length.powi(d + 1);
+        let raw = self.form == TensionForm::RawColour;
+        let tension = self.strength * self.coefficient;
+        let epsilon = EPSILON as f64 / self.length;
+        let roots: Vec<[f32; 3]> = self
+            .near
+            .iter()
+            .zip(&self.vectors)
+            .map(|(&i, v)| {
+                let i = i as usize;
+                let (volume, rho) = if raw {
+                    (flow.mass / self.density, self.density)
+                } else {
+                    (flow.mass / flow.density[i], flow.mass / records[i].payload(1) as f64)
+                };
+                let n = v.map(|v| gradient * volume * v as f64);
+                let size = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+                if size <= epsilon {
+                    return [0.0; 3];
+                }
+                let u = (tension * size).sqrt() / rho / size;
+                n.map(|n| (u * n) as f32)
+            })
+            .collect();
+        for record in records.iter_mut() {
+            record.0[3..].fill(0);
+        }
+        for (&i, u) in self.near.iter().zip(&roots) {
+            let r = &mut records[i as usize];
+            *r = Record::new([r.at(0), r.at(1), r.at(2)], [u[0], u[1], u[2], 0.0, 0.0]);
+        }
+    }
+}
+
+/// SUM slope d: the raw normal.
+struct Gradient<K>(PhantomData<K>);
+
+impl<K: Kernel> Pass<3> for Gradient<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            for a in 0..3 {
+                sum[a] = L::fma(slope, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum;
+    }
+}
+
+/// SUM w without the particle itself: (1).
+struct Volume<K>(PhantomData<K>);
+
+impl<K: Kernel> Pass<1> for Volume<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
+            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0];
+    }
+}
+
+/// SUM V_b w without the particle itself: (2). Payload 1: V.
+struct Colour<K>(PhantomData<K>);
+
+impl<K: Kernel> Pass<1> for Colour<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let w = L::mul(pair.other[1], K::w_lanes::<L>(L::sqrt(pair.q2)));
+            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0];
+    }
+}
+
+/// SUM (c_b - c_a) slope d: (3). Payload 2: c.
+struct Difference<K>(PhantomData<K>);
+
+impl<K: Kernel> Pass<3> for Difference<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let f = L::mul(slope, L::sub(pair.other[2], pair.own[2]));
+            for a in 0..3 {
+                sum[a] = L::fma(f, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum;
+    }
+}
+
+/// (5), with T / rho^2 = |u|^2 I - u u. The fourth sum is d . force: the pair virial.
+struct Stress<K> {
+    /// m norm / H^(d+1).
+    factor: f64,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<4> for Stress<K> {
+    type Out = [f32; 4];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let (a, b, d) = (&pair.own, &pair.other, &pair.d);
+            let dot = |u: &[L::F; 5], v: &[L::F]| {
+                L::fma(u[2], v[2], L::fma(u[1], v[1], L::mul(u[0], v[0])))
+            };
+            let s = L::add(dot(a, &a[..3]), dot(b, &b[..3]));
+            let (ad, bd) = (dot(a, d), dot(b, d));
+            let mut virial = sum[3];
+            for c in 0..3 {
+                let stress = L::sub(L::mul(s, d[c]), L::fma(b[c], bd, L::mul(a[c], ad)));
+                let force = L::mul(slope, stress);
+                sum[c] = L::add(sum[c], force);
+                virial = L::fma(force, d[c], virial);
+            }
+            sum[3] = virial;
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
+    }
+}

@@ -1,0 +1,106 @@
+//! Viscosity: the pair forms of nu lap v.
+//!
+//! With F = W'/r, SUM V (r . grad W) v_ab / r^2 -> lap v / 2 and
+//! SUM V F (v_ab . r) r / r^2 -> (lap v + 2 grad div v) / (2 (d + 2)), so that
+//!
+//! (1) two-term (Nishio et al. 2010, Eq. 6): -> (d+3)/(d+2) nu lap v; exact after (d+2)/(d+3);
+//! (2) Morris, Fox & Zhu 1997: (mu_a + mu_b) / (rho_a rho_b) (r . grad W) / r^2 v_ab -> nu lap v.
+//!
+//! Time step: 0.125 h^2 / nu (Morris, Fox & Zhu 1997). (2) conserves linear momentum only.
+
+use crate::space::lane::Lanes;
+
+/// The viscous part of a pair force, in units of m norm / h^(d+1).
+pub trait PairViscosity: Sync + Send + Copy + 'static {
+    /// Whether it adds anything.
+    const PRESENT: bool;
+    /// Adds the acceleration of the target. `d` = r_ab / h, `v` = v_ab, m/s,
+    /// `weight` = 1/rho_a^2 + 1/rho_b^2.
+    ///
+    /// # Safety
+    /// The processor has the features of `L`.
+    unsafe fn add<L: Lanes>(
+        &self,
+        slope: L::F,
+        q2: L::F,
+        d: [L::F; 3],
+        v: [L::F; 3],
+        weight: L::F,
+        sum: &mut [L::F; 3],
+    );
+}
+
+/// Inviscid.
+impl PairViscosity for () {
+    const PRESENT: bool = false;
+    #[inline(always)]
+    unsafe fn add<L: Lanes>(
+        &self,
+        _: L::F,
+        _: L::F,
+        _: [L::F; 3],
+        _: [L::F; 3],
+        _: L::F,
+        _: &mut [L::F; 3],
+    ) {
+    }
+}
+
+/// (1), with eta^2 = 0.01 h^2 as printed.
+#[derive(Clone, Copy, Debug)]
+pub struct TwoTerm {
+    /// mu / h, Pa s/m, times (d+2)/(d+3) in the exact form.
+    pub factor: f32,
+}
+
+impl PairViscosity for TwoTerm {
+    const PRESENT: bool = true;
+    #[inline(always)]
+    unsafe fn add<L: Lanes>(
+        &self,
+        slope: L::F,
+        q2: L::F,
+        d: [L::F; 3],
+        v: [L::F; 3],
+        weight: L::F,
+        sum: &mut [L::F; 3],
+    ) {
+        unsafe {
+            let vd = L::fma(v[2], d[2], L::fma(v[1], d[1], L::mul(v[0], d[0])));
+            let f = L::mul(L::mul(slope, weight), L::splat(self.factor));
+            let f = L::div(f, L::add(q2, L::splat(0.01)));
+            for a in 0..3 {
+                let term = L::fma(v[a], q2, L::mul(d[a], vd)); // (1)
+                sum[a] = L::fma(f, term, sum[a]);
+            }
+        }
+    }
+}
+
+/// (2), without eta: slope is finite at r = 0, so nothing needs it.
+#[derive(Clone, Copy, Debug)]
+pub struct Morris {
+    /// mu / h, Pa s/m.
+    pub factor: f32,
+}
+
+impl PairViscosity for Morris {
+    const PRESENT: bool = true;
+    #[inline(always)]
+    unsafe fn add<L: Lanes>(
+        &self,
+        slope: L::F,
+        _: L::F,
+        _: [L::F; 3],
+        v: [L::F; 3],
+        weight: L::F,
+        sum: &mut [L::F; 3],
+    ) {
+        unsafe {
+            let f = L::mul(L::mul(slope, weight), L::splat(self.factor)); // (2)
+            for a in 0..3 {
+                sum[a] = L::fma(f, v[a], sum[a]);
+            }
+        }
+    }
+}

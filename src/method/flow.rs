@@ -1,0 +1,266 @@
+//! The moving arrays that every method shares: liquid and wall particles along cells, records for
+//! the pair loops, neighbour rows, and the rule that says when rows must be made anew.
+//!
+//! Records: liquid `0 .. liquid`, then wall `liquid .. liquid + walls`, then eight spare ones, so
+//! that eight lanes can be loaded anywhere.
+
+use crate::particle::{Particles, Wall};
+use crate::scene::{Dimension, Domain, Side};
+use crate::space::grid::{Grid, TooSmall};
+use crate::space::lane::{Record, WIDTH};
+use crate::space::parallel::{Slots, each, slots3};
+use crate::space::row::{Rows, Search, Source};
+use crate::space::sort::Cells;
+
+/// Extra reach of the rows, as a fraction of the support: pairs this much too far are listed.
+const SLACK: f64 = 0.1;
+
+/// Lengths that shape a flow, m.
+#[derive(Clone, Copy, Debug)]
+pub struct Lengths {
+    /// Support radius of the pair sums (2 h).
+    pub support: f64,
+    /// Longest distance that anything asks for (2 H with tension).
+    pub longest: f64,
+    /// A pair may be missing from the rows while it is this little inside the support: there the
+    /// kernel's slope is below 1e-3 of its largest value.
+    pub late: f64,
+}
+
+/// Particles, cells, rows.
+pub struct Flow {
+    pub dimension: Dimension,
+    pub domain: Domain,
+    pub grid: Grid,
+    pub lengths: Lengths,
+    pub particles: Particles,
+    /// Sorted along cells once, never moved.
+    pub wall: Wall,
+    pub records: Vec<Record>,
+    /// Rows of the liquid: liquid and wall neighbours.
+    pub rows: Rows,
+    /// Rows of the wall: liquid neighbours only.
+    pub wall_rows: Rows,
+    pub liquid_cells: Cells,
+    pub wall_cells: Cells,
+    /// Sum of the largest displacements since the last rebuild, m.
+    pub moved: f64,
+    /// Mass that left through open sides, kg, and the number of particles.
+    pub removed: (f64, u64),
+    /// Whether the rows of the wall list wall neighbours too.
+    pub wall_sees_wall: bool,
+    scratch: Scratch,
+}
+
+#[derive(Default)]
+struct Scratch {
+    f64s: Vec<f64>,
+    u32s: Vec<u32>,
+    u8s: Vec<u8>,
+}
+
+impl Flow {
+    pub fn new(
+        dimension: Dimension,
+        domain: &Domain,
+        lengths: Lengths,
+        particles: Particles,
+        mut wall: Wall,
+    ) -> Result<Self, TooSmall> {
+        let reach = lengths.support * (1.0 + SLACK);
+        let margin = lengths.longest + reach;
+        let longest = reach.max(lengths.longest);
+        let grid = Grid::new(domain, dimension, 0.5 * reach, margin, longest)?;
+        let mut wall_cells = Cells::default();
+        wall_cells.sort(&grid, &wall.position);
+        let mut scratch = Vec::new();
+        for a in 0..3 {
+            wall_cells.permute(&mut wall.position[a], &mut scratch);
+            wall_cells.permute(&mut wall.velocity[a], &mut scratch);
+        }
+        Ok(Flow {
+            dimension,
+            domain: domain.clone(),
+            grid,
+            lengths,
+            particles,
+            wall,
+            records: Vec::new(),
+            rows: Rows::default(),
+            wall_rows: Rows::default(),
+            liquid_cells: Cells::default(),
+            wall_cells,
+            moved: 0.0,
+            removed: (0.0, 0),
+            wall_sees_wall: false,
+            scratch: Scratch::default(),
+        })
+    }
+
+    /// Liquid particles.
+    pub fn liquid(&self) -> usize {
+        self.particles.len()
+    }
+
+    /// Wall particles.
+    pub fn walls(&self) -> usize {
+        self.wall.position[0].len()
+    }
+
+    /// Position of liquid particle `i`, m.
+    #[inline(always)]
+    pub fn position(&self, i: usize) -> [f64; 3] {
+        let p = &self.particles.position;
+        [p[0][i], p[1][i], p[2][i]]
+    }
+
+    /// Whether the next `step` m of largest displacement would let a pair be missed.
+    pub fn stale(&self, step: f64) -> bool {
+        2.0 * (self.moved + step) > SLACK * self.lengths.support + self.lengths.late
+    }
+
+    /// Search radius of cell columns that covers `support` in spite of what moved since the sort, m.
+    pub fn cutoff(&self, support: f64) -> f64 {
+        support + 2.0 * self.moved
+    }
+
+    /// Wraps periodic axes and removes what left through open sides or is `doomed`; returns
+    /// the kept indices if any went, for arrays that the caller holds.
+    pub fn confine(&mut self, doomed: impl Fn(usize) -> bool + Sync) -> Option<Vec<u32>> {
+        let (domain, grid) = (&self.domain, &self.grid);
+        let n = self.particles.len();
+        let outside = {
+            let at = slots3(&mut self.particles.position);
+            let outside = std::sync::atomic::AtomicBool::new(false);
+            each(n, |i| {
+                for a in 0..3 {
+                    let x = unsafe { at[a].at(i) };
+                    let left = *x < 0.0 && domain.boundary[a][0] == Side::Open;
+                    let right = *x > domain.size[a] && domain.boundary[a][1] == Side::Open;
+                    if left || right || doomed(i) {
+                        outside.store(true, std::sync::atomic::Ordering::Relaxed);
+                    }
+                    *x = grid.wrap(a, *x);
+                }
+            });
+            outside.into_inner()
+        };
+        outside.then(|| self.remove(doomed))
+    }
+
+    fn remove(&mut self, doomed: impl Fn(usize) -> bool) -> Vec<u32> {
+        let keep: Vec<u32> = (0..self.particles.len())
+            .filter(|&i| {
+                !doomed(i)
+                    && (0..3).all(|a| {
+                        let (x, sides) = (self.position(i)[a], self.domain.boundary[a]);
+                        !(x < 0.0 && sides[0] == Side::Open)
+                            && !(x > self.domain.size[a] && sides[1] == Side::Open)
+                    })
+            })
+            .map(|i| i as u32)
+            .collect();
+        let gone = self.particles.len() - keep.len();
+        self.removed.1 += gone as u64;
+        self.removed.0 += gone as f64 * self.particles.mass;
+        let p = &mut self.particles;
+        for a in 0..3 {
+            retain(&mut p.position[a], &keep);
+            retain(&mut p.velocity[a], &keep);
+        }
+        retain(&mut p.density, &keep);
+        retain(&mut p.id, &keep);
+        retain(&mut p.body, &keep);
+        keep
+    }
+
+    /// Sorts the liquid along cells; the caller permutes its own arrays by `liquid_cells`.
+    pub fn sort(&mut self) {
+        self.liquid_cells.sort(&self.grid, &self.particles.position);
+        let (cells, s, p) = (&self.liquid_cells, &mut self.scratch, &mut self.particles);
+        for a in 0..3 {
+            cells.permute(&mut p.position[a], &mut s.f64s);
+            cells.permute(&mut p.velocity[a], &mut s.f64s);
+        }
+        cells.permute(&mut p.density, &mut s.f64s);
+        cells.permute(&mut p.id, &mut s.u32s);
+        cells.permute(&mut p.body, &mut s.u8s);
+        self.moved = 0.0;
+    }
+
+    /// Finds all neighbour rows. Call after [`Flow::sort`].
+    pub fn find(&mut self) {
+        self.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        let n = self.liquid();
+        let liquid = Source { cells: &self.liquid_cells, offset: 0 };
+        let wall = Source { cells: &self.wall_cells, offset: n };
+        let both = [liquid, wall];
+        let sources = if self.walls() > 0 { &both[..] } else { &both[..1] };
+        let search = Search {
+            grid: &self.grid,
+            records: &self.records,
+            sources,
+            cutoff: self.lengths.support * (1.0 + SLACK),
+        };
+        self.rows.build(search, 0, &self.particles.position);
+        if self.walls() > 0 {
+            let seen = if self.wall_sees_wall { &both[..] } else { &both[..1] };
+            let search = Search { sources: seen, ..search };
+            self.wall_rows.build(search, n, &self.wall.position);
+        }
+    }
+
+    /// Writes all records: current positions, payloads by liquid index and by wall index.
+    pub fn pack(
+        &mut self,
+        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
+        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
+    ) {
+        let (n, m) = (self.liquid(), self.walls());
+        self.records.resize(n + m + WIDTH, Record::default());
+        let (grid, p, w) = (&self.grid, &self.particles, &self.wall);
+        let records = Slots::new(&mut self.records);
+        each(n, |i| {
+            let x = [p.position[0][i], p.position[1][i], p.position[2][i]];
+            *unsafe { records.at(i) } = Record::new(grid.fix3(x), liquid(p, i));
+        });
+        each(m, |i| {
+            let x = [w.position[0][i], w.position[1][i], w.position[2][i]];
+            *unsafe { records.at(n + i) } = Record::new(grid.fix3(x), wall(w, i));
+        });
+    }
+
+    /// Rewrites the payloads of the wall records.
+    pub fn pack_wall(&mut self, wall: impl Fn(usize) -> [f32; 5] + Sync) {
+        let n = self.liquid();
+        let records = Slots::new(&mut self.records);
+        each(self.wall.position[0].len(), |i| {
+            let record = unsafe { records.at(n + i) };
+            *record = Record::new([record.at(0), record.at(1), record.at(2)], wall(i));
+        });
+    }
+
+    /// Bytes held per liquid particle, without neighbour rows and with them.
+    pub fn memory(&self) -> (f64, f64) {
+        let n = self.liquid().max(1) as f64;
+        let p = 8.0 * 7.0 + 5.0;
+        let records = self.records.capacity() as f64 * 32.0 / n;
+        let cells = (self.liquid_cells.order.capacity() * 8
+            + self.liquid_cells.start.capacity() * 4) as f64
+            / n;
+        let scratch = self.scratch.f64s.capacity() as f64 * 8.0 / n
+            + self.scratch.u32s.capacity() as f64 * 4.0 / n
+            + self.scratch.u8s.capacity() as f64 / n;
+        let bare = p + records + cells + scratch;
+        let rows = (self.rows.entries() + self.wall_rows.entries()) as f64 * 4.0 / n;
+        (bare, bare + rows + 4.0)
+    }
+}
+
+/// Keeps `data[keep[k]]`, in that order.
+pub fn retain<T: Copy>(data: &mut Vec<T>, keep: &[u32]) {
+    for (new, &old) in keep.iter().enumerate() {
+        data[new] = data[old as usize];
+    }
+    data.truncate(keep.len());
+}

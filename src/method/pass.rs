@@ -1,0 +1,224 @@
+//! Pair sums of weakly compressible SPH. Lengths in units of h, `q = r / h`,
+//! grad W = norm / h^(d+1) slope(q) d with d = r_ab / h.
+//!
+//! Payloads of a record: velocity (3), then what the pass says.
+
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::space::lane::Lanes;
+use crate::space::sweep::{Pair, Pass};
+use std::marker::PhantomData;
+
+#[inline(always)]
+unsafe fn dot<L: Lanes>(a: [L::F; 3], b: [L::F; 3]) -> L::F {
+    unsafe { L::fma(a[2], b[2], L::fma(a[1], b[1], L::mul(a[0], b[0]))) }
+}
+
+#[inline(always)]
+unsafe fn difference<L: Lanes>(a: &[L::F; 5], b: &[L::F; 5]) -> [L::F; 3] {
+    unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
+}
+
+/// Summation density (Nishio Eq. 4): out = self + factor x SUM w(q).
+pub struct Summation<K> {
+    /// m norm / h^d.
+    pub factor: f64,
+    /// m W(0).
+    pub own: f64,
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<1> for Summation<K> {
+    type Out = f64;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            // Padding pairs sit at q = 0: only what is farther counts.
+            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
+            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
+        *out = self.own + self.factor * sum[0] as f64;
+    }
+}
+
+/// Rate of density by continuity, with density diffusion that leaves a hydrostatic column alone
+/// (Antuono et al. 2010; Fourtakas et al. 2019). Payload 3: e = rho / rho0 - 1.
+///
+/// d rho/dt = SUM m v_ab . grad W
+///          - 2 delta h c SUM m (e_b - e_a - g . (r_b - r_a) / c^2) slope norm / h^(d+2)
+pub struct Continuity<K> {
+    /// m norm / h^(d+1).
+    pub factor: f64,
+    /// 2 delta c, m/s.
+    pub diffusion: f32,
+    /// (2 delta h / c) g, m/s; zero without gravity.
+    pub drift: [f32; 3],
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<1> for Continuity<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let v = difference::<L>(&pair.own, &pair.other);
+            let v = [0, 1, 2].map(|a| L::sub(v[a], L::splat(self.drift[a])));
+            let e = L::sub(pair.own[3], pair.other[3]);
+            let rate = L::fma(L::splat(self.diffusion), e, dot::<L>(v, pair.d));
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            sum[0] = L::fma(slope, rate, sum[0]);
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = (self.factor * sum[0] as f64) as f32;
+    }
+}
+
+/// Pair force of pressure, of viscosity `V` and of shock dissipation (Nishio Eq. 5).
+/// Payload 3: P / rho^2, payload 4: 1 / rho^2 (read by viscosity).
+pub struct Force<K, V, const SHOCK: bool> {
+    /// m norm / h^(d+1).
+    pub factor: f64,
+    pub viscosity: V,
+    /// c, m/s (shock dissipation only).
+    pub sound_speed: f32,
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel, V: PairViscosity, const SHOCK: bool> Pass<3> for Force<K, V, SHOCK> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let mut p = L::add(pair.own[3], pair.other[3]);
+            if V::PRESENT || SHOCK {
+                let v = difference::<L>(&pair.own, &pair.other);
+                if SHOCK {
+                    p = L::add(p, shock::<L>(pair, v, self.sound_speed));
+                }
+                let weight = L::add(pair.own[4], pair.other[4]);
+                self.viscosity.add::<L>(slope, pair.q2, pair.d, v, weight, sum);
+            }
+            let f = L::sub(L::splat(0.0), L::mul(slope, p));
+            for a in 0..3 {
+                sum[a] = L::fma(f, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
+    }
+}
+
+/// Twice the dissipative pressure over density of the low-dissipation Riemann flux (Zhang, Hu &
+/// Adams 2017): min(3 u / c, 1) c u for approaching pairs, u = -v . r / |r|.
+#[inline(always)]
+unsafe fn shock<L: Lanes>(pair: &Pair<L>, v: [L::F; 3], c: f32) -> L::F {
+    unsafe {
+        let zero = L::splat(0.0);
+        let r = L::sqrt(L::max(pair.q2, L::splat(1e-12)));
+        let u = L::max(L::div(L::sub(zero, dot::<L>(v, pair.d)), r), zero);
+        let beta = L::min(L::mul(u, L::splat(3.0 / c)), L::splat(1.0));
+        L::mul(L::mul(beta, u), L::splat(c))
+    }
+}
+
+/// Everything that an advective step asks of the neighbourhood: viscosity, the kernel sum and its
+/// gradient (for shifting and for the free surface). Payload: velocity, unused, 1 / rho^2.
+pub struct Neighbourhood<K, V> {
+    /// m norm / h^(d+1).
+    pub factor: f64,
+    pub viscosity: V,
+    pub kernel: PhantomData<K>,
+}
+
+/// Sums of [`Neighbourhood`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Surroundings {
+    /// Viscous acceleration, m/s^2.
+    pub viscous: [f32; 3],
+    /// SUM slope d: times norm s0^d / h^(d+1) it is grad C, 1/m.
+    pub gradient: [f32; 3],
+    /// SUM w without the particle itself: times norm s0^d / h^d it is the kernel sum.
+    pub sum: f32,
+}
+
+impl<K: Kernel, V: PairViscosity> Pass<7> for Neighbourhood<K, V> {
+    type Out = Surroundings;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            let slope = K::slope_lanes::<L>(q);
+            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            let [mut a, mut b, mut c, d, e, f, g] = *sum;
+            if V::PRESENT {
+                let v = difference::<L>(&pair.own, &pair.other);
+                let mut s = [a, b, c];
+                let weight = L::add(pair.own[4], pair.other[4]);
+                self.viscosity.add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
+                [a, b, c] = s;
+            }
+            let d = L::fma(slope, pair.d[0], d);
+            let e = L::fma(slope, pair.d[1], e);
+            let f = L::fma(slope, pair.d[2], f);
+            *sum = [a, b, c, d, e, f, L::add(g, w)];
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, s: [f32; 7], out: &mut Surroundings) {
+        let viscous = [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32);
+        *out = Surroundings { viscous, gradient: [s[3], s[4], s[5]], sum: s[6] };
+    }
+}
+
+/// Extrapolation of pressure and velocity from the liquid to a wall particle (Adami, Hu & Adams
+/// 2012, Eqs. 22-27). Payload: velocity, P / rho^2, 1 / rho^2.
+pub struct Extrapolation<K> {
+    pub kernel: PhantomData<K>,
+}
+
+/// Sums of [`Extrapolation`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WallSums {
+    /// SUM w.
+    pub weight: f32,
+    /// SUM P w.
+    pub pressure: f32,
+    /// SUM d w, d = (r_wall - r_liquid) / h.
+    pub lever: [f32; 3],
+    /// SUM v w.
+    pub velocity: [f32; 3],
+}
+
+impl<K: Kernel> Pass<8> for Extrapolation<K> {
+    type Out = WallSums;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 8]) {
+        unsafe {
+            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
+            let w = L::if_less(L::splat(0.0), pair.q2, w);
+            sum[0] = L::add(sum[0], w);
+            sum[1] = L::fma(w, L::div(pair.other[3], pair.other[4]), sum[1]);
+            for a in 0..3 {
+                sum[2 + a] = L::fma(w, pair.d[a], sum[2 + a]);
+                sum[5 + a] = L::fma(w, pair.other[a], sum[5 + a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, s: [f32; 8], out: &mut WallSums) {
+        *out = WallSums {
+            weight: s[0],
+            pressure: s[1],
+            lever: [s[2], s[3], s[4]],
+            velocity: [s[5], s[6], s[7]],
+        };
+    }
+}

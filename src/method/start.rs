@@ -1,0 +1,119 @@
+//! From bodies to states and back: where a body stands while it relaxes, and the state at t = 0.
+
+use super::Phase;
+use super::model::{Model, mass, rests};
+use crate::particle::{Particles, State};
+use crate::scene::{Dimension, Motion, Scene, Shape};
+
+/// Where the origin of a packed body lies in the box of its relaxation, m.
+fn home(scene: &Scene, body: usize) -> [f64; 3] {
+    let body = &scene.bodies[body];
+    if rests(body) {
+        return [0.0; 3];
+    }
+    let size = super::model::resting_domain(scene, body).size;
+    let mut home = size.map(|s| 0.5 * s);
+    if scene.dimension == Dimension::Two {
+        home[1] = 0.0;
+    }
+    home
+}
+
+fn shift(particles: &mut Particles, by: [f64; 3]) {
+    for (x, by) in particles.position.iter_mut().zip(by) {
+        x.iter_mut().for_each(|x| *x += by);
+    }
+}
+
+/// The state in which a packed body starts to relax.
+pub fn resting(scene: &Scene, body: &Particles) -> State {
+    let mut particles = body.clone();
+    particles.mass = mass(scene);
+    if let Some(index) = particles.body.first().copied() {
+        shift(&mut particles, home(scene, index as usize));
+    }
+    State { particles, ..State::default() }
+}
+
+/// The body of a relaxing state, back about its own origin; at rest, sorted by id.
+pub fn relaxed(scene: &Scene, state: &State) -> Particles {
+    let mut body = by_id(&at_home(scene, state));
+    body.velocity.iter_mut().for_each(|v| v.fill(0.0));
+    body
+}
+
+pub(super) fn at_home(scene: &Scene, state: &State) -> Particles {
+    let mut particles = state.particles.clone();
+    if let Some(index) = particles.body.first().copied() {
+        shift(&mut particles, home(scene, index as usize).map(|x| -x));
+    }
+    particles
+}
+
+fn by_id(p: &Particles) -> Particles {
+    let mut order: Vec<usize> = (0..p.len()).collect();
+    order.sort_unstable_by_key(|&i| p.id[i]);
+    let pick = |v: &Vec<f64>| order.iter().map(|&i| v[i]).collect::<Vec<f64>>();
+    Particles {
+        id: order.iter().map(|&i| p.id[i]).collect(),
+        body: order.iter().map(|&i| p.body[i]).collect(),
+        position: [pick(&p.position[0]), pick(&p.position[1]), pick(&p.position[2])],
+        velocity: [pick(&p.velocity[0]), pick(&p.velocity[1]), pick(&p.velocity[2])],
+        density: pick(&p.density),
+        mass: p.mass,
+    }
+}
+
+/// Merges packed or relaxed bodies and gives them their places and velocities: the state at t = 0.
+pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
+    let mut all = Particles { mass: mass(scene), ..Particles::default() };
+    let impact = Model::new(scene, Phase::Impact, None);
+    for body in bodies {
+        let Some(index) = body.body.first().copied() else { continue };
+        let spec = &scene.bodies[index as usize];
+        let relax = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index as usize));
+        // The same pressure under the other sound speed.
+        let relaxed = scene.relax.is_some() && impact.diffusion().is_some();
+        let ratio = if relaxed { (relax.sound_speed / impact.sound_speed).powi(2) } else { 1.0 };
+        let centre = centre(&spec.shape);
+        let first = all.len() as u32;
+        for i in 0..body.len() {
+            let local = [0, 1, 2].map(|a| body.position[a][i]);
+            let v = velocity(scene, &spec.motion, &spec.shape, local);
+            for a in 0..3 {
+                all.position[a].push(local[a] + centre[a]);
+                all.velocity[a].push(v[a]);
+            }
+            all.density.push(scene.density + ratio * (body.density[i] - scene.density));
+            all.id.push(first + body.id[i]);
+            all.body.push(index);
+        }
+    }
+    State { particles: all, ..State::default() }
+}
+
+/// Where the packed origin goes.
+fn centre(shape: &Shape) -> [f64; 3] {
+    match shape {
+        Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. } => *centre,
+        Shape::Block { .. } | Shape::Layer { .. } => [0.0; 3],
+    }
+}
+
+/// Velocity of a point of a body in packed coordinates.
+fn velocity(scene: &Scene, motion: &Motion, shape: &Shape, x: [f64; 3]) -> [f64; 3] {
+    match motion {
+        Motion::Uniform(v) => *v,
+        Motion::TaylorGreen { speed } => {
+            let k = std::f64::consts::TAU / scene.domain.size[0];
+            let at = centre(shape);
+            let (x, z) = (k * (x[0] + at[0]), k * (x[2] + at[2]));
+            [-speed * x.cos() * z.sin(), 0.0, speed * x.sin() * z.cos()]
+        }
+        Motion::Stretch { rate } => {
+            let lateral = if scene.dimension == Dimension::Two { 1.0 } else { 0.5 };
+            let y = if scene.dimension == Dimension::Two { 0.0 } else { x[1] };
+            [-lateral * rate * x[0], -lateral * rate * y, rate * x[2]]
+        }
+    }
+}

@@ -1,0 +1,455 @@
+//! Weakly compressible SPH (Nishio et al. 2010).
+//!
+//! (1) rho_a = SUM m W_ab                                                        Nishio Eq. 4, or
+//! (2) d rho/dt = SUM m v_ab . grad W + density diffusion                        delta-SPH
+//! (3) P = c^2 rho0 / chi ((rho / rho0)^chi - 1)                                 Nishio Eqs. 7-8
+//! (4) dv/dt = -SUM m (P_a/rho_a^2 + P_b/rho_b^2) grad W + viscosity + a_s + g   Nishio Eq. 5
+//!
+//! Walls are particles that take part in every sum; they carry their own summed density or the
+//! extrapolation of Adami, Hu & Adams (2012). Time steps: [`super::limit`]; single-rate velocity
+//! Verlet in [`verlet`], dual-criteria stepping in [`dual`].
+//! Fails where: summation density thins out at a free surface (skin without pressure); negative
+//! pressure with few neighbours clumps. Tests: tests/engine/wcsph.rs, tests/validation.
+
+mod dual;
+mod verlet;
+mod walls;
+
+use super::flow::Flow;
+use super::limit::Limits;
+use super::model::Model;
+use super::pass::{Continuity, Force, Neighbourhood, Summation, Surroundings};
+use super::{Diverged, Solver};
+use crate::effect::tension::Tension;
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::particle::{Frame, Particles, State};
+use crate::scene::{TimeStepping, WallPressure};
+use crate::space::parallel::{max, sum};
+use crate::space::sweep;
+use std::marker::PhantomData;
+
+/// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
+/// the layer below it 0.99.
+const SURFACE: f32 = 0.9;
+
+/// A particle with a kernel sum below this that crosses a periodic side is mist: it has no more
+/// neighbours than the tip of a ligament.
+const MIST: f32 = 0.4;
+
+/// The solver. `K`: kernel; `V`: viscosity, `()` for none.
+pub struct Wcsph<K, V> {
+    pub(super) model: Model,
+    pub(super) flow: Flow,
+    viscosity: V,
+    tension: Option<Tension>,
+    time: f64,
+    step: u64,
+    last_step: f64,
+    /// Largest speed, m/s, and acceleration, m/s^2, of the last step.
+    fastest: f64,
+    hardest: f64,
+    /// d rho/dt, kg/m^3/s (continuity only).
+    rate: Vec<f32>,
+    /// Acceleration: the whole one (single rate), or what is held over an advective step (dual).
+    held: Vec<[f32; 3]>,
+    force: Vec<[f32; 3]>,
+    around: Vec<Surroundings>,
+    walls: walls::WallState,
+    pool: bool,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    pub(super) fn new(
+        model: Model,
+        flow: Flow,
+        viscosity: V,
+        tension: Option<Tension>,
+        state: &State,
+        pool: bool,
+    ) -> Self {
+        let mut flow = flow;
+        flow.wall_sees_wall = model.settings.wall_pressure == WallPressure::Summation;
+        let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
+        flow.removed = (
+            named("removed_mass_kg").unwrap_or(0.0),
+            named("removed_particles").unwrap_or(0.0) as u64,
+        );
+        let n = flow.liquid();
+        let array = |name: &str| state.arrays.iter().find(|a| a.0 == name).map(|a| &a.1);
+        let narrow = |v: &Vec<f64>| v.iter().map(|x| *x as f32).collect::<Vec<f32>>();
+        let rate = match model.diffusion() {
+            Some(_) => array("density_rate").map_or(vec![0.0; n], narrow),
+            None => Vec::new(),
+        };
+        let mut solver = Wcsph {
+            model,
+            flow,
+            viscosity,
+            tension,
+            time: state.time,
+            step: state.step,
+            last_step: named("time_step_s").unwrap_or(0.0),
+            fastest: 0.0,
+            hardest: named("acceleration_m_s2").unwrap_or(0.0),
+            rate,
+            held: vec![[0.0; 3]; n],
+            force: vec![[0.0; 3]; n],
+            around: vec![Surroundings::default(); n],
+            walls: walls::WallState::default(),
+            pool,
+            kernel: PhantomData,
+        };
+        solver.walls.resize(solver.flow.walls(), solver.model.density);
+        if let Some(sums) = array("kernel_sum") {
+            solver.around.iter_mut().zip(sums).for_each(|(s, x)| s.sum = *x as f32);
+        }
+        solver.fastest = solver.speed();
+        if !solver.is_dual() {
+            let parts = ["acceleration_x", "acceleration_y", "acceleration_z"].map(array);
+            match parts {
+                [Some(x), Some(y), Some(z)] => {
+                    for i in 0..n {
+                        solver.held[i] = [x[i] as f32, y[i] as f32, z[i] as f32];
+                    }
+                }
+                _ => solver.prime(),
+            }
+        }
+        solver
+    }
+
+    fn is_dual(&self) -> bool {
+        matches!(self.model.settings.time_stepping, TimeStepping::Dual { .. })
+    }
+
+    /// m norm / h^(d+1): what turns a sum of `slope d` into one with m grad W.
+    fn gradient_factor(&self) -> f64 {
+        let d = self.model.dimension.count();
+        self.flow.particles.mass * K::norm(d) / self.model.h.powi(d as i32 + 1)
+    }
+
+    fn scale(&self) -> [f32; 3] {
+        self.flow.grid.scale(self.model.h)
+    }
+
+    /// Largest speed now, m/s.
+    fn speed(&self) -> f64 {
+        let v = &self.flow.particles.velocity;
+        let square = |i: usize| v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i];
+        max(self.flow.liquid(), square).max(0.0).sqrt()
+    }
+
+    fn limits_now(&self) -> Limits {
+        Limits {
+            h: self.model.h,
+            spacing: self.model.spacing,
+            density: self.model.density,
+            sound_speed: self.model.sound_speed,
+            viscosity: self.model.effects.viscosity,
+            tension: self.model.effects.tension,
+            speed: self.fastest,
+            acceleration: self.hardest,
+        }
+    }
+
+    /// Wraps, removes, sorts, finds neighbours, looks at the surroundings.
+    fn rebuild(&mut self) {
+        let around = &self.around;
+        let scale = self.sum_factor();
+        let (domain, position) = (&self.model.domain, &self.flow.particles.position);
+        let crosses = |i: usize| {
+            (0..2).any(|a| {
+                let x = position[a][i];
+                domain.size[a] > 0.0 && (x < 0.0 || x >= domain.size[a])
+            })
+        };
+        let mist: Vec<bool> = if self.pool {
+            (0..around.len())
+                .map(|i| crosses(i) && self.step > 0 && scale * around[i].sum < MIST)
+                .collect()
+        } else {
+            Vec::new()
+        };
+        if let Some(keep) = self.flow.confine(|i| self.pool && mist[i]) {
+            super::flow::retain(&mut self.rate, &keep[..keep.len().min(self.rate.len())]);
+            super::flow::retain(&mut self.held, &keep);
+            super::flow::retain(&mut self.force, &keep);
+            super::flow::retain(&mut self.around, &keep);
+        }
+        self.sort();
+        self.look();
+    }
+
+    /// Sorts along cells and finds neighbours; every array follows.
+    fn sort(&mut self) {
+        self.flow.sort();
+        let cells = &self.flow.liquid_cells;
+        if !self.rate.is_empty() {
+            let mut scratch = Vec::with_capacity(self.rate.len());
+            cells.permute(&mut self.rate, &mut scratch);
+        }
+        cells.permute(&mut self.held, &mut self.force);
+        // Held over a sort inside an advective step: flags and shifting need them at its end.
+        let mut scratch = Vec::with_capacity(self.around.len());
+        cells.permute(&mut self.around, &mut scratch);
+        self.force.resize(self.flow.liquid(), [0.0; 3]);
+        self.flow.find();
+    }
+
+    /// norm s0^d / h^d: turns [`Surroundings::sum`] into the kernel sum (without the particle).
+    fn sum_factor(&self) -> f32 {
+        let d = self.model.dimension.count();
+        (K::norm(d) * (self.model.spacing / self.model.h).powi(d as i32)) as f32
+    }
+
+    /// Kernel sum of particle `i`: 1 inside, 0.77 at a flat surface.
+    #[inline(always)]
+    fn kernel_sum(&self, i: usize) -> f32 {
+        self.sum_factor() * (self.around[i].sum + 1.0)
+    }
+
+    /// Viscosity, kernel sums and their gradients of all particles.
+    fn look(&mut self) {
+        if self.is_dual() {
+            self.look_with(self.viscosity);
+        } else {
+            self.look_with(());
+        }
+    }
+
+    fn look_with<U: PairViscosity>(&mut self, viscosity: U) {
+        if U::PRESENT {
+            self.extrapolate_velocity();
+        } else {
+            self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        }
+        let factor = self.gradient_factor();
+        let pass = Neighbourhood { factor, viscosity, kernel: self.kernel };
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(records, rows, self.scale(), &pass, &mut self.around);
+    }
+
+    /// (1) for liquid, and for the wall if it carries its own density.
+    fn sum_density(&mut self) {
+        self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        let d = self.model.dimension.count();
+        let factor = self.flow.particles.mass * K::norm(d) / self.model.h.powi(d as i32);
+        let pass = Summation { factor, own: factor * K::w(0.0), kernel: self.kernel };
+        let scale = self.scale();
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.flow.particles.density);
+        if self.flow.walls() > 0 && self.flow.wall_sees_wall {
+            let rows = &self.flow.wall_rows;
+            sweep::rows(records, rows, scale, &pass, &mut self.walls.density);
+        }
+    }
+
+    /// (2): fills `rate`.
+    fn density_rate(&mut self, diffusion: f64) {
+        let (model, rho0) = (&self.model, self.model.density);
+        let c = model.sound_speed;
+        let drift = match model.effects.gravity {
+            Some(g) => g.map(|g| (2.0 * diffusion * model.h / c * g) as f32),
+            None => [0.0; 3],
+        };
+        let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
+        let density = &self.walls.density;
+        self.flow.pack(
+            |p, i| {
+                let [x, y, z] = velocity(p, i);
+                [x, y, z, excess(p.density[i]), 0.0]
+            },
+            |w, i| {
+                let v = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
+                [v[0], v[1], v[2], excess(density[i]), 0.0]
+            },
+        );
+        let pass = Continuity {
+            factor: self.gradient_factor(),
+            diffusion: (2.0 * diffusion * c) as f32,
+            drift,
+            kernel: self.kernel,
+        };
+        let scale = self.scale();
+        sweep::rows(&self.flow.records, &self.flow.rows, scale, &pass, &mut self.rate);
+    }
+
+    /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
+    fn pair_force<U: PairViscosity>(&mut self, viscosity: U) {
+        let (factor, c) = (self.gradient_factor(), self.model.sound_speed as f32);
+        let (scale, kernel) = (self.scale(), self.kernel);
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        if self.model.settings.shock_dissipation > 0.0 {
+            let pass = Force::<K, U, true> { factor, viscosity, sound_speed: c, kernel };
+            sweep::rows(records, rows, scale, &pass, &mut self.force);
+        } else {
+            let pass = Force::<K, U, false> { factor, viscosity, sound_speed: c, kernel };
+            sweep::rows(records, rows, scale, &pass, &mut self.force);
+        }
+    }
+
+    /// Adds a_s to `held` or `force`, whichever is given.
+    fn add_tension(&mut self, into: fn(&mut Self) -> &mut Vec<[f32; 3]>) {
+        let Some(mut tension) = self.tension.take() else { return };
+        let scale = self.sum_factor();
+        let around = &self.around;
+        let surface = |i: usize| scale * (around[i].sum + 1.0) < SURFACE;
+        let mut records = std::mem::take(&mut self.flow.records);
+        tension.update(&super::surface_of(&self.flow), &mut records, &surface);
+        self.flow.records = records;
+        tension.add(into(self));
+        self.tension = Some(tension);
+    }
+
+    /// An error if anything is not a number or ran away.
+    fn check(&self) -> Result<(), Diverged> {
+        let bad = !self.fastest.is_finite() || self.fastest > self.model.sound_speed;
+        if !bad {
+            return Ok(());
+        }
+        let v = &self.flow.particles.velocity;
+        let square = |i: usize| v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i];
+        let key = |i: usize| if square(i).is_nan() { f64::INFINITY } else { square(i) };
+        let worst = (0..self.flow.liquid()).max_by(|a, b| key(*a).total_cmp(&key(*b)));
+        let i = worst.unwrap_or(0);
+        let [x, y, z] = self.flow.position(i);
+        Err(Diverged {
+            time: self.time,
+            step: self.step,
+            particle: self.flow.particles.id[i],
+            x,
+            y,
+            z,
+            what: format!(
+                "speed {:.4e} m/s above the sound speed {:.4e} m/s",
+                key(i).sqrt(),
+                self.model.sound_speed
+            ),
+            remedy: "a larger method.wcsph.sound_speed_factor or a smaller time step".into(),
+        })
+    }
+
+    /// Kinetic and potential energy, J, momentum, kg m/s.
+    fn budget(&self) -> [f64; 6] {
+        let (p, m) = (&self.flow.particles, self.flow.particles.mass);
+        let g = self.model.effects.gravity.unwrap_or([0.0; 3]);
+        let c2 = self.model.sound_speed * self.model.sound_speed;
+        let rho0 = self.model.density;
+        sum(p.len(), |i| {
+            let v = [p.velocity[0][i], p.velocity[1][i], p.velocity[2][i]];
+            let x = self.flow.position(i);
+            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let e = p.density[i] / rho0 - 1.0;
+            let compression = 0.5 * m * c2 * e * e;
+            [0.5 * m * dot(v, v), -m * dot(g, x), compression, m * v[0], m * v[1], m * v[2]]
+        })
+    }
+}
+
+#[inline(always)]
+fn velocity(p: &Particles, i: usize) -> [f32; 3] {
+    [p.velocity[0][i] as f32, p.velocity[1][i] as f32, p.velocity[2][i] as f32]
+}
+
+impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn step_count(&self) -> u64 {
+        self.step
+    }
+
+    fn len(&self) -> usize {
+        self.flow.liquid()
+    }
+
+    fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
+        match self.model.settings.time_stepping {
+            TimeStepping::Dual { advective, acoustic } => {
+                self.dual_step(advective, acoustic)?;
+                on_step(self);
+            }
+            _ => self.verlet_steps(on_step)?,
+        }
+        Ok(())
+    }
+
+    fn state(&self) -> State {
+        let mut arrays = Vec::new();
+        if !self.rate.is_empty() {
+            let rate = self.rate.iter().map(|x| *x as f64).collect();
+            arrays.push(("density_rate".to_string(), rate));
+        }
+        if !self.is_dual() {
+            for (a, name) in ["x", "y", "z"].iter().enumerate() {
+                let part = self.held.iter().map(|f| f[a] as f64).collect();
+                arrays.push((format!("acceleration_{name}"), part));
+            }
+        }
+        let mut scalars = vec![
+            ("removed_mass_kg".to_string(), self.flow.removed.0),
+            ("removed_particles".to_string(), self.flow.removed.1 as f64),
+            ("time_step_s".to_string(), self.last_step),
+            ("acceleration_m_s2".to_string(), self.hardest),
+            ("sound_speed_m_s".to_string(), self.model.sound_speed),
+        ];
+        if let Some(tension) = &self.tension {
+            scalars.push(("tension_strength".to_string(), tension.strength));
+        }
+        // Kernel sums decide on mist at the next rebuild.
+        if self.pool {
+            let sums = self.around.iter().map(|s| s.sum as f64).collect();
+            arrays.push(("kernel_sum".to_string(), sums));
+        }
+        let particles = self.flow.particles.clone();
+        State { time: self.time, step: self.step, particles, scalars, arrays }
+    }
+
+    fn frame(&self) -> Frame {
+        let [kinetic, potential, compression, x, y, z] = self.budget();
+        let p = &self.flow.particles;
+        let named = [
+            ("kinetic_energy_J", kinetic),
+            ("potential_energy_J", potential),
+            ("compression_energy_J", compression),
+            ("mass_kg", p.mass * p.len() as f64),
+            ("mass_removed_kg", self.flow.removed.0),
+            ("momentum_x_kg_m_s", x),
+            ("momentum_y_kg_m_s", y),
+            ("momentum_z_kg_m_s", z),
+            ("speed_max_m_s", self.fastest),
+            ("time_step_s", self.last_step),
+            ("steps", self.step as f64),
+        ];
+        let scalars = named.map(|(name, value)| (name.to_string(), value)).to_vec();
+        let fields = super::frame::Fields {
+            pressure: &|i| self.model.pressure(p.density[i]),
+            surface: &|i| self.kernel_sum(i) < SURFACE,
+        };
+        super::frame::of(self.time, p, &fields, scalars)
+    }
+
+    fn unrest(&self) -> (f64, f64) {
+        let kinetic = self.budget()[0];
+        let rho0 = self.model.density;
+        let [squares, count] = sum(self.flow.liquid(), |i| {
+            let d = self.flow.particles.density[i] - rho0;
+            let supported = self.kernel_sum(i) >= SURFACE;
+            if supported { [d * d, 1.0] } else { [0.0, 0.0] }
+        });
+        (kinetic, (squares / count.max(1.0)).sqrt())
+    }
+
+    fn limits(&self) -> Vec<(&'static str, f64)> {
+        self.limits_now().all()
+    }
+
+    fn memory(&self) -> (f64, f64) {
+        let own = (4 + 12 + 12 + std::mem::size_of::<Surroundings>()) as f64;
+        let (bare, whole) = self.flow.memory();
+        (bare + own, whole + own)
+    }
+}

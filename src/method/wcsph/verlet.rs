@@ -1,0 +1,104 @@
+//! Single-rate velocity Verlet (kick, drift, kick), as Nishio et al. use it; velocity-dependent
+//! forces see the velocity predicted to the end of the step.
+
+use super::Wcsph;
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::method::{Diverged, Solver};
+use crate::scene::TimeStepping;
+use crate::space::parallel::{Slots, each, max, slots3};
+
+/// Most steps on one set of neighbour rows, so that restart points come often enough.
+const LONGEST: usize = 20;
+
+impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    /// Forces at the start of a run.
+    pub(super) fn prime(&mut self) {
+        self.rebuild();
+        self.evaluate(0.0, 0.0);
+    }
+
+    /// From one rebuild of the rows to the next.
+    pub(super) fn verlet_steps(
+        &mut self,
+        on_step: &mut dyn FnMut(&dyn Solver),
+    ) -> Result<(), Diverged> {
+        self.rebuild();
+        for k in 0..LONGEST {
+            let dt = match self.model.settings.time_stepping {
+                TimeStepping::Fixed { step } => step,
+                TimeStepping::Adaptive { safety } => safety * self.limits_now().all()[0].1,
+                TimeStepping::Dual { .. } => unreachable!("dual stepping has its own loop"),
+            };
+            let ahead = (self.fastest + self.hardest * dt) * dt;
+            if k > 0 && self.flow.stale(ahead) {
+                break;
+            }
+            self.verlet_step(dt);
+            self.check()?;
+            on_step(self);
+        }
+        Ok(())
+    }
+
+    fn verlet_step(&mut self, dt: f64) {
+        let n = self.flow.liquid();
+        {
+            let p = &mut self.flow.particles;
+            let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
+            let held = &self.held;
+            each(n, |i| {
+                for a in 0..3 {
+                    let v = unsafe { v[a].at(i) };
+                    *v += 0.5 * dt * held[i][a] as f64;
+                    *unsafe { x[a].at(i) } += dt * *v;
+                }
+            });
+        }
+        self.flow.moved += (self.fastest + 0.5 * self.hardest * dt) * dt;
+        self.evaluate(0.5 * dt, dt);
+        let damp = 1.0 / (1.0 + self.model.damping * dt);
+        {
+            let p = &mut self.flow.particles;
+            let (v, held) = (slots3(&mut p.velocity), &self.held);
+            each(n, |i| {
+                for a in 0..3 {
+                    let v = unsafe { v[a].at(i) };
+                    *v = damp * (*v + 0.5 * dt * held[i][a] as f64);
+                }
+            });
+        }
+        self.fastest = self.speed();
+        self.time += dt;
+        self.step += 1;
+        self.last_step = dt;
+    }
+
+    /// Density and all accelerations at the current positions, into `held`.
+    /// `ahead`: seconds by which the stored velocity lags.
+    fn evaluate(&mut self, ahead: f64, dt: f64) {
+        match self.model.diffusion() {
+            None => self.sum_density(),
+            Some(diffusion) => {
+                self.density_rate(diffusion);
+                let rate = &self.rate;
+                let density = Slots::new(&mut self.flow.particles.density);
+                each(rate.len(), |i| *unsafe { density.at(i) } += dt * rate[i] as f64);
+            }
+        }
+        self.pack_force(ahead);
+        self.pair_force(self.viscosity);
+        if let Some(g) = self.model.effects.gravity {
+            let force = Slots::new(&mut self.force);
+            each(self.held.len(), |i| {
+                let f = unsafe { force.at(i) };
+                (0..3).for_each(|a| f[a] += g[a] as f32);
+            });
+        }
+        self.add_tension(|s| &mut s.force);
+        std::mem::swap(&mut self.held, &mut self.force);
+        let held = &self.held;
+        let square = |i: usize| held[i].iter().map(|a| (*a as f64) * (*a as f64)).sum::<f64>();
+        self.hardest = max(held.len(), square).max(0.0).sqrt();
+    }
+}

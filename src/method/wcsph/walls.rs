@@ -1,0 +1,116 @@
+//! What wall particles carry: density, pressure, and the velocity that viscosity sees.
+
+use super::Wcsph;
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::method::pass::{Extrapolation, WallSums};
+use crate::space::parallel::{Slots, each};
+use crate::space::sweep;
+
+/// One entry per wall particle, in the order of the flow's wall.
+#[derive(Default)]
+pub struct WallState {
+    /// kg/m^3.
+    pub density: Vec<f64>,
+    sums: Vec<WallSums>,
+}
+
+impl WallState {
+    pub fn resize(&mut self, walls: usize, density: f64) {
+        self.density.resize(walls, density);
+        self.sums.resize(walls, WallSums::default());
+    }
+}
+
+impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    fn extrapolate(&mut self) {
+        let scale = self.scale();
+        let pass = Extrapolation { kernel: self.kernel };
+        let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
+    }
+
+    /// Packs records for a force pass: velocity, P/rho^2, 1/rho^2, with `ahead` s of the held
+    /// acceleration added to the velocity, and gives the walls their pressure.
+    pub(super) fn pack_force(&mut self, ahead: f64) {
+        let (model, held) = (&self.model, &self.held);
+        let rho0 = model.density;
+        let inverse = |rho: f64| 1.0 / (rho * rho);
+        self.flow.pack(
+            |p, i| {
+                let rho = p.density[i];
+                let v: [f32; 3] = if ahead == 0.0 {
+                    super::velocity(p, i)
+                } else {
+                    [0, 1, 2].map(|a| (p.velocity[a][i] + ahead * held[i][a] as f64) as f32)
+                };
+                let pressure = (model.pressure(rho) * inverse(rho)) as f32;
+                [v[0], v[1], v[2], pressure, inverse(rho) as f32]
+            },
+            |_, _| [0.0, 0.0, 0.0, 0.0, inverse(rho0) as f32],
+        );
+        if self.flow.walls() == 0 {
+            return;
+        }
+        if !self.flow.wall_sees_wall {
+            self.extrapolate();
+            self.wall_density();
+        }
+        let (model, density) = (&self.model, &self.walls.density);
+        let viscous: Vec<[f32; 3]> =
+            (0..self.flow.walls()).map(|i| self.viscous_velocity(i)).collect();
+        self.flow.pack_wall(|i| {
+            let (rho, v) = (density[i], viscous[i]);
+            let pressure = (model.pressure(rho) * inverse(rho)) as f32;
+            [v[0], v[1], v[2], pressure, inverse(rho) as f32]
+        });
+    }
+
+    /// Pressure of the liquid carried to the wall against gravity (Adami et al. Eq. 27), as density.
+    fn wall_density(&mut self) {
+        let model = &self.model;
+        let g = model.effects.gravity.unwrap_or([0.0; 3]);
+        let (sums, density) = (&self.walls.sums, Slots::new(&mut self.walls.density));
+        each(sums.len(), |i| {
+            let s = &sums[i];
+            let lever: f64 = (0..3).map(|a| g[a] * s.lever[a] as f64).sum();
+            let p = if s.weight > 0.0 {
+                (s.pressure as f64 + model.density * model.h * lever) / s.weight as f64
+            } else {
+                0.0
+            };
+            *unsafe { density.at(i) } = model.density_at(p);
+        });
+    }
+
+    /// 2 u_wall - <v> (Adami et al. Eq. 23): no slip. A wall with its own density keeps u_wall.
+    fn viscous_velocity(&self, i: usize) -> [f32; 3] {
+        let s = &self.walls.sums[i];
+        [0, 1, 2].map(|a| {
+            let u = self.flow.wall.velocity[a][i] as f32;
+            let extrapolated = s.weight > 0.0 && !self.flow.wall_sees_wall;
+            if extrapolated { 2.0 * u - s.velocity[a] / s.weight } else { u }
+        })
+    }
+
+    /// Packs records for the advective pass, the walls with the velocity that makes no slip.
+    pub(super) fn extrapolate_velocity(&mut self) {
+        let w0 = (1.0 / (self.model.density * self.model.density)) as f32;
+        self.flow.pack(
+            |p, i| {
+                let v = super::velocity(p, i);
+                [v[0], v[1], v[2], 0.0, (1.0 / (p.density[i] * p.density[i])) as f32]
+            },
+            |_, _| [0.0, 0.0, 0.0, 0.0, w0],
+        );
+        if self.flow.walls() == 0 {
+            return;
+        }
+        if !self.flow.wall_sees_wall {
+            self.extrapolate();
+        }
+        let viscous: Vec<[f32; 3]> =
+            (0..self.flow.walls()).map(|i| self.viscous_velocity(i)).collect();
+        self.flow.pack_wall(|i| [viscous[i][0], viscous[i][1], viscous[i][2], 0.0, w0]);
+    }
+}

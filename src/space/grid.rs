@@ -1,0 +1,210 @@
+//! Fixed-point coordinates and a grid of cells over the box.
+//!
+//! A coordinate is stored for the pair loops as a 32-bit integer in units of range / 2^32. The range
+//! of a periodic axis is its period, so that the wrapping difference of two coordinates *is* the
+//! nearest image; differences are exact and are rounded once, when they become f32.
+//! Other axes have a range four times the covered length, so that nothing wraps by accident.
+
+use crate::scene::{Dimension, Domain, Side};
+
+/// Where the cells are.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    /// Lower corner of the cells, m.
+    pub low: [f64; 3],
+    /// Metres per fixed-point unit.
+    pub unit: [f64; 3],
+    /// Cell edges, m.
+    pub edge: [f64; 3],
+    /// Cells per axis.
+    pub count: [usize; 3],
+    pub periodic: [bool; 3],
+    range: [f64; 3],
+}
+
+/// A scene that the cells cannot hold.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error(
+    "the box is {size:.4e} m along periodic axis {axis}, but a kernel support needs {need:.4e} m; \
+     make the box larger or the spacing smaller"
+)]
+pub struct TooSmall {
+    pub axis: usize,
+    pub size: f64,
+    pub need: f64,
+}
+
+impl Grid {
+    /// Cells of about `edge` over the box plus `margin` beyond its non-periodic sides.
+    /// `cutoff`: the longest pair distance that will be asked for, m.
+    pub fn new(
+        domain: &Domain,
+        dimension: Dimension,
+        edge: f64,
+        margin: f64,
+        cutoff: f64,
+    ) -> Result<Self, TooSmall> {
+        let mut grid = Grid {
+            low: [0.0; 3],
+            unit: [0.0; 3],
+            edge: [f64::INFINITY; 3],
+            count: [1; 3],
+            periodic: [false; 3],
+            range: [1.0; 3],
+        };
+        for axis in 0..3 {
+            if axis == 1 && dimension == Dimension::Two {
+                continue;
+            }
+            let size = domain.size[axis];
+            grid.periodic[axis] = domain.boundary[axis][0] == Side::Periodic;
+            let covered = if grid.periodic[axis] {
+                if size < 2.0 * cutoff {
+                    return Err(TooSmall {
+                        axis,
+                        size,
+                        need: 2.0 * cutoff,
+                    });
+                }
+                grid.range[axis] = size;
+                size
+            } else {
+                grid.low[axis] = -margin;
+                grid.range[axis] = 4.0 * (size + 2.0 * margin);
+                size + 2.0 * margin
+            };
+            grid.count[axis] = ((covered / edge).floor() as usize).clamp(1, 1 << 12);
+            grid.edge[axis] = covered / grid.count[axis] as f64;
+            grid.unit[axis] = grid.range[axis] / 4294967296.0;
+        }
+        Ok(grid)
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.count.iter().product()
+    }
+
+    /// Fixed-point coordinate of `x` m; wraps.
+    #[inline(always)]
+    pub fn fix(&self, axis: usize, x: f64) -> i32 {
+        if self.unit[axis] == 0.0 {
+            return 0;
+        }
+        let turns = (x - self.low[axis]) / self.range[axis];
+        (((turns - turns.floor()) * 4294967296.0) as u64) as u32 as i32
+    }
+
+    /// Fixed-point position.
+    #[inline(always)]
+    pub fn fix3(&self, x: [f64; 3]) -> [i32; 3] {
+        [self.fix(0, x[0]), self.fix(1, x[1]), self.fix(2, x[2])]
+    }
+
+    /// Cell coordinates; positions outside are wrapped or count to the outermost cell.
+    #[inline(always)]
+    pub fn cell(&self, x: [f64; 3]) -> [usize; 3] {
+        std::array::from_fn(|a| {
+            let c = ((x[a] - self.low[a]) / self.edge[a]).floor();
+            if self.periodic[a] {
+                return self.bring(a, c as i64);
+            }
+            (c.max(0.0) as usize).min(self.count[a] - 1)
+        })
+    }
+
+    /// Linear index: z runs fastest, so that a column of cells along z is one run of particles and
+    /// the working set of a shallow pool is small.
+    #[inline(always)]
+    pub fn index(&self, c: [usize; 3]) -> usize {
+        (c[0] * self.count[1] + c[1]) * self.count[2] + c[2]
+    }
+
+    /// Scale from fixed-point differences to multiples of `length`.
+    pub fn scale(&self, length: f64) -> [f32; 3] {
+        self.unit.map(|u| (u / length) as f32)
+    }
+
+    /// `wrap(x)` into the box on periodic axes.
+    pub fn wrap(&self, axis: usize, x: f64) -> f64 {
+        if !self.periodic[axis] {
+            return x;
+        }
+        let turns = ((x - self.low[axis]) / self.range[axis]).floor();
+        if turns == 0.0 {
+            x
+        } else {
+            x - turns * self.range[axis]
+        }
+    }
+
+    /// Calls `visit(first cell, last cell)` for the columns of cells that may hold anything within
+    /// `cutoff` of `x`, in a fixed order. Each cell is visited at most once.
+    #[inline]
+    pub fn columns(&self, x: [f64; 3], cutoff: f64, mut visit: impl FnMut(usize, usize)) {
+        let c2 = cutoff * cutoff;
+        let (x0, x1) = self.reach(0, x[0], cutoff);
+        for a in x0..=x1 {
+            let dx = self.gap(0, x[0], a);
+            let (y0, y1) = self.reach(1, x[1], cutoff);
+            for b in y0..=y1 {
+                let dy = self.gap(1, x[1], b);
+                let left = c2 - dx * dx - dy * dy;
+                if left < 0.0 {
+                    continue;
+                }
+                let column = [self.bring(0, a), self.bring(1, b), 0];
+                let base = self.index(column);
+                let (z0, z1) = self.reach(2, x[2], left.sqrt());
+                let n = self.count[2] as i64;
+                let (w0, w1) = (z0.rem_euclid(n), z1.rem_euclid(n));
+                if z1 - z0 < n && w0 > w1 {
+                    visit(base, base + w1 as usize);
+                    visit(base + w0 as usize, base + n as usize - 1);
+                } else {
+                    visit(base + w0 as usize, base + w1 as usize);
+                }
+            }
+        }
+    }
+
+    /// First and last cell coordinate (unwrapped) within `cutoff` of `x`, never more than all cells.
+    #[inline(always)]
+    fn reach(&self, axis: usize, x: f64, cutoff: f64) -> (i64, i64) {
+        let n = self.count[axis] as i64;
+        if n == 1 {
+            return (0, 0);
+        }
+        let at = |x: f64| ((x - self.low[axis]) / self.edge[axis]).floor() as i64;
+        let (a, b) = (at(x - cutoff), at(x + cutoff));
+        if !self.periodic[axis] {
+            return (a.clamp(0, n - 1), b.clamp(0, n - 1));
+        }
+        if b - a + 1 >= n { (0, n - 1) } else { (a, b) }
+    }
+
+    /// Distance from `x` to cell slab `c` (unwrapped); 0 for the outermost slabs, which also hold
+    /// what lies beyond them, and where wrapping makes slabs ambiguous.
+    #[inline(always)]
+    fn gap(&self, axis: usize, x: f64, c: i64) -> f64 {
+        let n = self.count[axis] as i64;
+        let whole = self.periodic[axis] && c >= 0 && c < n;
+        if n == 1 || (!self.periodic[axis] && (c == 0 || c == n - 1)) {
+            return 0.0;
+        }
+        let low = self.low[axis] + c as f64 * self.edge[axis];
+        let direct = (low - x).max(x - low - self.edge[axis]).max(0.0);
+        if !whole {
+            return direct;
+        }
+        let period = self.range[axis];
+        let up = (low + period - x).max(0.0);
+        let down = (x - (low - period) - self.edge[axis]).max(0.0);
+        direct.min(up).min(down)
+    }
+
+    #[inline(always)]
+    fn bring(&self, axis: usize, c: i64) -> usize {
+        c.rem_euclid(self.count[axis] as i64) as usize
+    }
+}

@@ -1,0 +1,70 @@
+//! Parallel loops over particles with fixed chunks, so that results never depend on thread count.
+
+use rayon::prelude::*;
+
+/// Particles per chunk.
+const CHUNK: usize = 4096;
+
+/// A slice that several threads write at different indices.
+pub struct Slots<'a, T> {
+    start: *mut T,
+    len: usize,
+    _life: std::marker::PhantomData<&'a mut [T]>,
+}
+
+unsafe impl<T: Send> Sync for Slots<'_, T> {}
+unsafe impl<T: Send> Send for Slots<'_, T> {}
+
+impl<'a, T> Slots<'a, T> {
+    pub fn new(slice: &'a mut [T]) -> Self {
+        Slots { start: slice.as_mut_ptr(), len: slice.len(), _life: std::marker::PhantomData }
+    }
+
+    /// # Safety
+    /// No two threads use the same index at a time.
+    #[allow(clippy::mut_from_ref)]
+    #[inline(always)]
+    pub unsafe fn at(&self, i: usize) -> &mut T {
+        debug_assert!(i < self.len);
+        unsafe { &mut *self.start.add(i) }
+    }
+}
+
+/// Three components as slots.
+pub fn slots3<T>(v: &mut [Vec<T>; 3]) -> [Slots<'_, T>; 3] {
+    let [x, y, z] = v;
+    [Slots::new(x), Slots::new(y), Slots::new(z)]
+}
+
+/// Calls `f(i)` for every `i < n`.
+pub fn each(n: usize, f: impl Fn(usize) + Sync) {
+    (0..n.div_ceil(CHUNK)).into_par_iter().for_each(|c| {
+        for i in c * CHUNK..((c + 1) * CHUNK).min(n) {
+            f(i);
+        }
+    });
+}
+
+/// Largest `f(i)`; negative infinity for none. NaN wins, so that it cannot hide.
+pub fn max(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+    (0..n.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|c| {
+            (c * CHUNK..((c + 1) * CHUNK).min(n)).fold(f64::NEG_INFINITY, |m, i| larger(f(i), m))
+        })
+        .reduce(|| f64::NEG_INFINITY, larger)
+}
+
+/// Sums of `K` values over `i < n`: chunk by chunk, then in chunk order.
+pub fn sum<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
+    let add = |mut a: [f64; K], b: [f64; K]| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    };
+    let parts: Vec<[f64; K]> = (0..n.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|c| (c * CHUNK..((c + 1) * CHUNK).min(n)).fold([0.0; K], |s, i| add(s, f(i))))
+        .collect();
+    parts.into_iter().fold([0.0; K], add)
+}

@@ -1,0 +1,152 @@
+//! Neighbour rows: for each target the indices of the records within a cutoff, each row padded to
+//! eight with the target itself, so that lanes are always full and a padding pair is at distance 0.
+
+use super::grid::Grid;
+use super::lane::{Lanes, Portable, Record, WIDTH};
+use super::sort::Cells;
+use rayon::prelude::*;
+
+/// Rows per chunk; fixed, so that nothing depends on the number of threads.
+pub const CHUNK: usize = 1024;
+
+#[derive(Clone, Debug, Default)]
+struct Chunk {
+    start: Vec<u32>,
+    index: Vec<u32>,
+}
+
+/// Neighbour rows of a contiguous range of targets.
+#[derive(Clone, Debug, Default)]
+pub struct Rows {
+    chunks: Vec<Chunk>,
+    count: usize,
+    /// First target: row k belongs to record `first + k`.
+    pub first: usize,
+}
+
+/// Where candidates are: sorted records `offset..` of one kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    pub cells: &'a Cells,
+    pub offset: usize,
+}
+
+/// What a build needs.
+#[derive(Clone, Copy)]
+pub struct Search<'a> {
+    pub grid: &'a Grid,
+    /// All records, with at least eight spare at the end.
+    pub records: &'a [Record],
+    pub sources: &'a [Source<'a>],
+    /// m.
+    pub cutoff: f64,
+}
+
+impl Rows {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The neighbours of target `first + k`, padding included.
+    #[inline(always)]
+    pub fn row(&self, k: usize) -> &[u32] {
+        let chunk = &self.chunks[k / CHUNK];
+        let k = k % CHUNK;
+        &chunk.index[chunk.start[k] as usize..chunk.start[k + 1] as usize]
+    }
+
+    /// Entries, padding included.
+    pub fn entries(&self) -> usize {
+        self.chunks.iter().map(|c| c.index.len()).sum()
+    }
+
+    /// Finds the neighbours of the records `first .. first + position.len()`, which lie at
+    /// `position` (m).
+    pub fn build(&mut self, search: Search, first: usize, position: &[Vec<f64>; 3]) {
+        self.first = first;
+        self.count = position[0].len();
+        self.chunks
+            .resize_with(self.count.div_ceil(CHUNK), Chunk::default);
+        let count = self.count;
+        self.chunks
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(c, chunk)| {
+                let range = c * CHUNK..((c + 1) * CHUNK).min(count);
+                #[cfg(target_arch = "x86_64")]
+                if super::lane::wide() {
+                    return unsafe { fill_avx2(search, first, position, range, chunk) };
+                }
+                unsafe { fill::<Portable>(search, first, position, range, chunk) }
+            });
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn fill_avx2(
+    search: Search,
+    first: usize,
+    position: &[Vec<f64>; 3],
+    range: std::ops::Range<usize>,
+    chunk: &mut Chunk,
+) {
+    unsafe { fill::<super::lane::Avx2>(search, first, position, range, chunk) }
+}
+
+#[inline(always)]
+unsafe fn fill<L: Lanes>(
+    search: Search,
+    first: usize,
+    position: &[Vec<f64>; 3],
+    range: std::ops::Range<usize>,
+    chunk: &mut Chunk,
+) {
+    chunk.start.clear();
+    chunk.index.clear();
+    for k in range {
+        chunk.start.push(chunk.index.len() as u32);
+        let x = [position[0][k], position[1][k], position[2][k]];
+        unsafe { neighbours::<L>(search, first + k, x, &mut chunk.index) };
+        while chunk.index.len() % WIDTH != 0 {
+            chunk.index.push((first + k) as u32);
+        }
+    }
+    chunk.start.push(chunk.index.len() as u32);
+}
+
+/// Appends the neighbours of record `own` at `x`, itself excluded.
+#[inline(always)]
+unsafe fn neighbours<L: Lanes>(search: Search, own: usize, x: [f64; 3], index: &mut Vec<u32>) {
+    unsafe {
+        let scale = search.grid.scale(search.cutoff).map(|s| L::splat(s));
+        let at = [0, 1, 2].map(|a| search.records[own].at(a));
+        let one = L::splat(1.0);
+        search.grid.columns(x, search.cutoff, |low, high| {
+            for source in search.sources {
+                let (begin, end) = source.cells.run(low, high);
+                let (begin, end) = (begin + source.offset, end + source.offset);
+                index.reserve(end - begin + WIDTH);
+                let mut filled = index.len();
+                let mut j = begin;
+                while j < end {
+                    let r = L::consecutive(search.records.as_ptr().add(j));
+                    let d = [0, 1, 2].map(|a| L::mul(L::difference(at[a], r[a]), scale[a]));
+                    let d2 = L::fma(d[2], d[2], L::fma(d[1], d[1], L::mul(d[0], d[0])));
+                    let mut mask = L::less_mask(d2, one) & (0xFF >> WIDTH.saturating_sub(end - j));
+                    if own.wrapping_sub(j) < WIDTH {
+                        mask &= !(1 << (own - j));
+                    }
+                    filled += L::compress(mask, j as u32, index.as_mut_ptr().add(filled));
+                    j += WIDTH;
+                }
+                index.set_len(filled);
+            }
+        });
+    }
+}

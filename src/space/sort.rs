@@ -1,0 +1,55 @@
+//! Particles along cells: a stable counting sort.
+
+use super::grid::Grid;
+
+/// First particle of each cell; `start[cells]` is the number of particles.
+#[derive(Clone, Debug, Default)]
+pub struct Cells {
+    pub start: Vec<u32>,
+    key: Vec<u32>,
+    /// `order[new] = old` of the last sort.
+    pub order: Vec<u32>,
+}
+
+impl Cells {
+    /// Counts `position` into cells and finds the order along them (ties keep their order).
+    pub fn sort(&mut self, grid: &Grid, position: &[Vec<f64>; 3]) {
+        let n = position[0].len();
+        self.key.resize(n, 0);
+        self.order.resize(n, 0);
+        self.start.clear();
+        self.start.resize(grid.cells() + 1, 0);
+        for i in 0..n {
+            let cell = grid.cell([position[0][i], position[1][i], position[2][i]]);
+            let key = grid.index(cell);
+            self.key[i] = key as u32;
+            self.start[key + 1] += 1;
+        }
+        for c in 1..self.start.len() {
+            self.start[c] += self.start[c - 1];
+        }
+        // `start[c]` moves on to the end of cell c while filling; shift it back afterwards.
+        for i in 0..n {
+            let slot = &mut self.start[self.key[i] as usize];
+            self.order[*slot as usize] = i as u32;
+            *slot += 1;
+        }
+        for c in (1..self.start.len()).rev() {
+            self.start[c] = self.start[c - 1];
+        }
+        self.start[0] = 0;
+    }
+
+    /// Puts `data` into the order of the last sort; `scratch` is swapped with it.
+    pub fn permute<T: Copy + Send + Sync>(&self, data: &mut Vec<T>, scratch: &mut Vec<T>) {
+        scratch.clear();
+        scratch.extend(self.order.iter().map(|&old| data[old as usize]));
+        std::mem::swap(data, scratch);
+    }
+
+    /// Particles of the cells `first..=last` (one column).
+    #[inline(always)]
+    pub fn run(&self, first: usize, last: usize) -> (usize, usize) {
+        (self.start[first] as usize, self.start[last + 1] as usize)
+    }
+}

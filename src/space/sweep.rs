@@ -1,0 +1,203 @@
+//! Pair sums: one pass over the neighbours of many targets, eight at a time, gather only.
+//!
+//! A [`Pass`] says what a pair adds; the sweep says which pairs there are. A target's sum is taken by
+//! one thread in the order of its row, so the result does not depend on the number of threads.
+
+use super::grid::Grid;
+use super::lane::{Lanes, Portable, Record, WIDTH};
+use super::row::{CHUNK, Rows};
+
+pub use super::row::Source;
+use rayon::prelude::*;
+
+/// Lanes of one pair: separation and the two records' payloads.
+pub struct Pair<L: Lanes> {
+    /// Own minus other, in units of the smoothing length.
+    pub d: [L::F; 3],
+    /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
+    pub q2: L::F,
+    /// Payload of the target, splatted.
+    pub own: [L::F; 5],
+    /// Payload of the neighbours.
+    pub other: [L::F; 5],
+}
+
+/// What one pair adds to `N` sums, and what becomes of the sums.
+pub trait Pass<const N: usize>: Sync {
+    type Out: Send;
+    /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
+    ///
+    /// # Safety
+    /// The processor has the features of `L`.
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; N]);
+    /// `target`: record index.
+    fn finish(&self, target: usize, sum: [f32; N], out: &mut Self::Out);
+}
+
+/// Sums over neighbour rows; `out[k]` belongs to target `rows.first + k`.
+/// `scale`: fixed-point units to multiples of the smoothing length.
+pub fn rows<const N: usize, P: Pass<N>>(
+    records: &[Record],
+    rows: &Rows,
+    scale: [f32; 3],
+    pass: &P,
+    out: &mut [P::Out],
+) {
+    assert_eq!(out.len(), rows.len());
+    out.par_chunks_mut(CHUNK).enumerate().for_each(|(c, out)| {
+        #[cfg(target_arch = "x86_64")]
+        if super::lane::wide() {
+            return unsafe { rows_avx2(records, rows, scale, pass, c * CHUNK, out) };
+        }
+        unsafe { rows_lanes::<Portable, N, P>(records, rows, scale, pass, c * CHUNK, out) }
+    });
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn rows_avx2<const N: usize, P: Pass<N>>(
+    records: &[Record],
+    rows: &Rows,
+    scale: [f32; 3],
+    pass: &P,
+    from: usize,
+    out: &mut [P::Out],
+) {
+    unsafe { rows_lanes::<super::lane::Avx2, N, P>(records, rows, scale, pass, from, out) }
+}
+
+#[inline(always)]
+unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
+    records: &[Record],
+    rows: &Rows,
+    scale: [f32; 3],
+    pass: &P,
+    from: usize,
+    out: &mut [P::Out],
+) {
+    unsafe {
+        let scale = scale.map(|s| L::splat(s));
+        for (k, out) in out.iter_mut().enumerate() {
+            let target = rows.first + from + k;
+            let record = &records[target];
+            let at = [record.at(0), record.at(1), record.at(2)];
+            let own = [0, 1, 2, 3, 4].map(|p| L::splat(record.payload(p)));
+            let mut sum = [L::splat(0.0); N];
+            for group in rows.row(from + k).chunks_exact(WIDTH) {
+                let r = L::gather(records.as_ptr(), group.as_ptr());
+                let pair = separate::<L>(at, own, r, scale);
+                pass.pair::<L>(&pair, &mut sum);
+            }
+            pass.finish(target, sum.map(|s| L::sum(s)), out);
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn separate<L: Lanes>(
+    at: [i32; 3],
+    own: [L::F; 5],
+    r: [L::F; 8],
+    scale: [L::F; 3],
+) -> Pair<L> {
+    unsafe {
+        let d = [
+            L::mul(L::difference(at[0], r[0]), scale[0]),
+            L::mul(L::difference(at[1], r[1]), scale[1]),
+            L::mul(L::difference(at[2], r[2]), scale[2]),
+        ];
+        let q2 = L::fma(d[2], d[2], L::fma(d[1], d[1], L::mul(d[0], d[0])));
+        Pair {
+            d,
+            q2,
+            own,
+            other: [r[3], r[4], r[5], r[6], r[7]],
+        }
+    }
+}
+
+/// Where the pairs of [`runs`] are.
+#[derive(Clone, Copy)]
+pub struct Field<'a> {
+    pub grid: &'a Grid,
+    /// All records, with at least eight spare at the end.
+    pub records: &'a [Record],
+    pub sources: &'a [Source<'a>],
+    /// Positions of the targets, m, indexed by target.
+    pub position: &'a [Vec<f64>; 3],
+    /// Search radius: support + what particles have moved since the sort, m.
+    pub cutoff: f64,
+    pub scale: [f32; 3],
+}
+
+/// Sums over whole cell columns, for few targets or long supports: no list is kept.
+/// `out[k]` belongs to `targets[k]`. Lanes beyond the support must add nothing.
+pub fn runs<const N: usize, P: Pass<N>>(
+    field: Field,
+    targets: &[u32],
+    pass: &P,
+    out: &mut [P::Out],
+) {
+    assert_eq!(out.len(), targets.len());
+    out.par_chunks_mut(CHUNK)
+        .zip(targets.par_chunks(CHUNK))
+        .for_each(|(out, targets)| {
+            #[cfg(target_arch = "x86_64")]
+            if super::lane::wide() {
+                return unsafe { runs_avx2(field, targets, pass, out) };
+            }
+            unsafe { runs_lanes::<Portable, N, P>(field, targets, pass, out) }
+        });
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn runs_avx2<const N: usize, P: Pass<N>>(
+    field: Field,
+    targets: &[u32],
+    pass: &P,
+    out: &mut [P::Out],
+) {
+    unsafe { runs_lanes::<super::lane::Avx2, N, P>(field, targets, pass, out) }
+}
+
+#[inline(always)]
+unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
+    field: Field,
+    targets: &[u32],
+    pass: &P,
+    out: &mut [P::Out],
+) {
+    unsafe {
+        let scale = field.scale.map(|s| L::splat(s));
+        let far = L::splat(FAR);
+        for (&target, out) in targets.iter().zip(out) {
+            let i = target as usize;
+            let record = &field.records[i];
+            let at = [record.at(0), record.at(1), record.at(2)];
+            let own = [0, 1, 2, 3, 4].map(|p| L::splat(record.payload(p)));
+            let x = [0, 1, 2].map(|a| field.position[a][i]);
+            let mut sum = [L::splat(0.0); N];
+            field.grid.columns(x, field.cutoff, |low, high| {
+                for source in field.sources {
+                    let (begin, end) = source.cells.run(low, high);
+                    let mut j = begin + source.offset;
+                    let end = end + source.offset;
+                    while j < end {
+                        let r = L::consecutive(field.records.as_ptr().add(j));
+                        let mut pair = separate::<L>(at, own, r, scale);
+                        if end - j < WIDTH {
+                            pair.q2 = L::first(end - j, pair.q2, far);
+                        }
+                        pass.pair::<L>(&pair, &mut sum);
+                        j += WIDTH;
+                    }
+                }
+            });
+            pass.finish(i, sum.map(|s| L::sum(s)), out);
+        }
+    }
+}
+
+/// A squared distance beyond every support, in units of h^2.
+const FAR: f32 = 1e12;

@@ -16,13 +16,16 @@ impl Band {
     pub fn mark(&mut self, cells: &Cells, is: &(dyn Fn(usize) -> bool + Sync)) {
         let n = cells.start.len() - 1;
         self.mark.resize(n, false);
-        self.mark.par_chunks_mut(4096).enumerate().for_each(|(c, marks)| {
-            for (k, mark) in marks.iter_mut().enumerate() {
-                let cell = c * 4096 + k;
-                let run = cells.start[cell] as usize..cells.start[cell + 1] as usize;
-                *mark = run.into_iter().any(is);
-            }
-        });
+        self.mark
+            .par_chunks_mut(4096)
+            .enumerate()
+            .for_each(|(c, marks)| {
+                for (k, mark) in marks.iter_mut().enumerate() {
+                    let cell = c * 4096 + k;
+                    let run = cells.start[cell] as usize..cells.start[cell + 1] as usize;
+                    *mark = run.into_iter().any(is);
+                }
+            });
     }
 
     /// Marks every cell within `reach` m of a marked one, axis by axis.
@@ -37,17 +40,24 @@ impl Band {
             }
             self.scratch.resize(self.mark.len(), false);
             let mark = &self.mark;
-            self.scratch.par_chunks_mut(4096).enumerate().for_each(|(chunk, out)| {
-                for (k, out) in out.iter_mut().enumerate() {
-                    let cell = chunk * 4096 + k;
-                    let at = ((cell / stride[axis]) % count[axis]) as i64;
-                    let base = cell - at as usize * stride[axis];
-                    *out = (at - r..=at + r).any(|c| {
-                        let c = if grid.periodic[axis] { c.rem_euclid(n) } else { c };
-                        (0..n).contains(&c) && mark[base + c as usize * stride[axis]]
-                    });
-                }
-            });
+            self.scratch
+                .par_chunks_mut(4096)
+                .enumerate()
+                .for_each(|(chunk, out)| {
+                    for (k, out) in out.iter_mut().enumerate() {
+                        let cell = chunk * 4096 + k;
+                        let at = ((cell / stride[axis]) % count[axis]) as i64;
+                        let base = cell - at as usize * stride[axis];
+                        *out = (at - r..=at + r).any(|c| {
+                            let c = if grid.periodic[axis] {
+                                c.rem_euclid(n)
+                            } else {
+                                c
+                            };
+                            (0..n).contains(&c) && mark[base + c as usize * stride[axis]]
+                        });
+                    }
+                });
             std::mem::swap(&mut self.mark, &mut self.scratch);
         }
     }

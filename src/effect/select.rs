@@ -36,14 +36,18 @@ fn viscosity<K: Kernel, R: Visitor>(
     h: f64,
     visitor: R,
 ) -> R::Out {
-    let Some(mu) = effects.viscosity else { return visitor.visit::<K, ()>(()) };
+    let Some(mu) = effects.viscosity else {
+        return visitor.visit::<K, ()>(());
+    };
     let factor = (mu / h) as f32;
     // (d+2)/(d+3): see `super::viscosity` (1).
     let exact = (dimension as f32 + 2.0) / (dimension as f32 + 3.0);
     match settings.viscosity_form {
         ViscosityForm::Morris => visitor.visit::<K, _>(Morris { factor }),
         ViscosityForm::TwoTerm => visitor.visit::<K, _>(TwoTerm { factor }),
-        ViscosityForm::TwoTermExact => visitor.visit::<K, _>(TwoTerm { factor: exact * factor }),
+        ViscosityForm::TwoTermExact => visitor.visit::<K, _>(TwoTerm {
+            factor: exact * factor,
+        }),
     }
 }
 

@@ -134,7 +134,10 @@ impl Tension {
         force.resize(self.reached.len(), [0.0; 4]);
         let d = self.dimension as i32;
         let factor = flow.mass * K::norm(self.dimension) / self.length.powi(d + 1);
-        let pass = Stress::<K> { factor, kernel: PhantomData };
+        let pass = Stress::<K> {
+            factor,
+            kernel: PhantomData,
+        };
         self.runs(flow, records, &self.reached, &pass, &mut force);
         self.force = force;
     }
@@ -162,8 +165,13 @@ impl Tension {
         pass: &P,
         out: &mut [P::Out],
     ) {
-        let liquid = sweep::Source { cells: flow.liquid, offset: 0 };
-        let wall = flow.wall.map(|(cells, offset)| sweep::Source { cells, offset });
+        let liquid = sweep::Source {
+            cells: flow.liquid,
+            offset: 0,
+        };
+        let wall = flow
+            .wall
+            .map(|(cells, offset)| sweep::Source { cells, offset });
         let both = [liquid, wall.unwrap_or(liquid)];
         let field = Field {
             grid: flow.grid,
@@ -255,7 +263,10 @@ impl Tension {
                 let (volume, rho) = if raw {
                     (flow.mass / self.density, self.density)
                 } else {
-                    (flow.mass / flow.density[i], flow.mass / records[i].payload(1) as f64)
+                    (
+                        flow.mass / flow.density[i],
+                        flow.mass / records[i].payload(1) as f64,
+                    )
                 };
                 let n = v.map(|v| gradient * volume * v as f64);
                 let size = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();

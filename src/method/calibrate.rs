@@ -36,26 +36,44 @@ pub fn calibrate(scene: &Scene, bodies: &[Particles]) -> Result<Calibration, Met
         virial += v;
     }
     if virial <= 0.0 {
-        let body = scene.bodies.first().map_or(String::new(), |b| b.name.clone());
+        let body = scene
+            .bodies
+            .first()
+            .map_or(String::new(), |b| b.name.clone());
         return Err(MethodError::NoSurface { body });
     }
-    Ok(Calibration { strength: area / virial, bodies: measured })
+    Ok(Calibration {
+        strength: area / virial,
+        bodies: measured,
+    })
 }
 
 /// sigma_eff A / sigma at alpha = 1.
 fn virial_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, MethodError> {
     let model = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index));
     let rests = super::model::rests(&scene.bodies[index]);
-    let walls = if rests { wall::build(scene) } else { Default::default() };
+    let walls = if rests {
+        wall::build(scene)
+    } else {
+        Default::default()
+    };
     let state = super::start::resting(scene, particles);
     let mut flow = super::flow_of(&model, state.particles, walls)?;
     flow.sort();
     flow.find();
     let d = model.dimension.count();
     let sigma = model.effects.tension.unwrap_or(1.0);
-    let tension =
-        select::tension(&model.effects, &model.settings, d, model.h, model.density, 1.0);
-    let Some(mut tension) = tension else { return Ok(0.0) };
+    let tension = select::tension(
+        &model.effects,
+        &model.settings,
+        d,
+        model.h,
+        model.density,
+        1.0,
+    );
+    let Some(mut tension) = tension else {
+        return Ok(0.0);
+    };
     let mut records = std::mem::take(&mut flow.records);
     // Every particle may be at the surface: no flags are needed for one evaluation.
     tension.update(&super::surface_of(&flow), &mut records, &|_| true);
@@ -70,7 +88,10 @@ fn free_area(scene: &Scene, body: &Body) -> f64 {
         Shape::Sphere { radius, .. } if two => 2.0 * PI * radius,
         Shape::Sphere { radius, .. } => 4.0 * PI * radius * radius,
         Shape::Ellipsoid { semi_axes, .. } if two => ellipse(semi_axes[0], semi_axes[2]),
-        Shape::Ellipsoid { semi_axes: [a, b, c], .. } => {
+        Shape::Ellipsoid {
+            semi_axes: [a, b, c],
+            ..
+        } => {
             // Knud Thomsen's approximation: within 1.1 %.
             let p = 1.6075;
             let mean = ((a * b).powf(p) + (a * c).powf(p) + (b * c).powf(p)) / 3.0;

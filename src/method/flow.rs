@@ -192,10 +192,20 @@ impl Flow {
     pub fn find(&mut self) {
         self.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
         let n = self.liquid();
-        let liquid = Source { cells: &self.liquid_cells, offset: 0 };
-        let wall = Source { cells: &self.wall_cells, offset: n };
+        let liquid = Source {
+            cells: &self.liquid_cells,
+            offset: 0,
+        };
+        let wall = Source {
+            cells: &self.wall_cells,
+            offset: n,
+        };
         let both = [liquid, wall];
-        let sources = if self.walls() > 0 { &both[..] } else { &both[..1] };
+        let sources = if self.walls() > 0 {
+            &both[..]
+        } else {
+            &both[..1]
+        };
         let search = Search {
             grid: &self.grid,
             records: &self.records,
@@ -204,8 +214,15 @@ impl Flow {
         };
         self.rows.build(search, 0, &self.particles.position);
         if self.walls() > 0 {
-            let seen = if self.wall_sees_wall { &both[..] } else { &both[..1] };
-            let search = Search { sources: seen, ..search };
+            let seen = if self.wall_sees_wall {
+                &both[..]
+            } else {
+                &both[..1]
+            };
+            let search = Search {
+                sources: seen,
+                ..search
+            };
             self.wall_rows.build(search, n, &self.wall.position);
         }
     }

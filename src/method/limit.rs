@@ -27,20 +27,26 @@ impl Limits {
 
     /// 0.125 h^2 / nu (Morris, Fox & Zhu 1997).
     pub fn viscous(&self) -> f64 {
-        self.viscosity.map_or(f64::INFINITY, |mu| 0.125 * self.h * self.h * self.density / mu)
+        self.viscosity.map_or(f64::INFINITY, |mu| {
+            0.125 * self.h * self.h * self.density / mu
+        })
     }
 
     /// 0.25 sqrt(rho h^3 / (2 pi sigma)) (Morris 2000).
     pub fn capillary(&self) -> f64 {
         let wave = |sigma: f64| self.density * self.h.powi(3) / (std::f64::consts::TAU * sigma);
-        self.tension.map_or(f64::INFINITY, |sigma| 0.25 * wave(sigma).sqrt())
+        self.tension
+            .map_or(f64::INFINITY, |sigma| 0.25 * wave(sigma).sqrt())
     }
 
     /// The largest advective step, `cfl` h / u, with the other slow limits (Zhang, Rezavand & Hu
     /// 2020).
     pub fn advective(&self, cfl: f64) -> f64 {
         let advection = cfl * self.h / self.speed.max(1e-30);
-        advection.min(self.force()).min(self.viscous()).min(self.capillary())
+        advection
+            .min(self.force())
+            .min(self.viscous())
+            .min(self.capillary())
     }
 
     /// Every limit of a single-rate step by name, least first.

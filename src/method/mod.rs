@@ -46,8 +46,10 @@ pub enum MethodError {
     TooSmall(#[from] crate::space::grid::TooSmall),
     #[error("the state holds no particle; give body.NAME a shape larger than pack.spacing")]
     Empty,
-    #[error("body {body} has no measurable surface, so the tension cannot be calibrated on it; \
-             set effects.tension.strength to a number")]
+    #[error(
+        "body {body} has no measurable surface, so the tension cannot be calibrated on it; \
+             set effects.tension.strength to a number"
+    )]
     NoSurface { body: String },
 }
 
@@ -97,13 +99,30 @@ pub fn build(
     phase: Phase,
     strength: Option<f64>,
 ) -> Result<Box<dyn Solver>, MethodError> {
-    let body = state.particles.body.first().copied().ok_or(MethodError::Empty)? as usize;
+    let body = state
+        .particles
+        .body
+        .first()
+        .copied()
+        .ok_or(MethodError::Empty)? as usize;
     let model = Model::new(scene, phase, Some(body));
     let relaxing = matches!(phase, Phase::Relax { .. });
     let walled = !relaxing || model::rests(&scene.bodies[body]);
-    let wall = if walled { crate::particle::wall::build(scene) } else { Wall::default() };
-    let stored = state.scalars.iter().find(|s| s.0 == "tension_strength").map(|s| s.1);
-    let alpha = match (model.effects.tension, strength.or(stored), model.settings.tension_strength) {
+    let wall = if walled {
+        crate::particle::wall::build(scene)
+    } else {
+        Wall::default()
+    };
+    let stored = state
+        .scalars
+        .iter()
+        .find(|s| s.0 == "tension_strength")
+        .map(|s| s.1);
+    let alpha = match (
+        model.effects.tension,
+        strength.or(stored),
+        model.settings.tension_strength,
+    ) {
         (None, _, _) => 0.0,
         (_, Some(alpha), _) => alpha,
         (_, None, TensionStrength::Fixed(alpha)) => alpha,
@@ -113,11 +132,26 @@ pub fn build(
     };
     let flow = flow_of(&model, state.particles.clone(), wall)?;
     let d = model.dimension.count();
-    let tension =
-        select::tension(&model.effects, &model.settings, d, model.h, model.density, alpha);
-    let pool = scene.bodies.iter().any(|b| matches!(b.shape, Shape::Layer { .. }));
+    let tension = select::tension(
+        &model.effects,
+        &model.settings,
+        d,
+        model.h,
+        model.density,
+        alpha,
+    );
+    let pool = scene
+        .bodies
+        .iter()
+        .any(|b| matches!(b.shape, Shape::Layer { .. }));
     let (effects, settings, h) = (model.effects.clone(), model.settings.clone(), model.h);
-    let parts = Parts { model, flow, tension, state, pool };
+    let parts = Parts {
+        model,
+        flow,
+        tension,
+        state,
+        pool,
+    };
     Ok(select::pair(&effects, &settings, d, h, parts))
 }
 
@@ -132,8 +166,16 @@ struct Parts {
 impl select::Visitor for Parts {
     type Out = Box<dyn Solver>;
     fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Box<dyn Solver> {
-        let Parts { model, flow, tension, state, pool } = self;
-        Box::new(wcsph::Wcsph::<K, V>::new(model, flow, viscosity, tension, &state, pool))
+        let Parts {
+            model,
+            flow,
+            tension,
+            state,
+            pool,
+        } = self;
+        Box::new(wcsph::Wcsph::<K, V>::new(
+            model, flow, viscosity, tension, &state, pool,
+        ))
     }
 }
 
@@ -154,8 +196,18 @@ fn flow_of(
         crate::scene::KernelName::WendlandC2 => 0.1 * model.h,
         crate::scene::KernelName::CubicSpline => 0.0,
     };
-    let lengths = Lengths { support, longest: long.max(support), late };
-    Ok(Flow::new(model.dimension, &model.domain, lengths, particles, wall)?)
+    let lengths = Lengths {
+        support,
+        longest: long.max(support),
+        late,
+    };
+    Ok(Flow::new(
+        model.dimension,
+        &model.domain,
+        lengths,
+        particles,
+        wall,
+    )?)
 }
 
 /// What the tension reads of a flow.

@@ -47,7 +47,11 @@ pub fn resting_domain(scene: &Scene, body: &Body) -> Domain {
         size[1] = 0.0;
         boundary[1] = [Side::Periodic; 2];
     }
-    Domain { size, boundary, wall_velocity: Default::default() }
+    Domain {
+        size,
+        boundary,
+        wall_velocity: Default::default(),
+    }
 }
 
 impl Model {
@@ -126,9 +130,7 @@ pub fn mass(scene: &Scene) -> f64 {
     let nominal = scene.density * s0.powi(d as i32);
     match s.mass {
         Mass::Nominal => nominal,
-        Mass::LatticeSum => {
-            nominal / crate::kernel::lattice_sum(s.kernel, d, s0, s.smoothing * s0)
-        }
+        Mass::LatticeSum => nominal / crate::kernel::lattice_sum(s.kernel, d, s0, s.smoothing * s0),
     }
 }
 
@@ -137,7 +139,11 @@ fn size(body: &Body) -> (Option<f64>, f64) {
     match &body.shape {
         Shape::Sphere { radius, .. } => (Some(*radius), 2.0 * radius),
         Shape::Ellipsoid { semi_axes: a, .. } => {
-            let least = a.iter().copied().filter(|r| *r > 0.0).fold(f64::INFINITY, f64::min);
+            let least = a
+                .iter()
+                .copied()
+                .filter(|r| *r > 0.0)
+                .fold(f64::INFINITY, f64::min);
             (Some(least), 2.0 * a[2])
         }
         Shape::Block { low, high } => (None, high[2] - low[2]),

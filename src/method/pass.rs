@@ -102,7 +102,8 @@ impl<K: Kernel, V: PairViscosity, const SHOCK: bool> Pass<3> for Force<K, V, SHO
                     p = L::add(p, shock::<L>(pair, v, self.sound_speed));
                 }
                 let weight = L::add(pair.own[4], pair.other[4]);
-                self.viscosity.add::<L>(slope, pair.q2, pair.d, v, weight, sum);
+                self.viscosity
+                    .add::<L>(slope, pair.q2, pair.d, v, weight, sum);
             }
             let f = L::sub(L::splat(0.0), L::mul(slope, p));
             for a in 0..3 {
@@ -162,7 +163,8 @@ impl<K: Kernel, V: PairViscosity> Pass<7> for Neighbourhood<K, V> {
                 let v = difference::<L>(&pair.own, &pair.other);
                 let mut s = [a, b, c];
                 let weight = L::add(pair.own[4], pair.other[4]);
-                self.viscosity.add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
+                self.viscosity
+                    .add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
                 [a, b, c] = s;
             }
             let d = L::fma(slope, pair.d[0], d);
@@ -174,7 +176,11 @@ impl<K: Kernel, V: PairViscosity> Pass<7> for Neighbourhood<K, V> {
     #[inline(always)]
     fn finish(&self, _: usize, s: [f32; 7], out: &mut Surroundings) {
         let viscous = [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32);
-        *out = Surroundings { viscous, gradient: [s[3], s[4], s[5]], sum: s[6] };
+        *out = Surroundings {
+            viscous,
+            gradient: [s[3], s[4], s[5]],
+            sum: s[6],
+        };
     }
 }
 

@@ -32,7 +32,10 @@ pub fn resting(scene: &Scene, body: &Particles) -> State {
     if let Some(index) = particles.body.first().copied() {
         shift(&mut particles, home(scene, index as usize));
     }
-    State { particles, ..State::default() }
+    State {
+        particles,
+        ..State::default()
+    }
 }
 
 /// The body of a relaxing state, back about its own origin; at rest, sorted by id.
@@ -57,8 +60,16 @@ fn by_id(p: &Particles) -> Particles {
     Particles {
         id: order.iter().map(|&i| p.id[i]).collect(),
         body: order.iter().map(|&i| p.body[i]).collect(),
-        position: [pick(&p.position[0]), pick(&p.position[1]), pick(&p.position[2])],
-        velocity: [pick(&p.velocity[0]), pick(&p.velocity[1]), pick(&p.velocity[2])],
+        position: [
+            pick(&p.position[0]),
+            pick(&p.position[1]),
+            pick(&p.position[2]),
+        ],
+        velocity: [
+            pick(&p.velocity[0]),
+            pick(&p.velocity[1]),
+            pick(&p.velocity[2]),
+        ],
         density: pick(&p.density),
         mass: p.mass,
     }
@@ -66,15 +77,24 @@ fn by_id(p: &Particles) -> Particles {
 
 /// Merges packed or relaxed bodies and gives them their places and velocities: the state at t = 0.
 pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
-    let mut all = Particles { mass: mass(scene), ..Particles::default() };
+    let mut all = Particles {
+        mass: mass(scene),
+        ..Particles::default()
+    };
     let impact = Model::new(scene, Phase::Impact, None);
     for body in bodies {
-        let Some(index) = body.body.first().copied() else { continue };
+        let Some(index) = body.body.first().copied() else {
+            continue;
+        };
         let spec = &scene.bodies[index as usize];
         let relax = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index as usize));
         // The same pressure under the other sound speed.
         let relaxed = scene.relax.is_some() && impact.diffusion().is_some();
-        let ratio = if relaxed { (relax.sound_speed / impact.sound_speed).powi(2) } else { 1.0 };
+        let ratio = if relaxed {
+            (relax.sound_speed / impact.sound_speed).powi(2)
+        } else {
+            1.0
+        };
         let centre = centre(&spec.shape);
         let first = all.len() as u32;
         for i in 0..body.len() {
@@ -84,12 +104,16 @@ pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
                 all.position[a].push(local[a] + centre[a]);
                 all.velocity[a].push(v[a]);
             }
-            all.density.push(scene.density + ratio * (body.density[i] - scene.density));
+            all.density
+                .push(scene.density + ratio * (body.density[i] - scene.density));
             all.id.push(first + body.id[i]);
             all.body.push(index);
         }
     }
-    State { particles: all, ..State::default() }
+    State {
+        particles: all,
+        ..State::default()
+    }
 }
 
 /// Where the packed origin goes.
@@ -111,8 +135,16 @@ fn velocity(scene: &Scene, motion: &Motion, shape: &Shape, x: [f64; 3]) -> [f64;
             [-speed * x.cos() * z.sin(), 0.0, speed * x.sin() * z.cos()]
         }
         Motion::Stretch { rate } => {
-            let lateral = if scene.dimension == Dimension::Two { 1.0 } else { 0.5 };
-            let y = if scene.dimension == Dimension::Two { 0.0 } else { x[1] };
+            let lateral = if scene.dimension == Dimension::Two {
+                1.0
+            } else {
+                0.5
+            };
+            let y = if scene.dimension == Dimension::Two {
+                0.0
+            } else {
+                x[1]
+            };
             [-lateral * rate * x[0], -lateral * rate * y, rate * x[2]]
         }
     }

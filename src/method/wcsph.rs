@@ -101,9 +101,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             pool,
             kernel: PhantomData,
         };
-        solver.walls.resize(solver.flow.walls(), solver.model.density);
+        solver
+            .walls
+            .resize(solver.flow.walls(), solver.model.density);
         if let Some(sums) = array("kernel_sum") {
-            solver.around.iter_mut().zip(sums).for_each(|(s, x)| s.sum = *x as f32);
+            solver
+                .around
+                .iter_mut()
+                .zip(sums)
+                .for_each(|(s, x)| s.sum = *x as f32);
         }
         solver.fastest = solver.speed();
         if !solver.is_dual() {
@@ -173,7 +179,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             Vec::new()
         };
         if let Some(keep) = self.flow.confine(|i| self.pool && mist[i]) {
-            super::flow::retain(&mut self.rate, &keep[..keep.len().min(self.rate.len())]);
+            if !self.rate.is_empty() {
+                super::flow::retain(&mut self.rate, &keep);
+            }
             super::flow::retain(&mut self.held, &keep);
             super::flow::retain(&mut self.force, &keep);
             super::flow::retain(&mut self.around, &keep);
@@ -226,7 +234,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
         }
         let factor = self.gradient_factor();
-        let pass = Neighbourhood { factor, viscosity, kernel: self.kernel };
+        let pass = Neighbourhood {
+            factor,
+            viscosity,
+            kernel: self.kernel,
+        };
         let (records, rows) = (&self.flow.records, &self.flow.rows);
         sweep::rows(records, rows, self.scale(), &pass, &mut self.around);
     }
@@ -236,10 +248,20 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
         let d = self.model.dimension.count();
         let factor = self.flow.particles.mass * K::norm(d) / self.model.h.powi(d as i32);
-        let pass = Summation { factor, own: factor * K::w(0.0), kernel: self.kernel };
+        let pass = Summation {
+            factor,
+            own: factor * K::w(0.0),
+            kernel: self.kernel,
+        };
         let scale = self.scale();
         let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.flow.particles.density);
+        sweep::rows(
+            records,
+            rows,
+            scale,
+            &pass,
+            &mut self.flow.particles.density,
+        );
         if self.flow.walls() > 0 && self.flow.wall_sees_wall {
             let rows = &self.flow.wall_rows;
             sweep::rows(records, rows, scale, &pass, &mut self.walls.density);
@@ -273,7 +295,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             kernel: self.kernel,
         };
         let scale = self.scale();
-        sweep::rows(&self.flow.records, &self.flow.rows, scale, &pass, &mut self.rate);
+        sweep::rows(
+            &self.flow.records,
+            &self.flow.rows,
+            scale,
+            &pass,
+            &mut self.rate,
+        );
     }
 
     /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
@@ -282,17 +310,29 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let (scale, kernel) = (self.scale(), self.kernel);
         let (records, rows) = (&self.flow.records, &self.flow.rows);
         if self.model.settings.shock_dissipation > 0.0 {
-            let pass = Force::<K, U, true> { factor, viscosity, sound_speed: c, kernel };
+            let pass = Force::<K, U, true> {
+                factor,
+                viscosity,
+                sound_speed: c,
+                kernel,
+            };
             sweep::rows(records, rows, scale, &pass, &mut self.force);
         } else {
-            let pass = Force::<K, U, false> { factor, viscosity, sound_speed: c, kernel };
+            let pass = Force::<K, U, false> {
+                factor,
+                viscosity,
+                sound_speed: c,
+                kernel,
+            };
             sweep::rows(records, rows, scale, &pass, &mut self.force);
         }
     }
 
     /// Adds a_s to `held` or `force`, whichever is given.
     fn add_tension(&mut self, into: fn(&mut Self) -> &mut Vec<[f32; 3]>) {
-        let Some(mut tension) = self.tension.take() else { return };
+        let Some(mut tension) = self.tension.take() else {
+            return;
+        };
         let scale = self.sum_factor();
         let around = &self.around;
         let surface = |i: usize| scale * (around[i].sum + 1.0) < SURFACE;
@@ -311,7 +351,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         let v = &self.flow.particles.velocity;
         let square = |i: usize| v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i];
-        let key = |i: usize| if square(i).is_nan() { f64::INFINITY } else { square(i) };
+        let key = |i: usize| {
+            if square(i).is_nan() {
+                f64::INFINITY
+            } else {
+                square(i)
+            }
+        };
         let worst = (0..self.flow.liquid()).max_by(|a, b| key(*a).total_cmp(&key(*b)));
         let i = worst.unwrap_or(0);
         let [x, y, z] = self.flow.position(i);
@@ -343,14 +389,25 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             let e = p.density[i] / rho0 - 1.0;
             let compression = 0.5 * m * c2 * e * e;
-            [0.5 * m * dot(v, v), -m * dot(g, x), compression, m * v[0], m * v[1], m * v[2]]
+            [
+                0.5 * m * dot(v, v),
+                -m * dot(g, x),
+                compression,
+                m * v[0],
+                m * v[1],
+                m * v[2],
+            ]
         })
     }
 }
 
 #[inline(always)]
 fn velocity(p: &Particles, i: usize) -> [f32; 3] {
-    [p.velocity[0][i] as f32, p.velocity[1][i] as f32, p.velocity[2][i] as f32]
+    [
+        p.velocity[0][i] as f32,
+        p.velocity[1][i] as f32,
+        p.velocity[2][i] as f32,
+    ]
 }
 
 impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
@@ -368,7 +425,10 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
 
     fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
         match self.model.settings.time_stepping {
-            TimeStepping::Dual { advective, acoustic } => {
+            TimeStepping::Dual {
+                advective,
+                acoustic,
+            } => {
                 self.dual_step(advective, acoustic)?;
                 on_step(self);
             }
@@ -405,7 +465,13 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             arrays.push(("kernel_sum".to_string(), sums));
         }
         let particles = self.flow.particles.clone();
-        State { time: self.time, step: self.step, particles, scalars, arrays }
+        State {
+            time: self.time,
+            step: self.step,
+            particles,
+            scalars,
+            arrays,
+        }
     }
 
     fn frame(&self) -> Frame {
@@ -424,7 +490,9 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             ("time_step_s", self.last_step),
             ("steps", self.step as f64),
         ];
-        let scalars = named.map(|(name, value)| (name.to_string(), value)).to_vec();
+        let scalars = named
+            .map(|(name, value)| (name.to_string(), value))
+            .to_vec();
         let fields = super::frame::Fields {
             pressure: &|i| self.model.pressure(p.density[i]),
             surface: &|i| self.kernel_sum(i) < SURFACE,

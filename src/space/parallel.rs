@@ -17,7 +17,11 @@ unsafe impl<T: Send> Send for Slots<'_, T> {}
 
 impl<'a, T> Slots<'a, T> {
     pub fn new(slice: &'a mut [T]) -> Self {
-        Slots { start: slice.as_mut_ptr(), len: slice.len(), _life: std::marker::PhantomData }
+        Slots {
+            start: slice.as_mut_ptr(),
+            len: slice.len(),
+            _life: std::marker::PhantomData,
+        }
     }
 
     /// # Safety

@@ -19,7 +19,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.rebuild();
         self.hold();
         let inner = acoustic * self.model.h / (self.model.sound_speed + self.fastest);
-        let outer = self.limits_now().advective(advective).min(MOST * inner).max(inner);
+        let outer = self
+            .limits_now()
+            .advective(advective)
+            .min(MOST * inner)
+            .max(inner);
         let count = (outer / inner).ceil();
         let dt = outer / count;
         if self.model.settings.shifting > 0.0 {
@@ -34,7 +38,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// What is held over the advective step: viscosity (from `look`), gravity, tension.
     fn hold(&mut self) {
-        let g = self.model.effects.gravity.unwrap_or([0.0; 3]).map(|g| g as f32);
+        let g = self
+            .model
+            .effects
+            .gravity
+            .unwrap_or([0.0; 3])
+            .map(|g| g as f32);
         let (around, held) = (&self.around, Slots::new(&mut self.held));
         each(around.len(), |i| {
             let v = around[i].viscous;
@@ -43,7 +52,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.add_tension(|s| &mut s.held);
         // Pressure acceleration belongs to the acoustic criterion.
         let held = &self.held;
-        let square = |i: usize| held[i].iter().map(|a| (*a as f64) * (*a as f64)).sum::<f64>();
+        let square = |i: usize| {
+            held[i]
+                .iter()
+                .map(|a| (*a as f64) * (*a as f64))
+                .sum::<f64>()
+        };
         self.hardest = max(held.len(), square).max(0.0).sqrt();
     }
 
@@ -91,7 +105,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn drift_density(&mut self, dt: f64) {
         let rate = &self.rate;
         let density = Slots::new(&mut self.flow.particles.density);
-        each(rate.len(), |i| *unsafe { density.at(i) } += dt * rate[i] as f64);
+        each(rate.len(), |i| {
+            *unsafe { density.at(i) } += dt * rate[i] as f64
+        });
     }
 
     /// Moves everything by `dt` s; makes rows anew first if that would let a pair be missed.

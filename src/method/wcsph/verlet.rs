@@ -83,7 +83,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 self.density_rate(diffusion);
                 let rate = &self.rate;
                 let density = Slots::new(&mut self.flow.particles.density);
-                each(rate.len(), |i| *unsafe { density.at(i) } += dt * rate[i] as f64);
+                each(rate.len(), |i| {
+                    *unsafe { density.at(i) } += dt * rate[i] as f64
+                });
             }
         }
         self.pack_force(ahead);
@@ -98,7 +100,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.add_tension(|s| &mut s.force);
         std::mem::swap(&mut self.held, &mut self.force);
         let held = &self.held;
-        let square = |i: usize| held[i].iter().map(|a| (*a as f64) * (*a as f64)).sum::<f64>();
+        let square = |i: usize| {
+            held[i]
+                .iter()
+                .map(|a| (*a as f64) * (*a as f64))
+                .sum::<f64>()
+        };
         self.hardest = max(held.len(), square).max(0.0).sqrt();
     }
 }

@@ -25,7 +25,9 @@ impl WallState {
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn extrapolate(&mut self) {
         let scale = self.scale();
-        let pass = Extrapolation { kernel: self.kernel };
+        let pass = Extrapolation {
+            kernel: self.kernel,
+        };
         let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
         sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
     }
@@ -57,8 +59,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.wall_density();
         }
         let (model, density) = (&self.model, &self.walls.density);
-        let viscous: Vec<[f32; 3]> =
-            (0..self.flow.walls()).map(|i| self.viscous_velocity(i)).collect();
+        let viscous: Vec<[f32; 3]> = (0..self.flow.walls())
+            .map(|i| self.viscous_velocity(i))
+            .collect();
         self.flow.pack_wall(|i| {
             let (rho, v) = (density[i], viscous[i]);
             let pressure = (model.pressure(rho) * inverse(rho)) as f32;
@@ -89,7 +92,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         [0, 1, 2].map(|a| {
             let u = self.flow.wall.velocity[a][i] as f32;
             let extrapolated = s.weight > 0.0 && !self.flow.wall_sees_wall;
-            if extrapolated { 2.0 * u - s.velocity[a] / s.weight } else { u }
+            if extrapolated {
+                2.0 * u - s.velocity[a] / s.weight
+            } else {
+                u
+            }
         })
     }
 
@@ -99,7 +106,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.flow.pack(
             |p, i| {
                 let v = super::velocity(p, i);
-                [v[0], v[1], v[2], 0.0, (1.0 / (p.density[i] * p.density[i])) as f32]
+                [
+                    v[0],
+                    v[1],
+                    v[2],
+                    0.0,
+                    (1.0 / (p.density[i] * p.density[i])) as f32,
+                ]
             },
             |_, _| [0.0, 0.0, 0.0, 0.0, w0],
         );
@@ -109,8 +122,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if !self.flow.wall_sees_wall {
             self.extrapolate();
         }
-        let viscous: Vec<[f32; 3]> =
-            (0..self.flow.walls()).map(|i| self.viscous_velocity(i)).collect();
-        self.flow.pack_wall(|i| [viscous[i][0], viscous[i][1], viscous[i][2], 0.0, w0]);
+        let viscous: Vec<[f32; 3]> = (0..self.flow.walls())
+            .map(|i| self.viscous_velocity(i))
+            .collect();
+        self.flow
+            .pack_wall(|i| [viscous[i][0], viscous[i][1], viscous[i][2], 0.0, w0]);
     }
 }

@@ -5,10 +5,14 @@
 //! | [`digest`] | SHA-256 names of contents |
 //! | [`atomic`] | files that appear whole or not at all |
 //! | [`checkpoint`] | verified, compressed snapshots that stages exchange |
+//! | [`log`] | frames over time, as MCAP that stock viewers show |
+//! | [`background`] | checkpoints written while the solver goes on |
 
 pub mod atomic;
+pub mod background;
 pub mod checkpoint;
 pub mod digest;
+pub mod log;
 
 pub use checkpoint::{Array, Checkpoint, CheckpointError};
 pub use digest::Digest;

@@ -4,3 +4,4 @@ mod pack_lattice;
 mod pack_scene;
 mod record_checkpoint;
 mod record_damage;
+mod record_log;

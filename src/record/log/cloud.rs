@@ -1,0 +1,188 @@
+//! Particles as `foxglove.PointCloud`.
+
+use foxglove::messages::packed_element_field::NumericType;
+use foxglove::messages::{PackedElementField, PointCloud, Pose, Quaternion, Timestamp, Vector3};
+use prost::Message as _;
+
+use super::LogSetup;
+use crate::particle::Frame;
+use crate::scene::Colour;
+
+/// Frame of reference of everything in the log.
+pub const BOX: &str = "box";
+
+/// Bytes of one particle; the last three are padding, so that every number is aligned.
+const STRIDE: usize = 48;
+
+/// Name, offset and type of the numbers of a particle.
+const FIELDS: [(&str, usize, NumericType); 15] = [
+    ("x", 0, NumericType::Float32),
+    ("y", 4, NumericType::Float32),
+    ("z", 8, NumericType::Float32),
+    ("vx", 12, NumericType::Float32),
+    ("vy", 16, NumericType::Float32),
+    ("vz", 20, NumericType::Float32),
+    ("speed", 24, NumericType::Float32),
+    ("pressure", 28, NumericType::Float32),
+    ("density", 32, NumericType::Float32),
+    ("id", 36, NumericType::Uint32),
+    ("red", 40, NumericType::Uint8),
+    ("green", 41, NumericType::Uint8),
+    ("blue", 42, NumericType::Uint8),
+    ("alpha", 43, NumericType::Uint8),
+    ("surface", 44, NumericType::Uint8),
+];
+
+/// Bytes of a wall particle: x, y, z and its colour.
+const WALL_STRIDE: usize = 16;
+
+const WALL_FIELDS: [(&str, usize, NumericType); 7] = [
+    ("x", 0, NumericType::Float32),
+    ("y", 4, NumericType::Float32),
+    ("z", 8, NumericType::Float32),
+    ("red", 12, NumericType::Uint8),
+    ("green", 13, NumericType::Uint8),
+    ("blue", 14, NumericType::Uint8),
+    ("alpha", 15, NumericType::Uint8),
+];
+
+const WALL_COLOUR: [u8; 4] = [128, 128, 128, 48];
+
+/// Anchors of the colour map viridis (S. van der Walt and N. Smith, 2015), at even distances.
+const VIRIDIS: [[f32; 3]; 9] = [
+    [68.0, 1.0, 84.0],
+    [71.0, 44.0, 122.0],
+    [59.0, 81.0, 139.0],
+    [44.0, 113.0, 142.0],
+    [33.0, 144.0, 141.0],
+    [39.0, 173.0, 129.0],
+    [92.0, 200.0, 99.0],
+    [170.0, 220.0, 50.0],
+    [253.0, 231.0, 37.0],
+];
+
+/// Point cloud of the particles of `body` in `frame`.
+pub fn encode(frame: &Frame, body: u8, setup: &LogSetup, log_time: u64) -> Vec<u8> {
+    let count = frame.body.iter().filter(|b| **b == body).count();
+    let mut data = Vec::with_capacity(count * STRIDE);
+    let own = setup.bodies[usize::from(body)].colour;
+    let [x, y, z] = &frame.position;
+    let [vx, vy, vz] = &frame.velocity;
+    for i in 0..frame.id.len() {
+        if frame.body[i] != body {
+            continue;
+        }
+        let speed = (vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i]).sqrt();
+        let [r, g, b] = match setup.colour {
+            Colour::Body => own,
+            Colour::Speed => viridis(speed / setup.speed_scale as f32),
+            Colour::Pressure => viridis(frame.pressure[i] / setup.pressure_scale as f32),
+        };
+        let reals = [
+            x[i],
+            y[i],
+            z[i],
+            vx[i],
+            vy[i],
+            vz[i],
+            speed,
+            frame.pressure[i],
+            frame.density[i],
+        ];
+        for real in reals {
+            data.extend_from_slice(&real.to_le_bytes());
+        }
+        data.extend_from_slice(&frame.id[i].to_le_bytes());
+        data.extend_from_slice(&[r, g, b, 255, frame.surface[i], 0, 0, 0]);
+    }
+    message(&FIELDS, STRIDE, data, log_time)
+}
+
+/// Point cloud of the walls, at log time 0.
+pub fn encode_wall(position: &[Vec<f64>; 3]) -> Vec<u8> {
+    let mut data = Vec::with_capacity(position[0].len() * WALL_STRIDE);
+    for i in 0..position[0].len() {
+        for component in position {
+            data.extend_from_slice(&(component[i] as f32).to_le_bytes());
+        }
+        data.extend_from_slice(&WALL_COLOUR);
+    }
+    message(&WALL_FIELDS, WALL_STRIDE, data, 0)
+}
+
+/// Adds the particles of a message of [`encode`] to `frame`.
+pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
+    let cloud = PointCloud::decode(bytes).map_err(|error| error.to_string())?;
+    let stride = cloud.point_stride as usize;
+    let fits = |(field, (name, offset, number)): (&PackedElementField, &(_, usize, _))| {
+        field.name == *name && field.offset as usize == *offset && field.r#type == *number as i32
+    };
+    let same = cloud.fields.len() == FIELDS.len() && cloud.fields.iter().zip(&FIELDS).all(fits);
+    if !same || stride != STRIDE || cloud.data.len() % STRIDE != 0 {
+        return Err("its point clouds have other fields".into());
+    }
+    let real = |point: &[u8], at: usize| {
+        f32::from_le_bytes(point[at..at + 4].try_into().expect("4 bytes"))
+    };
+    for point in cloud.data.chunks_exact(STRIDE) {
+        for axis in 0..3 {
+            frame.position[axis].push(real(point, 4 * axis));
+            frame.velocity[axis].push(real(point, 12 + 4 * axis));
+        }
+        frame.pressure.push(real(point, 28));
+        frame.density.push(real(point, 32));
+        let id = u32::from_le_bytes(point[36..40].try_into().expect("4 bytes"));
+        frame.id.push(id);
+        frame.surface.push(point[44]);
+        frame.body.push(body);
+    }
+    Ok(())
+}
+
+/// `foxglove.PointCloud` timestamps and log times are the same instant.
+pub fn timestamp(log_time: u64) -> Timestamp {
+    let seconds = u32::try_from(log_time / 1_000_000_000).unwrap_or(u32::MAX);
+    Timestamp::new(seconds, (log_time % 1_000_000_000) as u32)
+}
+
+fn message(
+    fields: &[(&str, usize, NumericType)],
+    stride: usize,
+    data: Vec<u8>,
+    log_time: u64,
+) -> Vec<u8> {
+    let field = |(name, offset, number): &(&str, usize, NumericType)| PackedElementField {
+        name: name.to_string(),
+        offset: *offset as u32,
+        r#type: *number as i32,
+    };
+    let identity = Pose {
+        position: Some(Vector3::default()),
+        orientation: Some(Quaternion {
+            w: 1.0,
+            ..Quaternion::default()
+        }),
+    };
+    PointCloud {
+        timestamp: Some(timestamp(log_time)),
+        frame_id: BOX.into(),
+        pose: Some(identity),
+        point_stride: stride as u32,
+        fields: fields.iter().map(field).collect(),
+        data: data.into(),
+    }
+    .encode_to_vec()
+}
+
+/// Colour of `value`, 0 to 1; beyond, that of the end. NaN is black.
+fn viridis(value: f32) -> [u8; 3] {
+    if value.is_nan() {
+        return [0; 3];
+    }
+    let steps = (VIRIDIS.len() - 1) as f32;
+    let place = value.clamp(0.0, 1.0) * steps;
+    let low = (place as usize).min(VIRIDIS.len() - 2);
+    let part = place - low as f32;
+    let mix = |k: usize| VIRIDIS[low][k] + part * (VIRIDIS[low + 1][k] - VIRIDIS[low][k]);
+    [mix(0) as u8, mix(1) as u8, mix(2) as u8]
+}

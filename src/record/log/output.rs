@@ -1,0 +1,283 @@
+//! An MCAP file being written, with the options and the chunks that make it reproducible.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use foxglove::messages::{FrameTransform, PointCloud, Quaternion, Vector3};
+use foxglove::{Encode, Schema as FoxgloveSchema};
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Attachment, WriteOptions};
+use prost::Message as _;
+
+use super::{LogError, LogSetup, cloud, log_time, measures};
+use crate::particle::Frame;
+use crate::record::atomic::FileError;
+
+/// A chunk ends at the first frame end after this many bytes. A chunk cannot be smaller than a
+/// frame anyway; less than this costs compression and index.
+const CHUNK: usize = 4 << 20;
+
+/// zstd level of the chunks: noise of f32 bounds the ratio, so more costs time for nothing.
+const LEVEL: u32 = 1;
+
+/// Where a message belongs.
+#[derive(Clone, Copy)]
+pub struct Channel<'a> {
+    pub topic: &'a str,
+    pub schema_name: &'a str,
+    pub schema: &'a [u8],
+    pub metadata: &'a BTreeMap<String, String>,
+}
+
+/// A channel in the file.
+struct Known {
+    id: u16,
+    /// Messages so far.
+    count: u32,
+    schema: Vec<u8>,
+}
+
+/// Writes messages, metadata and attachments.
+pub struct Output {
+    writer: mcap::Writer<BufWriter<File>>,
+    /// The same open file, to make it durable.
+    file: File,
+    path: PathBuf,
+    channels: HashMap<String, Known>,
+    /// Bytes in the open chunk.
+    pending: usize,
+}
+
+impl Output {
+    /// Starts a log in `file`, which is open for writing at `path`.
+    pub fn new(file: File, path: &Path) -> Result<Self, LogError> {
+        let shared = file.try_clone().map_err(FileError::new(path, "open"))?;
+        let writer = WriteOptions::new()
+            // The default names the library's version, and the bytes would change with it.
+            .library("coronet")
+            .compression(Some(mcap::Compression::Zstd))
+            .compression_level(LEVEL)
+            // A pool of its own would fight with the solver's, and change the bytes.
+            .compression_threads(0)
+            // Chunks end where frames end, see `end_frame`.
+            .chunk_size(None)
+            // A chunk reaches the file whole or not at all.
+            .disable_seeking(true)
+            .create(BufWriter::new(shared))
+            .map_err(LogError::writing(path))?;
+        Ok(Output {
+            writer,
+            file,
+            path: path.to_path_buf(),
+            channels: HashMap::new(),
+            pending: 0,
+        })
+    }
+
+    pub fn metadata(
+        &mut self,
+        name: &str,
+        metadata: BTreeMap<String, String>,
+    ) -> Result<(), LogError> {
+        let record = Metadata {
+            name: name.to_string(),
+            metadata,
+        };
+        self.pending = 0;
+        let written = self.writer.write_metadata(&record);
+        written.map_err(LogError::writing(&self.path))
+    }
+
+    pub fn attachment(
+        &mut self,
+        name: &str,
+        media_type: &str,
+        data: &[u8],
+    ) -> Result<(), LogError> {
+        let attachment = Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.to_string(),
+            media_type: media_type.to_string(),
+            data: data.into(),
+        };
+        self.pending = 0;
+        let written = self.writer.attach(&attachment);
+        written.map_err(LogError::writing(&self.path))
+    }
+
+    pub fn message(
+        &mut self,
+        channel: Channel<'_>,
+        log_time: u64,
+        data: &[u8],
+    ) -> Result<(), LogError> {
+        let wrong = LogError::writing(&self.path);
+        if !self.channels.contains_key(channel.topic) {
+            let schema = self
+                .writer
+                .add_schema(channel.schema_name, "protobuf", channel.schema)
+                .map_err(&wrong)?;
+            let id = self
+                .writer
+                .add_channel(schema, channel.topic, "protobuf", channel.metadata)
+                .map_err(&wrong)?;
+            let known = Known {
+                id,
+                count: 0,
+                schema: channel.schema.to_vec(),
+            };
+            self.channels.insert(channel.topic.to_string(), known);
+        }
+        let known = self.channels.get_mut(channel.topic).expect("inserted");
+        if known.schema != channel.schema {
+            let what = format!("{} has another schema than before", channel.topic);
+            return Err(LogError::Frame(what));
+        }
+        let header = MessageHeader {
+            channel_id: known.id,
+            sequence: known.count,
+            log_time,
+            publish_time: log_time,
+        };
+        known.count += 1;
+        self.pending += data.len();
+        let written = self.writer.write_to_known_channel(&header, data);
+        written.map_err(wrong)
+    }
+
+    /// A chunk may end here.
+    pub fn end_frame(&mut self) -> Result<(), LogError> {
+        if self.pending >= CHUNK {
+            self.end_chunk()?;
+        }
+        Ok(())
+    }
+
+    /// Everything so far reaches the disk.
+    pub fn sync(&mut self) -> Result<(), LogError> {
+        self.end_chunk()?;
+        let synced = self.file.sync_data();
+        Ok(synced.map_err(FileError::new(&self.path, "flush to disk"))?)
+    }
+
+    /// Ends the file; nothing on disk is certain before this has returned.
+    pub fn finish(mut self) -> Result<(), LogError> {
+        self.writer
+            .finish()
+            .map_err(LogError::writing(&self.path))?;
+        let io = FileError::new(&self.path, "write");
+        self.writer.into_inner().flush().map_err(io)?;
+        let synced = self.file.sync_all();
+        Ok(synced.map_err(FileError::new(&self.path, "flush to disk"))?)
+    }
+
+    fn end_chunk(&mut self) -> Result<(), LogError> {
+        self.pending = 0;
+        let flushed = self.writer.flush();
+        flushed.map_err(LogError::writing(&self.path))
+    }
+}
+
+/// Writes what a log says once.
+pub fn write_setup(output: &mut Output, setup: &LogSetup) -> Result<(), LogError> {
+    for (name, metadata) in setup.metadata() {
+        output.metadata(name, metadata)?;
+    }
+    let scene = setup.scene_text.as_bytes();
+    output.attachment("pipeline.toml", "application/toml", scene)?;
+    let transform = FrameTransform {
+        timestamp: Some(cloud::timestamp(0)),
+        parent_frame_id: "world".into(),
+        child_frame_id: cloud::BOX.into(),
+        translation: Some(Vector3::default()),
+        rotation: Some(Quaternion {
+            w: 1.0,
+            ..Quaternion::default()
+        }),
+    };
+    let bytes = transform.encode_to_vec();
+    write_foxglove::<FrameTransform>(output, "/tf", &BTreeMap::new(), 0, &bytes)?;
+    if !setup.wall[0].is_empty() {
+        let bytes = cloud::encode_wall(&setup.wall);
+        write_foxglove::<PointCloud>(output, "/wall", &BTreeMap::new(), 0, &bytes)?;
+    }
+    Ok(())
+}
+
+/// Writes one frame: a cloud a body, then the scalars. `schema` is made at the first frame and
+/// must fit the later ones.
+pub fn write_frame(
+    output: &mut Output,
+    setup: &LogSetup,
+    schema: &mut Option<measures::Schema>,
+    frame: &Frame,
+) -> Result<(), LogError> {
+    check(frame, setup)?;
+    let time = log_time(frame.time, setup.time_scale);
+    for (index, body) in setup.bodies.iter().enumerate() {
+        let bytes = cloud::encode(frame, index as u8, setup, time);
+        let metadata = BTreeMap::from([("body".to_string(), index.to_string())]);
+        let topic = format!("/body/{}", body.name);
+        write_foxglove::<PointCloud>(output, &topic, &metadata, time, &bytes)?;
+    }
+    let schema = match schema {
+        Some(schema) if schema.fits(&frame.scalars) => schema,
+        Some(_) => return Err(LogError::Frame("its scalars have other names".into())),
+        None => schema.insert(measures::Schema::new(&frame.scalars).map_err(LogError::Frame)?),
+    };
+    let channel = Channel {
+        topic: "/measures",
+        schema_name: measures::NAME,
+        schema: &schema.descriptor(),
+        metadata: &BTreeMap::new(),
+    };
+    let bytes = measures::Schema::encode(frame.time, &frame.scalars);
+    output.message(channel, time, &bytes)?;
+    output.end_frame()
+}
+
+/// A frame with arrays of different lengths or unknown bodies is a mistake of its maker.
+fn check(frame: &Frame, setup: &LogSetup) -> Result<(), LogError> {
+    let count = frame.id.len();
+    let lengths = frame.position.iter().chain(&frame.velocity).map(Vec::len);
+    let others = [
+        frame.body.len(),
+        frame.pressure.len(),
+        frame.density.len(),
+        frame.surface.len(),
+    ];
+    if lengths.chain(others).any(|length| length != count) {
+        return Err(LogError::Frame("its arrays differ in length".into()));
+    }
+    if let Some(body) = frame
+        .body
+        .iter()
+        .find(|b| **b as usize >= setup.bodies.len())
+    {
+        return Err(LogError::Frame(format!("there is no body {body}")));
+    }
+    if !frame.time.is_finite() {
+        return Err(LogError::Frame(format!("its time is {}", frame.time)));
+    }
+    Ok(())
+}
+
+fn write_foxglove<T: Encode>(
+    output: &mut Output,
+    topic: &str,
+    metadata: &BTreeMap<String, String>,
+    log_time: u64,
+    bytes: &[u8],
+) -> Result<(), LogError> {
+    let FoxgloveSchema { name, data, .. } = T::get_schema().expect("well-known messages have one");
+    let channel = Channel {
+        topic,
+        schema_name: &name,
+        schema: &data,
+        metadata,
+    };
+    output.message(channel, log_time, bytes)
+}

@@ -1,1 +1,192 @@
-//! pipeline
+//! Order and freshness: which stage runs, why, and where its result is kept.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`key`] | the name of a result before it exists: SHA-256 over all that it depends on |
+//! | [`stamp`] | what is written beside a result, for people and for the next run |
+//! | [`store`] | the folder of a key: locks, publishing, setting damaged files aside |
+//! | [`decide`] | fresh or stale, and the reasons; the same function serves `plan` and `run` |
+//! | [`run`] | the walk over the jobs |
+//! | [`context`] | what a running stage sees |
+//! | `publish` | from files in the work folder to a stamped result |
+//! | [`latest`] | the newest results by name, which are also the roots of [`sweep`] |
+//! | [`sweep`], [`verify`] | removal of what nobody reaches; hashing everything again |
+//! | [`machine`] | where and how fast |
+//!
+//! Nothing here knows a stage or any physics. Settings are names, values to show and canonical
+//! bytes; results are files with a digest of their content.
+//!
+//! A result lives in `artifacts/<stage>/<key>/`: its files and `stamp.json`, which is written last,
+//! so a folder without a stamp is unfinished. `work/` in there belongs to the run in progress and
+//! outlives kills; `lock` is held while it runs.
+
+pub mod context;
+pub mod decide;
+mod error;
+pub mod key;
+pub mod latest;
+pub mod machine;
+mod publish;
+pub mod run;
+pub mod stamp;
+pub mod store;
+pub mod sweep;
+pub mod verify;
+
+pub use context::{Context, Input, Relative};
+pub use decide::{Decision, plan};
+pub use error::{PipelineError, StageError};
+pub use run::{Report, Run, Status, run};
+pub use stamp::{OutputStamp, Stamp};
+pub use store::Store;
+
+/// One setting that a stage reads.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// As the user writes it: `pack.spacing`.
+    pub name: String,
+    /// For people: `0.25 mm`.
+    pub shown: String,
+    /// For the key: equal settings have equal bytes, and no others.
+    pub canonical: Vec<u8>,
+}
+
+/// One file of a result.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Name in the folder of the key; may have subfolders, with `/`.
+    pub file: String,
+    /// Whether the content is part of the result's digest. A page that shows how long a run took is
+    /// kept and verified, but differs from run to run.
+    pub counted: bool,
+}
+
+impl Output {
+    /// A file whose content the settings determine.
+    pub fn counted(file: impl Into<String>) -> Self {
+        Output {
+            file: file.into(),
+            counted: true,
+        }
+    }
+
+    /// A file that may differ from run to run.
+    pub fn shown(file: impl Into<String>) -> Self {
+        Output {
+            file: file.into(),
+            counted: false,
+        }
+    }
+}
+
+/// One job of a pipeline: a stage, applied to one thing.
+pub trait Stage: Sync {
+    /// Name of the stage, of its table in the pipeline file and of its folder.
+    fn name(&self) -> &str;
+
+    /// What it is applied to (the name of a body), or empty. Is in no key.
+    fn part(&self) -> &str {
+        ""
+    }
+
+    /// Grows when the same settings give another result.
+    fn version(&self) -> u32;
+
+    /// The settings that this stage reads, no others, in a fixed order.
+    fn settings(&self) -> Vec<Setting>;
+
+    /// Earlier jobs of the pipeline whose results it reads.
+    fn inputs(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    /// Name of the one setting (an end time) whose change lets a finished result serve as a
+    /// beginning: see [`Context::relatives`].
+    fn extends(&self) -> Option<&str> {
+        None
+    }
+
+    /// How much there is to do, for estimates of time.
+    fn work(&self) -> Option<Work> {
+        None
+    }
+
+    /// What a user should know when the setting `name` makes this stage stale.
+    fn remark(&self, _name: &str) -> Option<&str> {
+        None
+    }
+
+    /// Makes the result's files in [`Context::output`].
+    fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError>;
+}
+
+/// Size of a job's work, in a unit of the stage's own (particle-steps).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Work {
+    pub amount: f64,
+    /// Per second, where no earlier run tells.
+    pub pace: f64,
+}
+
+/// Name of a job for people: `relax drop`, `impact`.
+pub fn label(stage: &dyn Stage) -> String {
+    stamp::label(stage.name(), stage.part())
+}
+
+/// A pipeline: jobs in an order in which they can run.
+pub struct Pipeline<'a> {
+    /// Name under `artifacts/latest/`.
+    pub name: String,
+    pub jobs: Vec<Box<dyn Stage + 'a>>,
+}
+
+/// What happens while a pipeline runs, for whoever watches.
+#[derive(Clone, Debug)]
+pub enum Event<'a> {
+    /// Another process makes this result.
+    Waiting {
+        job: &'a str,
+        holder: &'a str,
+    },
+    /// A job starts; `decision` says why.
+    Started {
+        decision: &'a Decision,
+    },
+    Progress {
+        job: &'a str,
+        progress: Progress,
+    },
+    /// Something that the user should know, but that stops nothing.
+    Warning {
+        job: &'a str,
+        text: &'a str,
+    },
+    Ended {
+        report: &'a Report,
+    },
+}
+
+/// How far a job is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Part of the work done, 0 to 1.
+    pub fraction: f64,
+    /// In the stage's own unit of work, per second; 0 if unknown.
+    pub speed: f64,
+    /// Unit of `speed`, as `particle-steps/s`.
+    pub unit: &'static str,
+    /// Where it is: `t = 3.1 ms of 40 ms`.
+    pub text: String,
+}
+
+/// Receives [`Event`]s.
+pub trait Watch: Sync {
+    fn event(&self, event: &Event);
+}
+
+/// Watches nothing.
+pub struct Silent;
+
+impl Watch for Silent {
+    fn event(&self, _event: &Event) {}
+}

@@ -1,0 +1,270 @@
+//! Fresh or stale, and why. `plan` shows these decisions; `run` acts on the same ones.
+
+use std::fs;
+use std::path::PathBuf;
+
+use super::stamp::{InputStamp, SettingStamp, Stamp};
+use super::store::{Found, OUT, Store, WORK};
+use super::{Pipeline, Stage, key, label};
+use crate::record::Digest;
+
+/// What is to be done with one job.
+#[derive(Clone, Debug)]
+pub struct Decision {
+    /// Place in the pipeline.
+    pub job: usize,
+    pub stage: String,
+    /// What the stage is applied to, or empty.
+    pub body: String,
+    /// `None` while an input is stale: its digest is not known yet.
+    pub key: Option<Digest>,
+    /// The finished result, if there is one.
+    pub fresh: Option<Box<Stamp>>,
+    /// Why there is none.
+    pub reasons: Vec<String>,
+    /// What the work can start from, if not from the beginning.
+    pub start: Option<String>,
+    /// Expected wall time, s, from earlier runs or from the stage's own guess.
+    pub seconds: Option<f64>,
+}
+
+impl Decision {
+    /// For people: `relax drop`.
+    pub fn label(&self) -> String {
+        super::stamp::label(&self.stage, &self.body)
+    }
+
+    /// `fresh`, `resumes` or `stale`.
+    pub fn word(&self) -> &'static str {
+        match (&self.fresh, &self.start) {
+            (Some(_), _) => "fresh",
+            (None, Some(_)) => "resumes",
+            (None, None) => "stale",
+        }
+    }
+}
+
+/// A finished input: its key and the digest of what it contains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Done {
+    pub key: Digest,
+    pub digest: Digest,
+}
+
+/// Decisions for all jobs, as far as they are known before anything runs.
+pub fn plan(store: &Store, pipeline: &Pipeline) -> Vec<Decision> {
+    let mut done: Vec<Option<Done>> = Vec::new();
+    let mut decisions = Vec::new();
+    for job in 0..pipeline.jobs.len() {
+        let decision = decide(store, pipeline, job, &done);
+        done.push(decision.fresh.as_ref().map(|stamp| Done {
+            key: stamp.key,
+            digest: stamp.digest,
+        }));
+        decisions.push(decision);
+    }
+    decisions
+}
+
+/// Decides about one job. `done[i]` is the result of job `i`, if it is finished.
+pub fn decide(store: &Store, pipeline: &Pipeline, job: usize, done: &[Option<Done>]) -> Decision {
+    let stage = pipeline.jobs[job].as_ref();
+    let settings = stage.settings();
+    let inputs: Vec<_> = stage
+        .inputs()
+        .into_iter()
+        .map(|input| done[input])
+        .collect();
+    let digests: Option<Vec<_>> = inputs
+        .iter()
+        .map(|done| done.map(|done| done.digest))
+        .collect();
+    let mut decision = Decision {
+        job,
+        stage: stage.name().to_string(),
+        body: stage.part().to_string(),
+        key: digests
+            .as_ref()
+            .map(|digests| key::key(stage, &settings, digests)),
+        fresh: None,
+        reasons: Vec::new(),
+        start: None,
+        seconds: None,
+    };
+    let family = digests.and_then(|digests| key::family(stage, &settings, &digests));
+    if let Some(key) = decision.key {
+        match store.find(stage.name(), &key) {
+            Found::Finished(stamp) => {
+                decision.fresh = Some(stamp);
+                return decision;
+            }
+            Found::Unusable(what) => decision.reasons.push(what),
+            Found::Nothing => {}
+        }
+        decision.start = start(store, stage, &key, family);
+    }
+    let stamps = store.stamps(stage.name());
+    decision.seconds = estimate(stage, &stamps);
+    if decision.reasons.is_empty() {
+        let wanted: Vec<SettingStamp> = settings.iter().map(SettingStamp::from).collect();
+        decision.reasons = reasons(pipeline, stage, &wanted, &inputs, &stamps);
+    }
+    decision
+}
+
+/// What a stale result could start from.
+fn start(store: &Store, stage: &dyn Stage, key: &Digest, family: Option<Digest>) -> Option<String> {
+    let work = store.folder(stage.name(), key).join(WORK);
+    let entries = fs::read_dir(work).into_iter().flatten().flatten();
+    let mut names = entries.map(|entry| entry.file_name());
+    if names.any(|name| name != OUT && name != super::context::SPENT) {
+        return Some("an unfinished run".to_string());
+    }
+    let relatives = relatives(store, stage.name(), family);
+    let (_, stamp) = relatives.first()?;
+    let free = stage.extends().unwrap_or_default();
+    let value = stamp.settings.iter().find(|setting| setting.name == free);
+    let value = value.map_or("?", |setting| setting.value.as_str());
+    Some(format!("the result for {free} = {value}"))
+}
+
+/// Finished results that differ in nothing but the setting that may grow.
+pub fn relatives(store: &Store, stage: &str, family: Option<Digest>) -> Vec<(PathBuf, Stamp)> {
+    let Some(family) = family else {
+        return Vec::new();
+    };
+    let mut stamps = store.stamps(stage);
+    stamps.retain(|(_, stamp)| stamp.family == Some(family));
+    stamps
+}
+
+fn reasons(
+    pipeline: &Pipeline,
+    stage: &dyn Stage,
+    wanted: &[SettingStamp],
+    inputs: &[Option<Done>],
+    stamps: &[(PathBuf, Stamp)],
+) -> Vec<String> {
+    let names: Vec<String> = stage
+        .inputs()
+        .into_iter()
+        .map(|input| label(pipeline.jobs[input].as_ref()))
+        .collect();
+    let mut waiting = Vec::new();
+    for (name, input) in names.iter().zip(inputs) {
+        if input.is_none() {
+            waiting.push(format!("{name} is stale"));
+        }
+    }
+    let same_body = |(_, stamp): &&(PathBuf, Stamp)| stamp.body == stage.part();
+    let mut candidates: Vec<_> = stamps.iter().filter(same_body).collect();
+    if candidates.is_empty() {
+        candidates = stamps.iter().collect();
+    }
+    let differences = candidates.into_iter().map(|(_, earlier)| {
+        let list = differences(stage, wanted, &names, inputs, earlier);
+        (list, &earlier.started)
+    });
+    // Of equally near ones the newest: it is what the user remembers.
+    let nearest = differences.min_by(|(a, at), (b, bt)| (a.len(), bt).cmp(&(b.len(), at)));
+    match nearest {
+        None if waiting.is_empty() => vec!["never ran".to_string()],
+        None => waiting,
+        Some((list, _)) => {
+            waiting.extend(list);
+            if waiting.is_empty() {
+                waiting.push("its result is gone".to_string());
+            }
+            waiting
+        }
+    }
+}
+
+/// Each difference between an earlier result and what is wanted, as `name old -> new`.
+fn differences(
+    stage: &dyn Stage,
+    wanted: &[SettingStamp],
+    names: &[String],
+    inputs: &[Option<Done>],
+    earlier: &Stamp,
+) -> Vec<String> {
+    let mut list = Vec::new();
+    if earlier.version != stage.version() {
+        let (old, new) = (earlier.version, stage.version());
+        list.push(format!("{}.VERSION {old} -> {new}", stage.name()));
+    }
+    let format = crate::record::checkpoint::FORMAT_VERSION;
+    if earlier.format != format {
+        list.push(format!("checkpoint format {} -> {format}", earlier.format));
+    }
+    for setting in wanted {
+        let old = earlier.settings.iter().find(|old| old.name == setting.name);
+        if old.is_none_or(|old| old.canonical != setting.canonical) {
+            list.push(difference(stage, &setting.name, old, Some(setting)));
+        }
+    }
+    for old in &earlier.settings {
+        if !wanted.iter().any(|setting| setting.name == old.name) {
+            list.push(difference(stage, &old.name, Some(old), None));
+        }
+    }
+    for (index, name) in names.iter().enumerate() {
+        let Some(new) = inputs[index] else {
+            continue;
+        };
+        match earlier.inputs.get(index) {
+            Some(old) if old.digest == new.digest => {}
+            old => list.push(input_difference(name, old, &new)),
+        }
+    }
+    for old in earlier.inputs.iter().skip(names.len()) {
+        let name = super::stamp::label(&old.stage, &old.body);
+        list.push(format!("result of {name} is no longer read"));
+    }
+    list
+}
+
+fn difference(
+    stage: &dyn Stage,
+    name: &str,
+    old: Option<&SettingStamp>,
+    new: Option<&SettingStamp>,
+) -> String {
+    let shown = |setting: Option<&SettingStamp>| {
+        setting.map_or("(absent)".to_string(), |setting| setting.value.clone())
+    };
+    let (mut before, mut after) = (shown(old), shown(new));
+    if let (Some(old), Some(new)) = (old, new)
+        && before == after
+    {
+        before = format!("{before} [{}]", old.canonical);
+        after = format!("{after} [{}]", new.canonical);
+    }
+    match stage.remark(name) {
+        Some(remark) => format!("{name} {before} -> {after} ({remark})"),
+        None => format!("{name} {before} -> {after}"),
+    }
+}
+
+fn input_difference(name: &str, old: Option<&InputStamp>, new: &Done) -> String {
+    let before = old.map_or("(absent)".to_string(), |old| old.digest.short());
+    format!("result of {name} {before} -> {}", new.digest.short())
+}
+
+/// Wall time from the newest result of the stage that tells its work, else from the stage's guess.
+fn estimate(stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
+    let known = |stamp: &&Stamp| stamp.work.is_some_and(|work| work > 0.0);
+    let stamps = stamps.iter().map(|(_, stamp)| stamp);
+    let newest = stamps
+        .clone()
+        .filter(known)
+        .max_by_key(|stamp| &stamp.started);
+    let work = stage.work();
+    match (newest, work) {
+        (Some(stamp), Some(work)) => Some(work.amount / stamp.work? * stamp.wall_seconds),
+        (None, Some(work)) => Some(work.amount / work.pace),
+        (_, None) => stamps
+            .max_by_key(|stamp| &stamp.started)
+            .map(|stamp| stamp.wall_seconds),
+    }
+}

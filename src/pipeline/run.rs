@@ -1,0 +1,372 @@
+//! The walk over the jobs: each is found fresh, or made under its lock and published.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::context::{Context, Input, Relative, Spent};
+use super::decide::{Done, decide, relatives};
+use super::machine::{Clock, now};
+use super::stamp::Stamp;
+use super::store::{OUT, Store, WORK, content, set_aside};
+use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, latest, publish};
+use crate::record::Digest;
+use crate::record::atomic::FileError;
+
+/// How a job ended well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Nothing had to be done.
+    Fresh,
+    Ran,
+    /// Ran, but not from the beginning.
+    Resumed,
+}
+
+impl Status {
+    pub fn word(self) -> &'static str {
+        match self {
+            Status::Fresh => "fresh",
+            Status::Ran => "ran",
+            Status::Resumed => "resumed",
+        }
+    }
+}
+
+/// A job that ended well.
+#[derive(Clone, Debug)]
+pub struct Report {
+    pub stage: String,
+    /// What the stage was applied to, or empty.
+    pub body: String,
+    pub status: Status,
+    /// Why it ran.
+    pub reasons: Vec<String>,
+    /// Where the result is.
+    pub folder: PathBuf,
+    pub stamp: Stamp,
+    /// Wall and CPU time of this call, s.
+    pub seconds: f64,
+    pub cpu_seconds: f64,
+}
+
+impl Report {
+    /// For people: `relax drop`.
+    pub fn label(&self) -> String {
+        super::stamp::label(&self.stage, &self.body)
+    }
+}
+
+/// A run to be.
+pub struct Run<'a> {
+    pub store: &'a Store,
+    pub pipeline: &'a Pipeline<'a>,
+    /// Name of the last stage to run; all if `None`.
+    pub until: Option<&'a str>,
+    /// Set by whoever wants the run to stop at the next restartable instant.
+    pub stop: &'a AtomicBool,
+    pub watch: &'a dyn Watch,
+    /// For the stamps.
+    pub threads: usize,
+    /// For the stamps: name and version of the program.
+    pub program: String,
+}
+
+/// Brings every job up to date, in order. The reports are in the order of the jobs.
+pub fn run(run: &Run) -> Result<Vec<Report>, PipelineError> {
+    let last = last_job(run)?;
+    let _shared = run.store.share(&mut |holder| {
+        run.watch.event(&Event::Waiting { job: "run", holder });
+        !run.stop.load(Ordering::Relaxed)
+    });
+    let mut walk = Walk {
+        run,
+        done: Vec::new(),
+        repaired: HashSet::new(),
+    };
+    walk.done.resize_with(run.pipeline.jobs.len(), || None);
+    let ended = (0..=last).try_for_each(|job| walk.ensure(job));
+    let whole = ended.is_ok() && last + 1 == run.pipeline.jobs.len();
+    let reports: Vec<_> = walk.done.into_iter().flatten().collect();
+    latest::finish(run.store, &run.pipeline.name, &reports, whole).unwrap_or_else(|error| {
+        let text = error.to_string();
+        run.watch.event(&Event::Warning {
+            job: "latest",
+            text: &text,
+        });
+    });
+    ended.map(|()| reports)
+}
+
+/// Place of the last job to run.
+fn last_job(run: &Run) -> Result<usize, PipelineError> {
+    let jobs = &run.pipeline.jobs;
+    let Some(name) = run.until else {
+        return Ok(jobs.len() - 1);
+    };
+    jobs.iter()
+        .rposition(|stage| stage.name() == name)
+        .ok_or_else(|| {
+            let mut known: Vec<_> = jobs.iter().map(|stage| stage.name()).collect();
+            known.dedup();
+            PipelineError::UnknownStage {
+                name: name.to_string(),
+                known: known.join(", "),
+            }
+        })
+}
+
+struct Walk<'a> {
+    run: &'a Run<'a>,
+    done: Vec<Option<Report>>,
+    /// Input files that were set aside and made anew.
+    repaired: HashSet<PathBuf>,
+}
+
+/// What came of one attempt at a job.
+enum Attempt {
+    Done(Box<Report>),
+    /// Input `job` cannot be trusted.
+    Repair {
+        job: usize,
+        file: PathBuf,
+        what: String,
+    },
+}
+
+impl Walk<'_> {
+    /// Makes job `job` up to date, repairing its inputs if they turn out damaged.
+    fn ensure(&mut self, job: usize) -> Result<(), PipelineError> {
+        loop {
+            match self.attempt(job)? {
+                Attempt::Done(report) => {
+                    self.run.watch.event(&Event::Ended { report: &report });
+                    self.done[job] = Some(*report);
+                    return Ok(());
+                }
+                Attempt::Repair {
+                    job: producer,
+                    file,
+                    what,
+                } => {
+                    self.repair(job, producer, file, what)?;
+                }
+            }
+        }
+    }
+
+    fn attempt(&self, job: usize) -> Result<Attempt, PipelineError> {
+        let run = self.run;
+        let done: Vec<_> = self
+            .done
+            .iter()
+            .map(|report| report.as_ref().map(finished))
+            .collect();
+        let decide = || decide(run.store, run.pipeline, job, &done);
+        let decision = decide();
+        if let Some(report) = fresh(run.store, decision) {
+            return Ok(Attempt::Done(report));
+        }
+        let label = super::label(run.pipeline.jobs[job].as_ref());
+        let interrupted = || PipelineError::Interrupted { job: label.clone() };
+        if run.stop.load(Ordering::Relaxed) {
+            return Err(interrupted());
+        }
+        let key = decide().key.expect("all inputs are done");
+        let folder = run.store.folder(run.pipeline.jobs[job].name(), &key);
+        let mut said = false;
+        let lock = run.store.lock(&folder, &mut |holder| {
+            if !said {
+                run.watch.event(&Event::Waiting {
+                    job: &label,
+                    holder,
+                });
+                said = true;
+            }
+            !run.stop.load(Ordering::Relaxed)
+        })?;
+        let Some(_lock) = lock else {
+            return Err(interrupted());
+        };
+        // Whoever had the lock before may have made it.
+        let decision = decide();
+        if decision.fresh.is_some() {
+            return Ok(Attempt::Done(
+                fresh(run.store, decision).expect("just seen"),
+            ));
+        }
+        self.make(job, decision, &folder)
+    }
+
+    /// Runs the stage and publishes its files. The caller holds the lock of `folder`.
+    fn make(
+        &self,
+        job: usize,
+        decision: Decision,
+        folder: &Path,
+    ) -> Result<Attempt, PipelineError> {
+        let run = self.run;
+        let stage = run.pipeline.jobs[job].as_ref();
+        let label = super::label(stage);
+        let settings = stage.settings();
+        let inputs = self.inputs(job);
+        let digests: Vec<Digest> = inputs.iter().map(|input| input.stamp.digest).collect();
+        let family = key::family(stage, &settings, &digests);
+        let work = folder.join(WORK);
+        let spent = prepare(&work)?;
+        latest::begin(run.store, &run.pipeline.name, stage.name(), folder);
+        run.watch.event(&Event::Started {
+            decision: &decision,
+        });
+        let relatives = relatives(run.store, stage.name(), family);
+        let mut context = Context {
+            inputs,
+            relatives: relatives.into_iter().map(relative).collect(),
+            work,
+            job: label.clone(),
+            stop: run.stop,
+            watch: run.watch,
+            resumed: false,
+            notes: Vec::new(),
+            clock: Clock::start(),
+            spent,
+        };
+        context.save_time()?;
+        let outputs = match stage.run(&mut context) {
+            Ok(outputs) => outputs,
+            Err(StageError::Interrupted) => {
+                context.save_time()?;
+                return Err(PipelineError::Interrupted { job: label });
+            }
+            Err(StageError::Input { index, file, what }) => {
+                let job = stage.inputs()[index];
+                return Ok(Attempt::Repair { job, file, what });
+            }
+            Err(StageError::Failed(source)) => {
+                return Err(PipelineError::Stage { job: label, source });
+            }
+        };
+        let made = publish::Made {
+            run,
+            stage,
+            settings: &settings,
+            family,
+            decision: &decision,
+            folder,
+            outputs,
+            context: &context,
+        };
+        let stamp = publish::publish(made)?;
+        let (seconds, cpu_seconds) = context.clock.read();
+        Ok(Attempt::Done(Box::new(Report {
+            stage: decision.stage,
+            body: decision.body,
+            status: if context.resumed {
+                Status::Resumed
+            } else {
+                Status::Ran
+            },
+            reasons: decision.reasons,
+            folder: folder.to_path_buf(),
+            stamp,
+            seconds,
+            cpu_seconds,
+        })))
+    }
+
+    fn inputs(&self, job: usize) -> Vec<Input> {
+        let inputs = self.run.pipeline.jobs[job].inputs();
+        let input = |index: usize| {
+            let report = self.done[index].as_ref().expect("inputs come first");
+            Input {
+                folder: report.folder.clone(),
+                stamp: report.stamp.clone(),
+            }
+        };
+        inputs.into_iter().map(input).collect()
+    }
+
+    /// Sets a damaged file of job `producer` aside and makes it anew.
+    fn repair(
+        &mut self,
+        reader: usize,
+        producer: usize,
+        file: PathBuf,
+        what: String,
+    ) -> Result<(), PipelineError> {
+        let run = self.run;
+        let job = super::label(run.pipeline.jobs[reader].as_ref());
+        if !self.repaired.insert(file.clone()) {
+            return Err(PipelineError::DamagedAgain { job, file, what });
+        }
+        let report = self.done[producer].take().expect("it was read");
+        {
+            let lock = run.store.lock(&report.folder, &mut |holder| {
+                run.watch.event(&Event::Waiting { job: &job, holder });
+                !run.stop.load(Ordering::Relaxed)
+            })?;
+            let Some(_lock) = lock else {
+                return Err(PipelineError::Interrupted { job });
+            };
+            // Another process may have repaired it while this one waited.
+            let mut outputs = report.stamp.outputs.iter();
+            let wanted = outputs.find(|output| report.folder.join(&output.file) == file);
+            let whole = wanted.is_some_and(|wanted| content(&file) == Ok(wanted.digest));
+            if !whole {
+                let kept = set_aside(&report.folder, &file)?;
+                let text = format!(
+                    "{} cannot be trusted: {what}; it is kept as {}, and {} runs again",
+                    file.display(),
+                    kept.display(),
+                    report.label()
+                );
+                run.watch.event(&Event::Warning {
+                    job: &job,
+                    text: &text,
+                });
+            }
+        }
+        self.ensure(producer)
+    }
+}
+
+fn finished(report: &Report) -> Done {
+    Done {
+        key: report.stamp.key,
+        digest: report.stamp.digest,
+    }
+}
+
+fn relative((folder, stamp): (PathBuf, Stamp)) -> Relative {
+    Relative { folder, stamp }
+}
+
+fn fresh(store: &Store, decision: Decision) -> Option<Box<Report>> {
+    let stamp = *decision.fresh?;
+    Some(Box::new(Report {
+        folder: store.folder(&decision.stage, &stamp.key),
+        stage: decision.stage,
+        body: decision.body,
+        status: Status::Fresh,
+        reasons: Vec::new(),
+        stamp,
+        seconds: 0.0,
+        cpu_seconds: 0.0,
+    }))
+}
+
+/// Makes the work folder, empties the folder of finished files and counts the attempt.
+fn prepare(work: &Path) -> Result<Spent, FileError> {
+    let out = work.join(OUT);
+    if out.exists() {
+        fs::remove_dir_all(&out).map_err(FileError::new(&out, "empty"))?;
+    }
+    fs::create_dir_all(&out).map_err(FileError::new(&out, "create the folder"))?;
+    let mut spent = Spent::read(work).unwrap_or_else(|| Spent {
+        started: now(),
+        ..Spent::default()
+    });
+    spent.attempts += 1;
+    Ok(spent)
+}

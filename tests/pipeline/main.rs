@@ -1,0 +1,3 @@
+//! The pipeline from outside: a toy pipeline through the library, the real one through the binary.
+
+mod toy;

@@ -1,0 +1,455 @@
+//! A toy pipeline: `grow` makes a number, `sum` adds the numbers of two `grow`s. It checks what must
+//! hold whatever the stages do.
+
+use std::cell::RefCell;
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use coronet::pipeline::store::{LATEST, set_aside};
+use coronet::pipeline::*;
+use coronet::record::{Array, Checkpoint};
+
+const FILE: &str = "number.checkpoint";
+
+/// Counts calls, can misbehave on demand.
+#[derive(Default)]
+struct Lab {
+    calls: AtomicU32,
+    /// Added to results that no setting explains: non-determinism.
+    drift: AtomicU32,
+    interrupt: AtomicBool,
+    version: AtomicU32,
+}
+
+struct Grow<'a> {
+    lab: &'a Lab,
+    body: &'static str,
+    size: u32,
+    /// Does not influence the result, only the key.
+    idle: u32,
+}
+
+struct Sum<'a> {
+    lab: &'a Lab,
+    end: u32,
+}
+
+fn setting(name: &str, value: u32) -> Setting {
+    Setting {
+        name: name.into(),
+        shown: format!("{value} m"),
+        canonical: value.to_le_bytes().to_vec(),
+    }
+}
+
+fn write(context: &Context, value: f64) -> Result<Vec<Output>, StageError> {
+    let checkpoint = Checkpoint {
+        kind: "number".into(),
+        scalars: vec![("value".into(), value)],
+        arrays: vec![("values".into(), Array::F64(vec![value; 1000]))],
+        ..Checkpoint::default()
+    };
+    let path = context.output().join(FILE);
+    checkpoint.write(&path, 1).map_err(StageError::failed)?;
+    fs::write(
+        context.output().join("page.txt"),
+        std::process::id().to_string(),
+    )
+    .map_err(StageError::failed)?;
+    Ok(vec![Output::counted(FILE), Output::shown("page.txt")])
+}
+
+impl Stage for Grow<'_> {
+    fn name(&self) -> &str {
+        "grow"
+    }
+    fn part(&self) -> &str {
+        self.body
+    }
+    fn version(&self) -> u32 {
+        1 + self.lab.version.load(Ordering::Relaxed)
+    }
+    fn settings(&self) -> Vec<Setting> {
+        vec![
+            setting("grow.size", self.size),
+            setting("grow.idle", self.idle),
+        ]
+    }
+    fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
+        self.lab.calls.fetch_add(1, Ordering::Relaxed);
+        let drift = self.lab.drift.load(Ordering::Relaxed);
+        write(context, f64::from(self.size + drift))
+    }
+}
+
+impl Stage for Sum<'_> {
+    fn name(&self) -> &str {
+        "sum"
+    }
+    fn version(&self) -> u32 {
+        1
+    }
+    fn settings(&self) -> Vec<Setting> {
+        vec![setting("sum.end", self.end)]
+    }
+    fn inputs(&self) -> Vec<usize> {
+        vec![0, 1]
+    }
+    fn extends(&self) -> Option<&str> {
+        Some("sum.end")
+    }
+    fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
+        self.lab.calls.fetch_add(1, Ordering::Relaxed);
+        if self.lab.interrupt.load(Ordering::Relaxed) {
+            fs::write(context.work().join("half"), "x").map_err(StageError::failed)?;
+            return Err(StageError::Interrupted);
+        }
+        if context.work().join("half").exists() || !context.relatives.is_empty() {
+            context.resumed();
+        }
+        let mut sum = f64::from(self.end);
+        for index in 0..2 {
+            sum += context
+                .checkpoint(index, FILE)?
+                .scalar("value")
+                .expect("written above");
+        }
+        write(context, sum)
+    }
+}
+
+fn pipeline<'a>(lab: &'a Lab, drop: u32, end: u32) -> Pipeline<'a> {
+    Pipeline {
+        name: "toy".into(),
+        jobs: vec![
+            Box::new(Grow {
+                lab,
+                body: "drop",
+                size: drop,
+                idle: 0,
+            }),
+            Box::new(Grow {
+                lab,
+                body: "pool",
+                size: 7,
+                idle: 0,
+            }),
+            Box::new(Sum { lab, end }),
+        ],
+    }
+}
+
+/// Remembers warnings.
+#[derive(Default)]
+struct Notes(Mutex<Vec<String>>);
+
+impl Watch for Notes {
+    fn event(&self, event: &Event) {
+        if let Event::Warning { text, .. } = event {
+            self.0.lock().unwrap().push(text.to_string());
+        }
+    }
+}
+
+fn go(store: &Store, pipeline: &Pipeline) -> Result<Vec<Report>, PipelineError> {
+    watched(store, pipeline, &Silent)
+}
+
+fn watched(
+    store: &Store,
+    pipeline: &Pipeline,
+    watch: &dyn Watch,
+) -> Result<Vec<Report>, PipelineError> {
+    run(&Run {
+        store,
+        pipeline,
+        until: None,
+        stop: &AtomicBool::new(false),
+        watch,
+        threads: 1,
+        program: "toy".into(),
+    })
+}
+
+fn words(reports: &[Report]) -> Vec<&'static str> {
+    reports.iter().map(|report| report.status.word()).collect()
+}
+
+/// Flips one bit in the middle of a file.
+fn damage(path: &Path) {
+    let mut bytes = fs::read(path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(path, bytes).unwrap();
+}
+
+fn store() -> (tempfile::TempDir, Store) {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::new(folder.path().join("artifacts"));
+    (folder, store)
+}
+
+#[test]
+fn second_run_is_fresh_and_a_change_reaches_only_what_reads_it() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let first = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    assert_eq!(words(&first), ["ran"; 3]);
+    assert_eq!(first[0].reasons, ["never ran"]);
+    let second = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    assert_eq!(words(&second), ["fresh"; 3]);
+    assert_eq!(lab.calls.load(Ordering::Relaxed), 3);
+
+    let changed = pipeline(&lab, 2, 0);
+    let planned: Vec<_> = plan(&store, &changed)
+        .iter()
+        .map(|d| d.reasons.clone())
+        .collect();
+    assert_eq!(planned[0], ["grow.size 1 m -> 2 m"]);
+    assert!(planned[1].is_empty());
+    assert_eq!(planned[2], ["grow drop is stale"]);
+    let third = go(&store, &changed).unwrap();
+    assert_eq!(words(&third), ["ran", "fresh", "ran"]);
+    assert_eq!(third[0].reasons, planned[0]);
+    let (old, new) = (first[0].stamp.digest.short(), third[0].stamp.digest.short());
+    assert_eq!(
+        third[2].reasons,
+        [format!("result of grow drop {old} -> {new}")]
+    );
+}
+
+#[test]
+fn a_rerun_with_the_same_result_stops_there() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    let mut changed = pipeline(&lab, 1, 0);
+    changed.jobs[0] = Box::new(Grow {
+        lab: &lab,
+        body: "drop",
+        size: 1,
+        idle: 5,
+    });
+    let reports = go(&store, &changed).unwrap();
+    assert_eq!(words(&reports), ["ran", "fresh", "fresh"]);
+    assert_eq!(reports[0].reasons, ["grow.idle 0 m -> 5 m"]);
+    lab.version.store(1, Ordering::Relaxed);
+    let reports = go(&store, &changed).unwrap();
+    assert_eq!(words(&reports), ["ran", "ran", "fresh"]);
+    assert_eq!(reports[1].reasons, ["grow.VERSION 1 -> 2"]);
+}
+
+/// Flips a bit at `place`, then asks for something new that reads the file.
+fn repaired_after_damage_at(place: impl Fn(usize) -> usize) -> Vec<String> {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let first = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    let file = first[1].folder.join(FILE);
+    let mut bytes = fs::read(&file).unwrap();
+    let place = place(bytes.len());
+    bytes[place] ^= 1;
+    fs::write(&file, &bytes).unwrap();
+    let notes = Notes::default();
+    let reports = watched(&store, &pipeline(&lab, 1, 9), &notes).unwrap();
+    assert_eq!(reports[1].stamp.digest, first[1].stamp.digest);
+    let kept = file.with_file_name(format!("{FILE}.bad-1"));
+    assert_eq!(fs::read(kept).unwrap(), bytes);
+    assert_eq!(
+        words(&go(&store, &pipeline(&lab, 1, 9)).unwrap()),
+        ["fresh"; 3]
+    );
+    notes.0.into_inner().unwrap()
+}
+
+#[test]
+fn damage_in_a_header_is_seen_at_a_glance() {
+    assert!(repaired_after_damage_at(|_| 60).is_empty());
+}
+
+#[test]
+fn damage_in_an_array_is_seen_on_reading() {
+    let warnings = repaired_after_damage_at(|length| length - 6);
+    assert_eq!(warnings.len(), 1);
+    assert!(warnings[0].contains("cannot be trusted"), "{warnings:?}");
+}
+
+#[test]
+fn verification_finds_what_a_quick_look_does_not() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let first = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    let page = first[2].folder.join("page.txt");
+    damage(&page);
+    assert_eq!(
+        words(&go(&store, &pipeline(&lab, 1, 0)).unwrap()),
+        ["fresh"; 3]
+    );
+    let findings = coronet::pipeline::verify::verify(&store, &mut |_| {});
+    let problems: Vec<_> = findings
+        .iter()
+        .flat_map(|finding| &finding.problems)
+        .collect();
+    assert_eq!(problems.len(), 1);
+    assert_eq!(problems[0].file, page);
+    let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    assert_eq!(words(&reports), ["fresh", "fresh", "ran"]);
+    assert!(
+        reports[2].reasons[0].contains("page.txt.bad-1"),
+        "{:?}",
+        reports[2].reasons
+    );
+}
+
+#[test]
+fn a_damaged_stamp_is_a_reason_to_run_again() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let first = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    let path = first[0].folder.join("stamp.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let cases = [
+        text.replace("\"threads\": 1", "\"threads\": 2"),
+        text[..text.len() / 2].to_string(),
+        String::new(),
+        "{}".to_string(),
+        format!("{text}\n"),
+        "[".repeat(100_000),
+        text.replace("\"stamp\": 1", "\"stamp\": 2"),
+    ];
+    for case in cases {
+        assert_ne!(case, text);
+        fs::write(&path, case).unwrap();
+        let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+        assert_eq!(words(&reports), ["ran", "fresh", "fresh"]);
+        assert!(
+            reports[0].reasons[0].contains("no valid stamp"),
+            "{:?}",
+            reports[0].reasons
+        );
+    }
+}
+
+#[test]
+fn another_result_for_the_same_key_is_an_error_and_both_are_kept() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let first = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    set_aside(&first[0].folder, &first[0].folder.join(FILE)).unwrap();
+    lab.drift.store(3, Ordering::Relaxed);
+    let error = go(&store, &pipeline(&lab, 1, 0)).unwrap_err();
+    let PipelineError::Nondeterministic { folder, other, .. } = &error else {
+        panic!("{error}");
+    };
+    assert!(folder.join(format!("{FILE}.bad-1")).exists());
+    assert!(other.join(FILE).exists() && other.join("stamp.json").exists());
+    assert!(error.to_string().contains("both are kept"));
+    // Without the drift the first result comes back.
+    lab.drift.store(0, Ordering::Relaxed);
+    let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    assert_eq!(words(&reports), ["ran", "fresh", "fresh"]);
+}
+
+#[test]
+fn an_interrupted_stage_is_planned_and_reported_as_resumed() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    lab.interrupt.store(true, Ordering::Relaxed);
+    let error = go(&store, &pipeline(&lab, 1, 0)).unwrap_err();
+    assert!(
+        matches!(error, PipelineError::Interrupted { .. }),
+        "{error}"
+    );
+    lab.interrupt.store(false, Ordering::Relaxed);
+    let planned = plan(&store, &pipeline(&lab, 1, 0));
+    assert_eq!(planned[2].word(), "resumes");
+    let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    assert_eq!(words(&reports), ["fresh", "fresh", "resumed"]);
+    assert_eq!(reports[2].stamp.resumptions, 1);
+    assert!(!reports[2].folder.join("work").exists());
+    let planned = plan(&store, &pipeline(&lab, 1, 5));
+    assert_eq!(
+        planned[2].start.as_deref(),
+        Some("the result for sum.end = 0 m")
+    );
+    let reports = go(&store, &pipeline(&lab, 1, 5)).unwrap();
+    assert_eq!(words(&reports), ["fresh", "fresh", "resumed"]);
+}
+
+#[test]
+fn two_runs_at_once_share_the_work() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let reports = RefCell::new(Vec::new());
+    std::thread::scope(|scope| {
+        let both: Vec<_> = (0..2)
+            .map(|_| scope.spawn(|| go(&store, &pipeline(&lab, 1, 0)).unwrap()))
+            .collect();
+        for thread in both {
+            reports.borrow_mut().push(thread.join().unwrap());
+        }
+    });
+    assert_eq!(lab.calls.load(Ordering::Relaxed), 3);
+    let reports = reports.into_inner();
+    for (a, b) in reports[0].iter().zip(&reports[1]) {
+        assert_eq!(a.stamp, b.stamp);
+    }
+}
+
+#[test]
+fn a_clean_up_keeps_what_pipelines_reach() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let old = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    let new = go(&store, &pipeline(&lab, 2, 0)).unwrap();
+    let swept = sweep::sweep(&store, &[], &[], true).unwrap();
+    assert_eq!(swept.removed.len(), 2);
+    assert!(old[0].folder.exists());
+    // A pipeline that is named keeps its results, too.
+    let planned = plan(&store, &pipeline(&lab, 1, 0));
+    let swept = sweep::sweep(&store, &[("old".into(), planned)], &[], false).unwrap();
+    assert!(swept.removed.is_empty());
+    let swept = sweep::sweep(&store, &[], &[], false).unwrap();
+    assert_eq!(swept.removed.len(), 2);
+    assert!(!old[0].folder.exists() && !old[2].folder.exists());
+    assert_eq!(
+        words(&go(&store, &pipeline(&lab, 2, 0)).unwrap()),
+        ["fresh"; 3]
+    );
+    let link = store.root().join(LATEST).join("toy/grow-drop");
+    assert_eq!(
+        link.canonicalize().unwrap(),
+        new[0].folder.canonicalize().unwrap()
+    );
+    let swept = sweep::sweep(&store, &[], &["toy".into()], false).unwrap();
+    assert_eq!(swept.removed.len(), 3);
+    assert!(sweep::sweep(&store, &[], &["toy".into()], false).is_err());
+}
+
+#[test]
+fn a_clean_up_refuses_while_a_pipeline_runs() {
+    let (_folder, store) = store();
+    go(&store, &pipeline(&Lab::default(), 1, 0)).unwrap();
+    let running = store.share(&mut |_| false).unwrap();
+    let error = sweep::sweep(&store, &[], &[], false).unwrap_err();
+    assert!(matches!(error, PipelineError::Busy { .. }), "{error}");
+    drop(running);
+    sweep::sweep(&store, &[], &[], false).unwrap();
+}
+
+#[test]
+fn an_unknown_last_stage_is_refused_with_the_known_ones() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let error = run(&Run {
+        store: &store,
+        pipeline: &pipeline(&lab, 1, 0),
+        until: Some("som"),
+        stop: &AtomicBool::new(false),
+        watch: &Silent,
+        threads: 1,
+        program: "toy".into(),
+    });
+    assert!(error.unwrap_err().to_string().contains("grow, sum"));
+}

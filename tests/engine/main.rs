@@ -4,4 +4,6 @@ mod pack_lattice;
 mod pack_scene;
 mod record_checkpoint;
 mod record_damage;
+mod record_export;
 mod record_log;
+mod record_reader;

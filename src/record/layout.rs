@@ -1,0 +1,141 @@
+//! A layout for Foxglove and Lichtblick. Both open a log with every topic hidden and with a camera
+//! that sees nothing nearer than half a metre; this file shows everything at once, from a distance
+//! that suits the box.
+
+use serde_json::{Value, json};
+
+/// What the layout is to show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layout {
+    /// Names of the bodies, as in the log.
+    pub bodies: Vec<String>,
+    /// Size of the box, m; y is zero in 2-D.
+    pub size: [f64; 3],
+    /// Names of the scalars of a frame, with unit suffix.
+    pub scalars: Vec<String>,
+}
+
+const COLOURS: [&str; 6] = [
+    "#4e98e2", "#f5774d", "#8bc34a", "#b06bd6", "#f7df71", "#5cd6a9",
+];
+
+impl Layout {
+    /// Text of the layout file: the 3-D view at the left, a plot for each unit of the scalars at
+    /// the right.
+    pub fn json(&self) -> String {
+        let plots = self.plots();
+        let mut panels = serde_json::Map::new();
+        panels.insert("3D!coronet".into(), self.view());
+        let mut column = Value::Null;
+        for (index, (unit, names)) in plots.iter().enumerate().rev() {
+            let id = format!("Plot!{index}");
+            panels.insert(id.clone(), plot(unit, names));
+            column = match column {
+                Value::Null => json!(id),
+                rest => json!({
+                    "first": id,
+                    "second": rest,
+                    "direction": "column",
+                    "splitPercentage": 100.0 / (plots.len() - index) as f64,
+                }),
+            };
+        }
+        let layout = match column {
+            Value::Null => json!("3D!coronet"),
+            column => json!({
+                "first": "3D!coronet",
+                "second": column,
+                "direction": "row",
+                "splitPercentage": 68,
+            }),
+        };
+        let whole = json!({
+            "configById": panels,
+            "globalVariables": {},
+            "userNodes": {},
+            "playbackConfig": { "speed": 0.02 },
+            "layout": layout,
+        });
+        format!("{whole:#}\n")
+    }
+
+    fn view(&self) -> Value {
+        let mut topics = serde_json::Map::new();
+        let shown = |size: u32| {
+            json!({
+                "visible": true,
+                "colorMode": "rgba-fields",
+                "pointShape": "circle",
+                "pointSize": size,
+            })
+        };
+        for body in &self.bodies {
+            topics.insert(format!("/body/{body}"), shown(4));
+        }
+        let mut wall = shown(2);
+        // The walls would hide the drop that falls towards them.
+        wall["visible"] = json!(self.size[1] == 0.0);
+        topics.insert("/wall".into(), wall);
+        let [x, y, z] = self.size;
+        let distance = 1.8 * x.max(y).max(z);
+        let (elevation, azimuth) = if y == 0.0 { (90, 0) } else { (68, 30) };
+        json!({
+            "cameraState": {
+                "perspective": true,
+                "distance": distance,
+                "phi": elevation,
+                "thetaOffset": azimuth,
+                "targetOffset": [x / 2.0, y / 2.0, 0.4 * z],
+                "target": [0, 0, 0],
+                "targetOrientation": [0, 0, 0, 1],
+                "fovy": 45,
+                "near": distance / 1000.0,
+                "far": distance * 1000.0,
+            },
+            "followMode": "follow-none",
+            "followTf": "world",
+            "scene": { "transforms": { "showLabel": false, "axisScale": 0 } },
+            "transforms": {},
+            "topics": topics,
+            "layers": {},
+            "publish": {},
+            "imageMode": {},
+        })
+    }
+
+    /// Unit and names of the scalars that share it, in the order of first appearance.
+    fn plots(&self) -> Vec<(String, Vec<String>)> {
+        let mut plots: Vec<(String, Vec<String>)> = Vec::new();
+        for name in &self.scalars {
+            let unit = name.rsplit_once('_').map_or("", |(_, unit)| unit);
+            match plots.iter_mut().find(|(known, _)| known == unit) {
+                Some((_, names)) => names.push(name.clone()),
+                None => plots.push((unit.to_string(), vec![name.clone()])),
+            }
+        }
+        plots
+    }
+}
+
+fn plot(unit: &str, names: &[String]) -> Value {
+    let path = |(index, name): (usize, &String)| {
+        json!({
+            "value": format!("/measures.{name}"),
+            "label": name,
+            "enabled": true,
+            "timestampMethod": "receiveTime",
+            "color": COLOURS[index % COLOURS.len()],
+        })
+    };
+    let paths: Vec<_> = names.iter().enumerate().map(path).collect();
+    json!({
+        "title": unit,
+        "paths": paths,
+        "showLegend": true,
+        "legendDisplay": "top",
+        "isSynced": true,
+        "xAxisVal": "timestamp",
+        "showXAxisLabels": true,
+        "showYAxisLabels": true,
+    })
+}

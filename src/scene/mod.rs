@@ -3,6 +3,20 @@
 //! The file format lives in [`file`]; everything after it sees only these types.
 //! Axes: x and y are lateral, z is up. A 2-D scene is the x-z plane: y is zero everywhere.
 
+mod body;
+mod check;
+mod conform;
+mod cursor;
+pub mod error;
+pub mod file;
+pub mod format;
+pub mod numbers;
+pub mod preset;
+pub mod quantity;
+mod resolve;
+mod shape;
+mod tree;
+
 /// Number of space dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {

@@ -1,0 +1,283 @@
+//! Whether a resolved scene makes sense: what single values cannot tell.
+
+use std::path::Path;
+
+use super::cursor::Cursor;
+use super::error::SceneError;
+use super::quantity::{Unit, human};
+use super::resolve::AXES;
+use super::{Dimension, Method, Motion, Scene, Shape, Side, TimeStepping, numbers};
+
+/// Bodies are numbered by a byte.
+const BODIES: usize = 255;
+/// Particles are numbered by 32 bits; beyond this the scene is surely a mistake.
+const PARTICLES: f64 = 4e9;
+/// Frames of one log.
+const FRAMES: f64 = 1e6;
+/// Lengths that differ by less, relatively, are equal: they come from decimal texts.
+const EQUAL: f64 = 1e-9;
+
+/// Checks `scene`; `root` leads to the places, `folder` holds the file.
+pub fn scene(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), SceneError> {
+    bodies(scene, root)?;
+    overlaps(scene, root)?;
+    spacing(scene, root)?;
+    periodic_reach(scene, root)?;
+    vortices(scene, root)?;
+    times(scene, root)?;
+    references(scene, root, folder)
+}
+
+fn bodies(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    let count = scene.bodies.len();
+    if count == 0 || count > BODIES {
+        let remedy = format!("write 1 to {BODIES} tables [body.NAME]");
+        return Err(root
+            .nearest("body")
+            .fault(&format!("has {count} bodies"), &remedy));
+    }
+    for body in &scene.bodies {
+        let (low, high) = body.shape.bounds(&scene.domain, scene.dimension);
+        for &axis in scene.dimension.axes() {
+            let size = scene.domain.size[axis];
+            if low[axis] < -EQUAL * size || high[axis] > size * (1.0 + EQUAL) {
+                let problem = format!(
+                    "reaches from {} to {} in {}, out of the box [0, {}]",
+                    human(low[axis], Unit::Length),
+                    human(high[axis], Unit::Length),
+                    AXES[axis],
+                    human(size, Unit::Length)
+                );
+                let place = root.nearest(&format!("body.{}", body.name));
+                return Err(shape_of(&place).fault(&problem, "move it or enlarge `box.size`"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The cursor at the shape of a body.
+fn shape_of<'a>(body: &Cursor<'a>) -> Cursor<'a> {
+    let shape = super::format::SHAPES
+        .iter()
+        .find_map(|shape| body.get(shape));
+    shape.unwrap_or_else(|| body.clone())
+}
+
+fn overlaps(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    for (index, first) in scene.bodies.iter().enumerate() {
+        for second in &scene.bodies[index + 1..] {
+            if overlap(scene, &first.shape, &second.shape) {
+                let place = root.nearest(&format!("body.{}", second.name));
+                let problem = format!("overlaps body `{}`", first.name);
+                return Err(shape_of(&place).fault(&problem, "move them apart"));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn overlap(scene: &Scene, first: &Shape, second: &Shape) -> bool {
+    if let (
+        Shape::Sphere {
+            centre: a,
+            radius: ra,
+        },
+        Shape::Sphere {
+            centre: b,
+            radius: rb,
+        },
+    ) = (first, second)
+    {
+        let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
+        return square.sqrt() < (ra + rb) * (1.0 - EQUAL);
+    }
+    let (domain, dimension) = (&scene.domain, scene.dimension);
+    let (low_a, high_a) = first.bounds(domain, dimension);
+    let (low_b, high_b) = second.bounds(domain, dimension);
+    let low: [f64; 3] = std::array::from_fn(|axis| low_a[axis].max(low_b[axis]));
+    let high: [f64; 3] = std::array::from_fn(|axis| high_a[axis].min(high_b[axis]));
+    let thin = |axis: &usize| high[*axis] - low[*axis] <= EQUAL * domain.size[*axis];
+    if dimension.axes().iter().any(thin) {
+        return false;
+    }
+    // Exact for layers, blocks and what is axis-parallel; else by points of the common box.
+    const POINTS: i32 = 40;
+    let coordinate = |axis: usize, step: i32| {
+        low[axis] + (high[axis] - low[axis]) * (f64::from(step) + 0.5) / f64::from(POINTS)
+    };
+    let across = if dimension == Dimension::Two {
+        1
+    } else {
+        POINTS
+    };
+    let mut steps = (0..POINTS).flat_map(|i| (0..across).map(move |j| (i, j)));
+    steps.any(|(i, j)| {
+        (0..POINTS).any(|k| {
+            let point = [coordinate(0, i), coordinate(1, j), coordinate(2, k)];
+            let inside = |shape: &Shape| shape.contains(point, domain, dimension);
+            inside(first) && inside(second)
+        })
+    })
+}
+
+fn spacing(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    let spacing = scene.pack.spacing;
+    let place = root.nearest("pack.spacing");
+    for body in &scene.bodies {
+        let (low, high) = body.shape.bounds(&scene.domain, scene.dimension);
+        let axes = scene.dimension.axes();
+        if axes
+            .iter()
+            .any(|&axis| high[axis] - low[axis] < 1.9 * spacing)
+        {
+            let problem = format!("leaves fewer than 2 particles across body `{}`", body.name);
+            return Err(place.fault(&problem, "make it smaller"));
+        }
+    }
+    let periodic: Vec<f64> = periodic_axes(scene)
+        .map(|axis| scene.domain.size[axis])
+        .collect();
+    let divides = |spacing: f64| {
+        periodic.iter().all(|side| {
+            let count = side / spacing;
+            (count - count.round()).abs() <= EQUAL * count
+        })
+    };
+    if !divides(spacing) {
+        let remedy = divisors(spacing, &periodic, divides);
+        return Err(place.fault("does not divide every periodic side of the box", &remedy));
+    }
+    let total: f64 = (0..scene.bodies.len())
+        .map(|body| numbers::count(scene, body) as f64)
+        .sum();
+    if total > PARTICLES {
+        let problem = format!("asks for {total:.2e} particles");
+        return Err(place.fault(
+            &problem,
+            &format!("at most {PARTICLES:.0e} can be numbered"),
+        ));
+    }
+    Ok(())
+}
+
+/// Names the nearest spacings below and above that divide all periodic sides.
+fn divisors(spacing: f64, sides: &[f64], divides: impl Fn(f64) -> bool) -> String {
+    let first = sides[0];
+    let count = (first / spacing).floor().max(1.0) as u64;
+    let exact = |count: u64| human(rounded(first / count as f64), Unit::Length);
+    let above = (1..=count)
+        .rev()
+        .find(|count| divides(first / *count as f64));
+    let below = (count + 1..count * 4 + 1000).find(|count| divides(first / *count as f64));
+    match (above, below) {
+        (Some(above), Some(below)) => {
+            format!(
+                "nearest that do: \"{}\" and \"{}\"",
+                exact(below),
+                exact(above)
+            )
+        }
+        (Some(only), None) | (None, Some(only)) => {
+            format!("nearest that does: \"{}\"", exact(only))
+        }
+        (None, None) => "make the periodic sides multiples of one length".to_string(),
+    }
+}
+
+/// To 12 digits, so that 40 mm / 80 reads 0.5 mm.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
+    let axes = scene.dimension.axes().iter().copied();
+    axes.filter(|axis| scene.domain.boundary[*axis][0] == Side::Periodic)
+}
+
+/// A particle must not see itself, nor one neighbour twice, through periodic sides.
+fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    let Method::Wcsph(settings) = &scene.method;
+    let mut reach = 2.0 * settings.smoothing * scene.pack.spacing;
+    if scene.effects.tension.is_some() {
+        reach *= settings.tension_smoothing.max(1.0);
+    }
+    for axis in periodic_axes(scene) {
+        if scene.domain.size[axis] < 2.0 * reach {
+            let problem = format!(
+                "is periodic in {} over less than twice the kernel",
+                AXES[axis]
+            );
+            let remedy = format!(
+                "make it at least {}",
+                human(rounded(2.0 * reach), Unit::Length)
+            );
+            return Err(root.nearest("box.size").fault(&problem, &remedy));
+        }
+    }
+    Ok(())
+}
+
+fn vortices(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    for body in &scene.bodies {
+        let Motion::TaylorGreen { .. } = body.motion else {
+            continue;
+        };
+        let place = root.nearest(&format!("body.{}.taylor_green", body.name));
+        let size = scene.domain.size;
+        let sides = [0, 2].map(|axis| scene.domain.boundary[axis][0]);
+        if sides != [Side::Periodic; 2] || size[0] != size[2] {
+            let remedy = "make the box periodic in x and z, and as high as wide";
+            return Err(place.fault("needs a periodic square in x and z", remedy));
+        }
+    }
+    Ok(())
+}
+
+fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    let interval = root.nearest("frames.interval");
+    if scene.impact.end / scene.frames.interval > FRAMES {
+        let problem = format!("makes more than {FRAMES:.0e} frames until `impact.end`");
+        return Err(interval.fault(&problem, "make it longer"));
+    }
+    let Method::Wcsph(settings) = &scene.method;
+    let TimeStepping::Fixed { step } = settings.time_stepping else {
+        return Ok(());
+    };
+    let limit = numbers::unstable_step(scene);
+    if step > limit {
+        let key = "method.wcsph.time_stepping.fixed.step";
+        let problem = format!(
+            "takes fixed steps of {}, above {} at which sound outruns the particles",
+            human(step, Unit::Time),
+            human(rounded(limit), Unit::Time)
+        );
+        let remedy = format!("set `{key}` lower, or `adaptive` in place of `fixed`");
+        return Err(root.nearest(key).fault(&problem, &remedy));
+    }
+    Ok(())
+}
+
+fn references(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), SceneError> {
+    let items = root.nearest("post.references").items();
+    for (reference, item) in scene.post.references.iter().zip(items) {
+        let place = item.nearest("path");
+        let path = folder.join(&reference.path);
+        let remedy = "give a CSV file, relative to the scene file";
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            place.fault(
+                &format!("{} cannot be read: {error}", path.display()),
+                remedy,
+            )
+        })?;
+        let head = text
+            .lines()
+            .find(|line| !line.starts_with('#'))
+            .unwrap_or("");
+        if !head.split(',').any(|column| column.trim() == "time_s") {
+            let problem = format!("{} has no column `time_s`", path.display());
+            return Err(place.fault(&problem, "name its columns as in measures.csv"));
+        }
+    }
+    Ok(())
+}

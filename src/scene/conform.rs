@@ -1,0 +1,394 @@
+//! Holds a tree against the format: unknown keys, missing keys, wrong types, units and ranges.
+
+use super::error::SceneError;
+use super::format::{FILE, Field, Kind, Need};
+use super::quantity;
+use super::tree::{Entry, Node, Value};
+
+/// Checks the whole file. The first fault in file order is returned.
+pub fn check(root: &Node) -> Result<(), SceneError> {
+    table(root, "", FILE, &[])
+}
+
+/// `parent.key`, or `key` at the root.
+pub fn dotted(parent: &str, key: &str) -> String {
+    if parent.is_empty() {
+        key.to_string()
+    } else {
+        format!("{parent}.{key}")
+    }
+}
+
+fn table(node: &Node, path: &str, fields: &[Field], one_of: &[&str]) -> Result<(), SceneError> {
+    let Value::Table(entries) = &node.value else {
+        return Err(unfit(node, path, "a table"));
+    };
+    for entry in entries {
+        match fields.iter().find(|field| field.name == entry.key) {
+            Some(field) => value(&entry.node, &dotted(path, &entry.key), &field.kind)?,
+            None => return Err(unknown(entry, path, fields)),
+        }
+    }
+    let absent = |field: &&Field| field.need == Need::Required && node.get(field.name).is_none();
+    if let Some(field) = fields.iter().find(absent) {
+        return Err(SceneError::Missing {
+            place: node.place.clone(),
+            key: dotted(path, field.name),
+            remedy: format!("{} Write {}", field.about, example(field)),
+        });
+    }
+    exactly_one(node, path, entries, one_of)
+}
+
+fn exactly_one(
+    node: &Node,
+    path: &str,
+    entries: &[Entry],
+    one_of: &[&str],
+) -> Result<(), SceneError> {
+    if one_of.is_empty() {
+        return Ok(());
+    }
+    let mut given = entries
+        .iter()
+        .filter(|entry| one_of.contains(&entry.key.as_str()));
+    let choice = format!("give exactly one of {}", one_of.join(", "));
+    match (given.next(), given.next()) {
+        (Some(_), None) => Ok(()),
+        (None, _) => Err(SceneError::Missing {
+            place: node.place.clone(),
+            key: dotted(path, one_of[0]),
+            remedy: choice,
+        }),
+        (Some(first), Some(second)) => Err(SceneError::Value {
+            place: second.place.clone(),
+            key: dotted(path, &second.key),
+            value: second.node.inline(),
+            problem: format!("`{}` is given already", first.key),
+            remedy: choice,
+        }),
+    }
+}
+
+fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
+    match kind {
+        Kind::Text => text(node, path).map(|_| ()),
+        Kind::Colour => colour(node, path).map(|_| ()),
+        Kind::Word(words) => word(node, path, words),
+        Kind::Quantity(unit, range) => {
+            let value = quantity_of(node, path, *unit)?;
+            within(node, path, *range, value)
+        }
+        Kind::Number(range) => match node.value {
+            Value::Float(value) => within(node, path, *range, value),
+            Value::Integer(value) => within(node, path, *range, value as f64),
+            _ => Err(unfit(node, path, "a number without a unit")),
+        },
+        Kind::Count(least) => match node.value {
+            Value::Integer(value) if value >= *least => Ok(()),
+            _ => Err(unfit(
+                node,
+                path,
+                &format!("a whole number of at least {least}"),
+            )),
+        },
+        Kind::List(item, least, most) => list(node, path, item, *least, *most),
+        Kind::Table(fields, one_of) => table(node, path, fields, one_of),
+        Kind::Named(fields, one_of) => named(node, path, fields, one_of),
+        Kind::Either(kinds) => either(node, path, kinds),
+    }
+}
+
+/// The text of a node.
+pub fn text<'a>(node: &'a Node, path: &str) -> Result<&'a str, SceneError> {
+    match &node.value {
+        Value::Text(text) => Ok(text),
+        _ => Err(unfit(node, path, "a string")),
+    }
+}
+
+/// Red, green and blue of `"#rrggbb"`.
+pub fn colour(node: &Node, path: &str) -> Result<[u8; 3], SceneError> {
+    let wrong = || {
+        fault(
+            node,
+            path,
+            "is no colour",
+            "write red, green, blue as \"#1f77b4\"",
+        )
+    };
+    let digits = text(node, path)?.strip_prefix('#').ok_or_else(wrong)?;
+    if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return Err(wrong());
+    }
+    let code = u32::from_str_radix(digits, 16).map_err(|_| wrong())?;
+    let [_, red, green, blue] = code.to_be_bytes();
+    Ok([red, green, blue])
+}
+
+/// The SI value of a number or of a text with a unit.
+pub fn quantity_of(node: &Node, path: &str, unit: quantity::Unit) -> Result<f64, SceneError> {
+    let remedy = || {
+        let names: Vec<&str> = unit.spellings().iter().map(|(name, _)| *name).collect();
+        format!(
+            "write for example {}; units: {}",
+            unit.example(),
+            names.join(", ")
+        )
+    };
+    let problem = match &node.value {
+        Value::Float(value) => return Ok(*value),
+        Value::Integer(value) => return Ok(*value as f64),
+        Value::Text(text) => match quantity::parse(text, unit) {
+            Ok(value) => return Ok(value),
+            Err(error) => error.to_string(),
+        },
+        _ => format!("is {} where {} is wanted", node.kind(), unit.name()),
+    };
+    Err(fault(node, path, &problem, &remedy()))
+}
+
+fn within(
+    node: &Node,
+    path: &str,
+    range: super::format::Range,
+    value: f64,
+) -> Result<(), SceneError> {
+    if range.holds(value) {
+        return Ok(());
+    }
+    let remedy = format!("it must be {}", range.wording());
+    Err(fault(node, path, "is out of range", &remedy))
+}
+
+fn word(node: &Node, path: &str, words: &[&str]) -> Result<(), SceneError> {
+    let given = match &node.value {
+        Value::Text(text) => text.as_str(),
+        _ => {
+            return Err(unfit(
+                node,
+                path,
+                &format!("one of \"{}\"", words.join("\", \"")),
+            ));
+        }
+    };
+    if words.contains(&given) {
+        return Ok(());
+    }
+    let guess = nearest(given, words.iter().copied())
+        .filter(|(_, likeness)| *likeness > 0.4)
+        .map(|(word, _)| format!("did you mean \"{word}\"? "))
+        .unwrap_or_default();
+    let remedy = format!("{guess}known are \"{}\"", words.join("\", \""));
+    Err(fault(node, path, "is not known", &remedy))
+}
+
+fn list(node: &Node, path: &str, item: &Kind, least: usize, most: usize) -> Result<(), SceneError> {
+    let Value::List(items) = &node.value else {
+        return Err(unfit(node, path, "an array"));
+    };
+    if items.len() < least || items.len() > most {
+        let problem = format!("has {} entries", items.len());
+        let remedy = if least == most {
+            format!("give {least}")
+        } else {
+            format!("give {least} to {most}, one for each dimension")
+        };
+        return Err(fault(node, path, &problem, &remedy));
+    }
+    for (index, entry) in items.iter().enumerate() {
+        value(entry, &format!("{path}[{index}]"), item)?;
+    }
+    Ok(())
+}
+
+fn named(node: &Node, path: &str, fields: &[Field], one_of: &[&str]) -> Result<(), SceneError> {
+    let Value::Table(entries) = &node.value else {
+        return Err(unfit(node, path, "a table of named tables"));
+    };
+    for entry in entries {
+        let letter = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
+        let whole = entry
+            .key
+            .chars()
+            .all(|each| letter(each) || "_-".contains(each));
+        if !whole
+            || !entry
+                .key
+                .starts_with(|first: char| first.is_ascii_lowercase())
+        {
+            return Err(SceneError::Value {
+                place: entry.place.clone(),
+                key: dotted(path, &entry.key),
+                value: toml::Value::String(entry.key.clone()).to_string(),
+                problem: "is no name".to_string(),
+                remedy: "use lower-case letters, digits, - and _, a letter first".to_string(),
+            });
+        }
+        table(&entry.node, &dotted(path, &entry.key), fields, one_of)?;
+    }
+    Ok(())
+}
+
+/// The error is that of the alternative whose TOML type fits, if there is one.
+fn either(node: &Node, path: &str, kinds: &[Kind]) -> Result<(), SceneError> {
+    let mut fitting = None;
+    for kind in kinds {
+        match value(node, path, kind) {
+            Ok(()) => return Ok(()),
+            Err(error) if same_type(node, kind) => fitting = Some(error),
+            Err(_) => {}
+        }
+    }
+    let wanted: Vec<String> = kinds.iter().map(wording).collect();
+    Err(fitting.unwrap_or_else(|| unfit(node, path, &wanted.join(", or "))))
+}
+
+fn same_type(node: &Node, kind: &Kind) -> bool {
+    matches!(
+        (&node.value, kind),
+        (
+            Value::Text(_),
+            Kind::Text | Kind::Colour | Kind::Word(_) | Kind::Quantity(..)
+        ) | (
+            Value::Float(_) | Value::Integer(_),
+            Kind::Quantity(..) | Kind::Number(_)
+        ) | (Value::List(_), Kind::List(..))
+            | (Value::Table(_), Kind::Table(..) | Kind::Named(..))
+    )
+}
+
+fn wording(kind: &Kind) -> String {
+    match kind {
+        Kind::Text => "a string".to_string(),
+        Kind::Colour => "a colour such as \"#1f77b4\"".to_string(),
+        Kind::Word(words) => format!("one of \"{}\"", words.join("\", \"")),
+        Kind::Quantity(unit, _) => format!("{} such as {}", unit.name(), unit.example()),
+        Kind::Number(_) => "a number".to_string(),
+        Kind::Count(_) => "a whole number".to_string(),
+        Kind::List(item, ..) => format!("an array of {}", wording(item)),
+        Kind::Table(fields, _) | Kind::Named(fields, _) => {
+            let names: Vec<&str> = fields.iter().map(|field| field.name).collect();
+            format!("a table with {}", names.join(", "))
+        }
+        Kind::Either(kinds) => kinds.iter().map(wording).collect::<Vec<_>>().join(", or "),
+    }
+}
+
+fn example(field: &Field) -> String {
+    let value = match &field.kind {
+        Kind::Quantity(unit, _) => unit.example().to_string(),
+        Kind::List(Kind::Quantity(unit, _), ..) => {
+            format!("[{0}, {0}, {0}]", unit.example())
+        }
+        Kind::Word(words) => format!("\"{}\"", words[0]),
+        Kind::Table(fields, _) => {
+            let needed = fields.iter().filter(|inner| inner.need == Need::Required);
+            let items: Vec<String> = needed.map(example).collect();
+            return format!("{} = {{ {} }}", field.name, items.join(", "));
+        }
+        Kind::Named(..) => {
+            return format!("a table [{}.NAME] for each", field.name);
+        }
+        _ => "...".to_string(),
+    };
+    format!("{} = {value}", field.name)
+}
+
+/// The word most like `given`, with its likeness from 0 to 1.
+fn nearest<'a>(given: &str, words: impl Iterator<Item = &'a str>) -> Option<(&'a str, f64)> {
+    let rated = words.map(|word| (word, strsim::normalized_damerau_levenshtein(given, word)));
+    rated.fold(
+        None,
+        |best: Option<(&str, f64)>, (word, likeness)| match best {
+            Some((_, top)) if top >= likeness => best,
+            _ => Some((word, likeness)),
+        },
+    )
+}
+
+fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> SceneError {
+    let here = nearest(&entry.key, fields.iter().map(|field| field.name));
+    let (here_key, here_likeness) = match here {
+        Some((name, likeness)) => (Some(dotted(path, name)), likeness),
+        None => (None, 0.0),
+    };
+    let mut everywhere = Vec::new();
+    collect(FILE, "", &mut everywhere);
+    let leaf = |key: &str| key.rsplit('.').next().unwrap_or(key).to_string();
+    let elsewhere = everywhere
+        .iter()
+        .map(|key| {
+            (
+                key,
+                strsim::normalized_damerau_levenshtein(&entry.key, &leaf(key)),
+            )
+        })
+        .fold(
+            (None, 0.0),
+            |best: (Option<&String>, f64), (key, likeness)| {
+                if likeness > best.1 {
+                    (Some(key), likeness)
+                } else {
+                    best
+                }
+            },
+        );
+    let nearest_key = match elsewhere {
+        (Some(key), likeness) if likeness > here_likeness.max(0.8) => Some(key.clone()),
+        _ => here_key,
+    };
+    let known: Vec<&str> = fields.iter().map(|field| field.name).collect();
+    let guess = nearest_key
+        .as_ref()
+        .map(|key| format!("did you mean `{key}`? "));
+    SceneError::UnknownKey {
+        place: entry.place.clone(),
+        key: dotted(path, &entry.key),
+        remedy: format!(
+            "{}known here: {}",
+            guess.unwrap_or_default(),
+            known.join(", ")
+        ),
+        nearest: nearest_key,
+    }
+}
+
+/// Every key of the format, dotted; a body's name stands as NAME.
+pub fn collect(fields: &[Field], path: &str, into: &mut Vec<String>) {
+    for field in fields {
+        let key = dotted(path, field.name);
+        into.push(key.clone());
+        collect_kind(&field.kind, &key, into);
+    }
+}
+
+fn collect_kind(kind: &Kind, key: &str, into: &mut Vec<String>) {
+    match kind {
+        Kind::Table(fields, _) => collect(fields, key, into),
+        Kind::Named(fields, _) => collect(fields, &dotted(key, "NAME"), into),
+        Kind::List(item, ..) => collect_kind(item, key, into),
+        Kind::Either(kinds) => kinds.iter().for_each(|kind| collect_kind(kind, key, into)),
+        _ => {}
+    }
+}
+
+fn unfit(node: &Node, path: &str, wanted: &str) -> SceneError {
+    let problem = format!("is {}", node.kind());
+    fault(node, path, &problem, &format!("write {wanted}"))
+}
+
+/// An error about the value of a node.
+pub fn fault(node: &Node, path: &str, problem: &str, remedy: &str) -> SceneError {
+    SceneError::Value {
+        place: node.place.clone(),
+        key: if path.is_empty() {
+            "(the file)".to_string()
+        } else {
+            path.to_string()
+        },
+        value: node.inline(),
+        problem: problem.to_string(),
+        remedy: remedy.to_string(),
+    }
+}

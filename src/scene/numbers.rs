@@ -1,0 +1,386 @@
+//! What a scene amounts to: dimensionless numbers, particle counts, speed of sound, limits of the
+//! time step. Printed before anything runs.
+
+use std::fmt;
+
+use super::quantity::{Unit, human};
+use super::{Arrangement, Dimension, Method, Motion, Scene, Shape, Side, Wcsph};
+
+/// A number with its name and definition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Short name: `We`, `acoustic`, or the name of a body.
+    pub name: String,
+    /// SI.
+    pub value: f64,
+    /// The value for a person, with its unit.
+    pub text: String,
+    pub definition: String,
+}
+
+/// All that [`of`] derives, in the order of printing: titles with rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers {
+    pub groups: Vec<(String, Vec<Row>)>,
+}
+
+impl Numbers {
+    /// The value of the row with this name, in whatever group.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        let mut rows = self.groups.iter().flat_map(|(_, rows)| rows);
+        rows.find(|row| row.name == name).map(|row| row.value)
+    }
+}
+
+impl fmt::Display for Numbers {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = self.groups.iter().flat_map(|(_, rows)| rows);
+        let longest = |length: usize, row: &Row| length.max(row.name.chars().count());
+        let name_width = rows.clone().fold(0, longest);
+        let text_width = rows.fold(0, |length, row| length.max(row.text.chars().count()));
+        for (title, rows) in &self.groups {
+            writeln!(out, "{title}")?;
+            for row in rows {
+                let line = format!(
+                    "  {:name_width$}  {:>text_width$}   {}",
+                    row.name, row.text, row.definition
+                );
+                writeln!(out, "{}", line.trim_end())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Everything derived from a scene.
+pub fn of(scene: &Scene) -> Numbers {
+    let mut groups = vec![dimensionless(scene), particles(scene)];
+    let factor = wcsph(scene).sound_speed_factor;
+    let definition = format!(
+        "{factor} x reference speed {}",
+        short(reference_speed(scene), Unit::Speed)
+    );
+    let sound = row("c", sound_speed(scene), Unit::Speed, &definition);
+    groups.push(("Speed of sound".to_string(), vec![sound]));
+    let limits = limits(scene);
+    groups.push(("Limits of the time step".to_string(), limits));
+    groups.retain(|(_, rows)| !rows.is_empty());
+    Numbers { groups }
+}
+
+fn wcsph(scene: &Scene) -> &Wcsph {
+    let Method::Wcsph(settings) = &scene.method;
+    settings
+}
+
+/// Smoothing length h, m.
+pub fn smoothing_length(scene: &Scene) -> f64 {
+    wcsph(scene).smoothing * scene.pack.spacing
+}
+
+/// Largest initial speed of a body, or of a body towards another, m/s.
+pub fn impact_speed(scene: &Scene) -> f64 {
+    let uniform = |motion: &Motion| match motion {
+        Motion::Uniform(velocity) => *velocity,
+        _ => [0.0; 3],
+    };
+    let mut speed: f64 = 0.0;
+    for (index, body) in scene.bodies.iter().enumerate() {
+        let radius = body.shape.equivalent_radius(&scene.domain, scene.dimension);
+        speed = speed.max(match body.motion {
+            Motion::Uniform(velocity) => length(velocity),
+            Motion::TaylorGreen { speed } => speed,
+            Motion::Stretch { rate } => rate.abs() * radius,
+        });
+        for other in &scene.bodies[..index] {
+            let (a, b) = (uniform(&body.motion), uniform(&other.motion));
+            speed = speed.max(length(std::array::from_fn(|axis| a[axis] - b[axis])));
+        }
+    }
+    speed
+}
+
+fn length(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|each| each * each).sum::<f64>().sqrt()
+}
+
+/// The speed V of Nishio et al. 2010, Eq. 8, m/s: as set, or the largest of the impact speed, the
+/// speed of a fall through the liquid's height sqrt(2 g T), the capillary speed
+/// sqrt(2 sigma / (rho R)) of the smallest drop, and the speed of a sliding wall.
+pub fn reference_speed(scene: &Scene) -> f64 {
+    if let Some(speed) = wcsph(scene).reference_speed {
+        return speed;
+    }
+    let walls = scene.domain.wall_velocity.iter().flatten();
+    let sliding = walls.fold(0.0, |speed: f64, wall| speed.max(length(*wall)));
+    let shapes = scene.bodies.iter().map(|body| &body.shape);
+    let speed = shapes.fold(impact_speed(scene).max(sliding), |speed, shape| {
+        let fall = fall_speed(scene, shape);
+        speed.max(fall).max(capillary_speed(scene, shape))
+    });
+    if speed > 0.0 {
+        speed
+    } else {
+        idle_speed(scene)
+    }
+}
+
+/// Speed of sound, m/s: factor x reference speed.
+pub fn sound_speed(scene: &Scene) -> f64 {
+    wcsph(scene).sound_speed_factor * reference_speed(scene)
+}
+
+/// Speed of sound for the relaxation of one body at rest, m/s. It does not depend on the impact
+/// speed nor on other bodies, and for a body that hangs free not on gravity, so a relaxed body
+/// serves every impact that starts from it.
+pub fn rest_sound_speed(scene: &Scene, body: usize) -> f64 {
+    let settings = wcsph(scene);
+    let shape = &scene.bodies[body].shape;
+    let speed = settings.reference_speed.unwrap_or_else(|| {
+        let fall = if shape.is_free() {
+            0.0
+        } else {
+            fall_speed(scene, shape)
+        };
+        let speed = capillary_speed(scene, shape).max(fall);
+        let radius = shape.equivalent_radius(&scene.domain, scene.dimension);
+        let time = scene.relax.as_ref().map_or(1.0, |relax| relax.time);
+        if speed > 0.0 {
+            speed
+        } else {
+            2.0 * radius / time
+        }
+    });
+    settings.sound_speed_factor * speed
+}
+
+/// sqrt(2 g T), T from the downhill side of the box to the far end of the shape. An axis that is
+/// periodic has no downhill side.
+fn fall_speed(scene: &Scene, shape: &Shape) -> f64 {
+    let Some(gravity) = scene.effects.gravity else {
+        return 0.0;
+    };
+    let (low, high) = shape.bounds(&scene.domain, scene.dimension);
+    let walled = |axis: &&usize| scene.domain.boundary[**axis][0] != Side::Periodic;
+    let energy = scene.dimension.axes().iter().filter(walled).map(|&axis| {
+        let height = match gravity[axis] < 0.0 {
+            true => high[axis],
+            false => scene.domain.size[axis] - low[axis],
+        };
+        gravity[axis].abs() * height
+    });
+    (2.0 * energy.sum::<f64>()).sqrt()
+}
+
+fn capillary_speed(scene: &Scene, shape: &Shape) -> f64 {
+    match (scene.effects.tension, shape) {
+        (None, _) | (_, Shape::Layer { .. }) => 0.0,
+        (Some(tension), _) => {
+            let radius = shape.equivalent_radius(&scene.domain, scene.dimension);
+            (2.0 * tension / (scene.density * radius)).sqrt()
+        }
+    }
+}
+
+/// Where nothing moves and nothing pulls: the box crossed once in the simulated time.
+fn idle_speed(scene: &Scene) -> f64 {
+    scene.domain.size[2] / scene.impact.end
+}
+
+/// Particles that a body will have. Exact for lattices; else the body's volume over that of a
+/// particle.
+pub fn count(scene: &Scene, body: usize) -> u64 {
+    let shape = &scene.bodies[body].shape;
+    let spacing = scene.pack.spacing;
+    if scene.pack.arrangement == Arrangement::Poisson {
+        let cell = spacing.powi(scene.dimension.count() as i32);
+        let volume = shape.volume(&scene.domain, scene.dimension);
+        return (volume / cell).round() as u64;
+    }
+    match shape {
+        Shape::Sphere { radius, .. } => lattice(scene.dimension, [radius / spacing; 3]),
+        Shape::Ellipsoid { semi_axes, .. } => {
+            lattice(scene.dimension, semi_axes.map(|axis| axis / spacing))
+        }
+        _ => {
+            let (low, high) = shape.bounds(&scene.domain, scene.dimension);
+            let along = |&axis: &usize| ((high[axis] - low[axis]) / spacing).round() as u64;
+            scene.dimension.axes().iter().map(along).product()
+        }
+    }
+}
+
+/// Points of the unit lattice about the origin inside an ellipsoid, its surface included.
+fn lattice(dimension: Dimension, semi_axes: [f64; 3]) -> u64 {
+    let [x, y, z] = semi_axes;
+    let reach = |axis: f64| (axis + 1e-9).floor() as i64;
+    let across = if dimension == Dimension::Two {
+        0
+    } else {
+        reach(y)
+    };
+    let mut count = 0;
+    for i in -reach(x)..=reach(x) {
+        for j in -across..=across {
+            let left = 1.0 - (i as f64 / x).powi(2) - (j as f64 / y).powi(2);
+            if left >= -1e-12 {
+                count += 2 * (z * left.max(0.0).sqrt() + 1e-9).floor() as u64 + 1;
+            }
+        }
+    }
+    count
+}
+
+/// Limits of the time step, s, least first; those of absent effects are absent.
+///
+/// Acoustic and viscous: Monaghan 1992, Morris, Fox & Zhu 1997; capillary: Morris 2000; force:
+/// Monaghan 1992.
+pub fn limits(scene: &Scene) -> Vec<Row> {
+    let h = smoothing_length(scene);
+    let speed = reference_speed(scene);
+    let sound = sound_speed(scene);
+    let limit = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
+    let mut limits = vec![
+        limit("acoustic", 0.25 * h / (sound + speed), "0.25 h / (c + V)"),
+        limit(
+            "advective",
+            0.25 * scene.pack.spacing / speed,
+            "0.25 s0 / V",
+        ),
+    ];
+    if let Some(viscosity) = scene.effects.viscosity {
+        let value = 0.125 * h * h * scene.density / viscosity;
+        limits.push(limit("viscous", value, "0.125 h^2 / nu"));
+    }
+    if let Some(tension) = scene.effects.tension {
+        let square = scene.density * h.powi(3) / (2.0 * std::f64::consts::PI * tension);
+        let definition = "0.25 sqrt(rho h^3 / (2 pi sigma))";
+        limits.push(limit("capillary", 0.25 * square.sqrt(), definition));
+    }
+    if let Some(gravity) = scene.effects.gravity {
+        let value = 0.25 * (h / length(gravity)).sqrt();
+        limits.push(limit("force", value, "0.25 sqrt(h / g)"));
+    }
+    limits.sort_by(|a, b| a.value.total_cmp(&b.value));
+    limits
+}
+
+/// Above this fixed step, s, the largest published acoustic constant is passed: 0.6 h / (c + V).
+pub fn unstable_step(scene: &Scene) -> f64 {
+    0.6 * smoothing_length(scene) / (sound_speed(scene) + reference_speed(scene))
+}
+
+/// The drop: the fastest body that hangs free. Diameter of equal volume, m.
+fn drop_diameter(scene: &Scene) -> Option<f64> {
+    let speed = |motion: &Motion| match motion {
+        Motion::Uniform(velocity) => length(*velocity),
+        _ => 0.0,
+    };
+    let drops = scene.bodies.iter().filter(|body| body.shape.is_free());
+    let fastest = drops.fold(None, |best: Option<&super::Body>, body| match best {
+        Some(other) if speed(&other.motion) >= speed(&body.motion) => best,
+        _ => Some(body),
+    });
+    let radius = |body: &super::Body| body.shape.equivalent_radius(&scene.domain, scene.dimension);
+    fastest.map(|body| 2.0 * radius(body))
+}
+
+/// Depth T of the deepest layer, m.
+fn pool_depth(scene: &Scene) -> Option<f64> {
+    let depths = scene.bodies.iter().filter_map(|body| match body.shape {
+        Shape::Layer { depth } => Some(depth),
+        _ => None,
+    });
+    depths.reduce(f64::max)
+}
+
+fn dimensionless(scene: &Scene) -> (String, Vec<Row>) {
+    let Some(d) = drop_diameter(scene) else {
+        return (String::new(), Vec::new());
+    };
+    let u = impact_speed(scene);
+    let rho = scene.density;
+    let moving = u > 0.0;
+    let mut rows = Vec::new();
+    let mut push = |name: &str, value: f64, definition: &str| {
+        rows.push(Row {
+            name: name.to_string(),
+            value,
+            text: digits(value),
+            definition: definition.to_string(),
+        });
+    };
+    let gravity = scene.effects.gravity.map(length);
+    if let (Some(sigma), true) = (scene.effects.tension, moving) {
+        push("We", rho * u * u * d / sigma, "rho U^2 d / sigma");
+    }
+    if let (Some(mu), true) = (scene.effects.viscosity, moving) {
+        push("Re", rho * u * d / mu, "rho U d / mu");
+    }
+    if let (Some(mu), Some(sigma)) = (scene.effects.viscosity, scene.effects.tension) {
+        push(
+            "Oh",
+            mu / (rho * sigma * d).sqrt(),
+            "mu / sqrt(rho sigma d)",
+        );
+    }
+    if let (Some(g), true) = (gravity, moving) {
+        push("Fr", u * u / (g * d), "U^2 / (g d)");
+    }
+    if let (Some(g), Some(sigma)) = (gravity, scene.effects.tension) {
+        push("Bo", rho * g * d * d / 4.0 / sigma, "rho g (d/2)^2 / sigma");
+    }
+    if let Some(depth) = pool_depth(scene) {
+        push("T/d", depth / d, "depth of the layer / d");
+    }
+    push("d/s0", d / scene.pack.spacing, "particles across the drop");
+    let title = format!(
+        "Dimensionless numbers (d = {}, U = {})",
+        short(d, Unit::Length),
+        short(u, Unit::Speed)
+    );
+    (title, rows)
+}
+
+fn particles(scene: &Scene) -> (String, Vec<Row>) {
+    let rows = scene.bodies.iter().enumerate().map(|(index, body)| {
+        let count = count(scene, index);
+        Row {
+            name: body.name.clone(),
+            value: count as f64,
+            text: count.to_string(),
+            definition: String::new(),
+        }
+    });
+    let title = format!(
+        "Particles (s0 = {})",
+        short(scene.pack.spacing, Unit::Length)
+    );
+    (title, rows.collect())
+}
+
+fn row(name: &str, value: f64, unit: Unit, definition: &str) -> Row {
+    Row {
+        name: name.to_string(),
+        value,
+        text: short(value, unit),
+        definition: definition.to_string(),
+    }
+}
+
+/// Three digits with a unit.
+fn short(value: f64, unit: Unit) -> String {
+    human(format!("{value:.2e}").parse().unwrap_or(value), unit)
+}
+
+/// Three digits, plain unless far from 1; whole above 100.
+fn digits(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude >= 100.0 && magnitude < 1e7 {
+        format!("{value:.0}")
+    } else if (1e-2..100.0).contains(&magnitude) {
+        format!("{}", format!("{value:.2e}").parse().unwrap_or(value))
+    } else {
+        format!("{value:.2e}")
+    }
+}

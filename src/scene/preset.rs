@@ -1,0 +1,186 @@
+//! Presets of the methods: each gathers the deviations from a paper as named settings.
+//!
+//! `paper` is what is printed, `corrected` the same method with its known errors removed, `modern`
+//! what a specialist would run today. A scene overrides single settings of its preset.
+
+use super::cursor::Cursor;
+use super::error::SceneError;
+use super::quantity::Unit;
+use super::{
+    Density, KernelName, Mass, Pressure, TensionForm, TensionStrength, TimeStepping, ViscosityForm,
+    WallPressure, Wcsph,
+};
+
+/// Nishio et al. 2010, Int. J. Numer. Meth. Fluids 63, 1435-1447, as printed.
+pub fn wcsph_paper() -> Wcsph {
+    Wcsph {
+        kernel: KernelName::CubicSpline,               // Eq. 3
+        smoothing: 1.3,                                // with Eq. 3
+        density: Density::Summation,                   // Eq. 4
+        pressure: Pressure::Clipped,                   // text after Eq. 7
+        exponent: 7.0,                                 // Eq. 7
+        sound_speed_factor: 10.0,                      // Eq. 8
+        reference_speed: None, // Eq. 8 leaves V open: U0 whenever that is the largest
+        mass: Mass::Nominal,   // rho0 s0^3; the lattice sum of Eq. 4 is 0.997 rho0
+        viscosity_form: ViscosityForm::TwoTerm, // Eq. 6: 6/5 too viscous in 3-D, 5/4 in 2-D
+        tension_form: TensionForm::NormalisedColour, // Eqs. 9-13
+        tension_strength: TensionStrength::Fixed(4.5), // with Eq. 10
+        tension_smoothing: 1.5, // with Eq. 4: H = 1.5 h
+        wall_pressure: WallPressure::Summation, // not described; walls take part in every sum
+        shifting: 0.0,
+        shock_dissipation: 0.0,
+        time_stepping: TimeStepping::Fixed { step: 1e-6 }, // Section 2
+    }
+}
+
+/// The same method, its known errors removed.
+pub fn wcsph_corrected() -> Wcsph {
+    Wcsph {
+        mass: Mass::LatticeSum,                      // a lattice has the density rho0
+        viscosity_form: ViscosityForm::TwoTermExact, // (d+2)/(d+3) of Eq. 6
+        tension_strength: TensionStrength::Virial,   // alpha depends on the arrangement
+        time_stepping: TimeStepping::Adaptive { safety: 1.0 },
+        ..wcsph_paper()
+    }
+}
+
+/// Delta-SPH with what has been learned since.
+pub fn wcsph_modern() -> Wcsph {
+    Wcsph {
+        kernel: KernelName::WendlandC2, // no pairing: Dehnen & Aly 2012
+        smoothing: 1.3,
+        density: Density::Continuity { diffusion: 0.1 }, // Antuono et al. 2010
+        pressure: Pressure::Signed,
+        exponent: 1.0, // linear: densities stay within 1 % of rho0
+        sound_speed_factor: 10.0,
+        reference_speed: None,
+        mass: Mass::Nominal, // the continuity equation does not see the lattice sum
+        viscosity_form: ViscosityForm::Morris, // Morris, Fox & Zhu 1997
+        tension_form: TensionForm::RawColour, // depends little on the arrangement
+        tension_strength: TensionStrength::Virial,
+        tension_smoothing: 1.5,
+        wall_pressure: WallPressure::Extrapolated, // Adami, Hu & Adams 2012
+        shifting: 1.0,                             // Sun et al. 2017, in the inside
+        shock_dissipation: 1.0,                    // Zhang, Hu & Adams 2017
+        time_stepping: TimeStepping::Dual {
+            advective: 0.25,
+            acoustic: 0.6,
+        }, // Zhang, Rezavand & Hu 2020
+    }
+}
+
+/// The preset of `method`, with the overrides of `[method.wcsph]` and of the effects' tables.
+pub fn wcsph(root: &Cursor<'_>) -> Result<Wcsph, SceneError> {
+    let method = root.need("method")?;
+    let preset = method.need("preset")?;
+    let mut settings = match preset.text()? {
+        "paper" => wcsph_paper(),
+        "corrected" => wcsph_corrected(),
+        "modern" => wcsph_modern(),
+        _ => return Err(preset.fault("is no preset", "use paper, corrected or modern")),
+    };
+    override_flow(&mut settings, &method.need("wcsph")?)?;
+    override_effects(&mut settings, &root.need("effects")?)?;
+    Ok(settings)
+}
+
+fn override_flow(settings: &mut Wcsph, table: &Cursor<'_>) -> Result<(), SceneError> {
+    for (key, value) in table.entries() {
+        match key {
+            "kernel" => {
+                settings.kernel = match value.text()? {
+                    "cubic-spline" => KernelName::CubicSpline,
+                    _ => KernelName::WendlandC2,
+                }
+            }
+            "smoothing" => settings.smoothing = value.number()?,
+            "density" => settings.density = density(&value)?,
+            "pressure" => {
+                settings.pressure = match value.text()? {
+                    "clipped" => Pressure::Clipped,
+                    _ => Pressure::Signed,
+                }
+            }
+            "exponent" => settings.exponent = value.number()?,
+            "sound_speed_factor" => settings.sound_speed_factor = value.number()?,
+            "reference_speed" => {
+                settings.reference_speed = match value.text() {
+                    Ok("scene") => None,
+                    _ => Some(value.quantity(Unit::Speed)?),
+                }
+            }
+            "mass" => {
+                settings.mass = match value.text()? {
+                    "nominal" => Mass::Nominal,
+                    _ => Mass::LatticeSum,
+                }
+            }
+            "wall_pressure" => {
+                settings.wall_pressure = match value.text()? {
+                    "summation" => WallPressure::Summation,
+                    _ => WallPressure::Extrapolated,
+                }
+            }
+            "shifting" => settings.shifting = value.number()?,
+            "shock_dissipation" => settings.shock_dissipation = value.number()?,
+            "time_stepping" => settings.time_stepping = stepping(&value)?,
+            _ => return Err(value.fault("is not read by any method", "remove it")),
+        }
+    }
+    Ok(())
+}
+
+fn density(value: &Cursor<'_>) -> Result<Density, SceneError> {
+    match value.get("continuity") {
+        Some(continuity) => {
+            let diffusion = continuity.number_at("diffusion")?;
+            Ok(Density::Continuity { diffusion })
+        }
+        None => Ok(Density::Summation),
+    }
+}
+
+fn stepping(value: &Cursor<'_>) -> Result<TimeStepping, SceneError> {
+    if let Some(fixed) = value.get("fixed") {
+        let step = fixed.quantity_at("step", Unit::Time)?;
+        return Ok(TimeStepping::Fixed { step });
+    }
+    if let Some(adaptive) = value.get("adaptive") {
+        let safety = adaptive.number_at("safety")?;
+        return Ok(TimeStepping::Adaptive { safety });
+    }
+    let dual = value.need("dual")?;
+    Ok(TimeStepping::Dual {
+        advective: dual.number_at("advective")?,
+        acoustic: dual.number_at("acoustic")?,
+    })
+}
+
+fn override_effects(settings: &mut Wcsph, effects: &Cursor<'_>) -> Result<(), SceneError> {
+    if let Some(form) = effects.get("viscosity").and_then(|table| table.get("form")) {
+        settings.viscosity_form = match form.text()? {
+            "two-term" => ViscosityForm::TwoTerm,
+            "two-term-exact" => ViscosityForm::TwoTermExact,
+            _ => ViscosityForm::Morris,
+        };
+    }
+    let Some(tension) = effects.get("tension") else {
+        return Ok(());
+    };
+    if let Some(form) = tension.get("form") {
+        settings.tension_form = match form.text()? {
+            "normalised-colour" => TensionForm::NormalisedColour,
+            _ => TensionForm::RawColour,
+        };
+    }
+    if let Some(strength) = tension.get("strength") {
+        settings.tension_strength = match strength.text() {
+            Ok(_) => TensionStrength::Virial,
+            Err(_) => TensionStrength::Fixed(strength.number()?),
+        };
+    }
+    if let Some(smoothing) = tension.get("smoothing") {
+        settings.tension_smoothing = smoothing.number()?;
+    }
+    Ok(())
+}

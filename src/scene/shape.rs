@@ -1,0 +1,89 @@
+//! Geometry of shapes: bounds, volumes, points inside.
+
+use super::{Dimension, Domain, Shape};
+use std::f64::consts::PI;
+
+impl Shape {
+    /// True for shapes that hang free and are packed about the origin: where they hang enters the
+    /// impact only. Layers and blocks meet sides of the box and are packed in box coordinates.
+    pub fn is_free(&self) -> bool {
+        matches!(self, Shape::Sphere { .. } | Shape::Ellipsoid { .. })
+    }
+
+    /// Lowest and highest corner of the bounding box, m. y is 0 throughout in 2-D.
+    pub fn bounds(&self, domain: &Domain, dimension: Dimension) -> ([f64; 3], [f64; 3]) {
+        let around = |centre: &[f64; 3], half: [f64; 3]| {
+            let low = std::array::from_fn(|axis| centre[axis] - half[axis]);
+            let high = std::array::from_fn(|axis| centre[axis] + half[axis]);
+            (low, high)
+        };
+        let (mut low, mut high): ([f64; 3], [f64; 3]) = match self {
+            Shape::Sphere { centre, radius } => around(centre, [*radius; 3]),
+            Shape::Ellipsoid { centre, semi_axes } => around(centre, *semi_axes),
+            Shape::Block { low, high } => (*low, *high),
+            Shape::Layer { depth } => ([0.0; 3], [domain.size[0], domain.size[1], *depth]),
+        };
+        if dimension == Dimension::Two {
+            (low[1], high[1]) = (0.0, 0.0);
+        }
+        (low, high)
+    }
+
+    /// Volume, m^3; area, m^2, in 2-D.
+    pub fn volume(&self, domain: &Domain, dimension: Dimension) -> f64 {
+        let (low, high) = self.bounds(domain, dimension);
+        let [x, y, z] = std::array::from_fn(|axis| high[axis] - low[axis]);
+        let full = match dimension {
+            Dimension::Two => x * z,
+            Dimension::Three => x * y * z,
+        };
+        match (self, dimension) {
+            (Shape::Layer { .. } | Shape::Block { .. }, _) => full,
+            (_, Dimension::Two) => PI / 4.0 * full,
+            (_, Dimension::Three) => PI / 6.0 * full,
+        }
+    }
+
+    /// Radius of the sphere (3-D) or disc (2-D) of the same volume, m.
+    pub fn equivalent_radius(&self, domain: &Domain, dimension: Dimension) -> f64 {
+        if let Shape::Sphere { radius, .. } = self {
+            return *radius;
+        }
+        let volume = self.volume(domain, dimension);
+        match dimension {
+            Dimension::Two => (volume / PI).sqrt(),
+            Dimension::Three => (volume / (4.0 / 3.0 * PI)).cbrt(),
+        }
+    }
+
+    /// True if the point, m, is inside.
+    pub fn contains(&self, point: [f64; 3], domain: &Domain, dimension: Dimension) -> bool {
+        let axes = dimension.axes();
+        match self {
+            Shape::Sphere { centre, radius } => {
+                let square = |axis: &usize| ((point[*axis] - centre[*axis]) / radius).powi(2);
+                axes.iter().map(square).sum::<f64>() < 1.0
+            }
+            Shape::Ellipsoid { centre, semi_axes } => {
+                let square =
+                    |axis: &usize| ((point[*axis] - centre[*axis]) / semi_axes[*axis]).powi(2);
+                axes.iter().map(square).sum::<f64>() < 1.0
+            }
+            Shape::Block { .. } | Shape::Layer { .. } => {
+                let (low, high) = self.bounds(domain, dimension);
+                axes.iter()
+                    .all(|&axis| point[axis] > low[axis] && point[axis] < high[axis])
+            }
+        }
+    }
+}
+
+impl Dimension {
+    /// Axes that exist: x and z, or x, y and z.
+    pub fn axes(self) -> &'static [usize] {
+        match self {
+            Dimension::Two => &[0, 2],
+            Dimension::Three => &[0, 1, 2],
+        }
+    }
+}

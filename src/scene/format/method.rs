@@ -1,0 +1,143 @@
+//! `[method]`.
+
+use super::{Field, Kind, Range, TIME, Unit, default, optional, required};
+
+pub static METHOD: &[Field] = &[
+    default("name", Kind::Word(&["wcsph"]), "\"wcsph\"", "The solver."),
+    default(
+        "preset",
+        Kind::Word(&["paper", "corrected", "modern"]),
+        "\"modern\"",
+        "As printed; the same with known errors removed; as a specialist would today.",
+    ),
+    default(
+        "wcsph",
+        Kind::Table(WCSPH, &[]),
+        "{}",
+        "Settings of WCSPH in place of the preset's.",
+    ),
+];
+
+pub static WCSPH: &[Field] = &[
+    optional(
+        "kernel",
+        Kind::Word(&["cubic-spline", "wendland-c2"]),
+        "Smoothing kernel.",
+    ),
+    optional(
+        "smoothing",
+        Kind::Number(Range::Between(1.0, 2.5)),
+        "Smoothing length h / s0.",
+    ),
+    optional(
+        "density",
+        Kind::Either(&[
+            Kind::Word(&["summation"]),
+            Kind::Table(DENSITY, &["continuity"]),
+        ]),
+        "\"summation\", or the continuity equation with density diffusion.",
+    ),
+    optional(
+        "pressure",
+        Kind::Word(&["clipped", "signed"]),
+        "What a pressure below zero becomes.",
+    ),
+    optional(
+        "exponent",
+        Kind::Number(Range::Between(1.0, 10.0)),
+        "Exponent chi of the equation of state; 1 is linear.",
+    ),
+    optional(
+        "sound_speed_factor",
+        Kind::Number(Range::Between(2.0, 1000.0)),
+        "Speed of sound over the reference speed; 10 is Mach 0.1.",
+    ),
+    optional(
+        "reference_speed",
+        Kind::Either(&[
+            Kind::Word(&["scene"]),
+            Kind::Quantity(Unit::Speed, Range::Positive),
+        ]),
+        "A speed, or \"scene\": the largest that the scene suggests.",
+    ),
+    optional(
+        "mass",
+        Kind::Word(&["nominal", "lattice-sum"]),
+        "rho0 s0^d, or rho0 / lattice sum.",
+    ),
+    optional(
+        "wall_pressure",
+        Kind::Word(&["summation", "extrapolated"]),
+        "How walls push.",
+    ),
+    optional(
+        "shifting",
+        Kind::Number(Range::NotNegative),
+        "Strength of particle shifting.",
+    ),
+    optional(
+        "shock_dissipation",
+        Kind::Number(Range::NotNegative),
+        "Strength of the dissipation in compression.",
+    ),
+    optional(
+        "time_stepping",
+        Kind::Table(STEPPING, &["fixed", "adaptive", "dual"]),
+        "How the time step is chosen.",
+    ),
+];
+
+pub static DENSITY: &[Field] = &[optional(
+    "continuity",
+    Kind::Table(CONTINUITY, &[]),
+    "The continuity equation.",
+)];
+
+pub static CONTINUITY: &[Field] = &[default(
+    "diffusion",
+    Kind::Number(Range::NotNegative),
+    "0.1",
+    "Strength delta of the density diffusion.",
+)];
+
+pub static STEPPING: &[Field] = &[
+    optional(
+        "fixed",
+        Kind::Table(FIXED, &[]),
+        "The same step throughout.",
+    ),
+    optional(
+        "adaptive",
+        Kind::Table(ADAPTIVE, &[]),
+        "The least limit, times a factor.",
+    ),
+    optional(
+        "dual",
+        Kind::Table(DUAL, &[]),
+        "Advective steps with acoustic steps inside.",
+    ),
+];
+
+pub static FIXED: &[Field] = &[required("step", TIME, "The step.")];
+
+pub static ADAPTIVE: &[Field] = &[default(
+    "safety",
+    Kind::Number(Range::Between(0.01, 2.0)),
+    "1",
+    "Factor on the limits.",
+)];
+
+pub static DUAL: &[Field] = &[
+    default(
+        "advective",
+        Kind::Number(Range::Between(0.01, 1.0)),
+        "0.25",
+        "Advective CFL number.",
+    ),
+    default(
+        "acoustic",
+        Kind::Number(Range::Between(0.01, 1.0)),
+        "0.6",
+        "Acoustic CFL number.",
+    ),
+];

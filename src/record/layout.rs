@@ -4,6 +4,8 @@
 
 use serde_json::{Value, json};
 
+use crate::scene::Scene;
+
 /// What the layout is to show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
@@ -20,6 +22,15 @@ const COLOURS: [&str; 6] = [
 ];
 
 impl Layout {
+    /// Layout for the log of `scene`, whose frames have these scalars.
+    pub fn new(scene: &Scene, scalars: Vec<String>) -> Self {
+        Layout {
+            bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
+            size: scene.domain.size,
+            scalars,
+        }
+    }
+
     /// Text of the layout file: the 3-D view at the left, a plot for each unit of the scalars at
     /// the right.
     pub fn json(&self) -> String {

@@ -45,7 +45,7 @@ fn run(command: &mut Command) -> Vec<u8> {
     });
     assert!(
         output.status.success(),
-        "the reader test needs python3, venv and the packages {PACKAGES:?} from PyPI: {command:?}: {}",
+        "the reader test needs python3, venv and {PACKAGES:?} from PyPI: {command:?}: {}",
         String::from_utf8_lossy(&output.stderr)
     );
     output.stdout

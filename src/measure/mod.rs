@@ -1,1 +1,12 @@
-//! What is reported: measures of one frame and of a run.
+//! What is reported: measures of one frame and of a run, plots, pictures, the report.
+//!
+//! A frame becomes a raster of the volume fraction, that becomes connected regions, and those
+//! become numbers; `gauge` knows which numbers a scene calls for. `post` takes the frames of a run
+//! in their order, one at a time, and writes everything.
+
+pub mod raster;
+pub mod region;
+pub mod pool;
+pub mod drop;
+pub mod gauge;
+pub mod series;

@@ -1,0 +1,157 @@
+//! Shape, spread and front of liquid that is not a pool.
+//!
+//! Shape: semi-axes of the ellipsoid that has the body's second moments,
+//! `a = √((d + 2) (⟨x²⟩ + s0²/12))`: each particle stands for a cube of side s0. The amplitude of the
+//! n = 2 oscillation follows from `r = R (1 + ε P2)` in 3-D, `r = R (1 + ε cos 2θ)` in 2-D.
+//!
+//! Spread on a dry wall: diameter of the wetted area over the drop's. Front: dam break.
+
+use super::region::{Class, Region};
+use crate::particle::Frame;
+use crate::scene::Dimension;
+
+/// Centre and shape of all liquid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// Centre of mass, m.
+    pub centre: [f64; 3],
+    /// Of the equivalent ellipsoid, m.
+    pub semi_axes: [f64; 3],
+}
+
+impl Shape {
+    /// `None` without particles.
+    pub fn new(frame: &Frame, dimension: Dimension, particle_spacing: f64) -> Option<Shape> {
+        let n = frame.id.len();
+        if n == 0 {
+            return None;
+        }
+        let factor = dimension.count() as f64 + 2.0;
+        let mut shape = Shape { centre: [0.0; 3], semi_axes: [0.0; 3] };
+        for axis in 0..3 {
+            let x = &frame.position[axis];
+            let mean = x.iter().fold(0.0, |sum, &x| sum + f64::from(x)) / n as f64;
+            let square =
+                x.iter().fold(0.0, |sum, &x| sum + (f64::from(x) - mean).powi(2)) / n as f64;
+            shape.centre[axis] = mean;
+            if axis != 1 || dimension == Dimension::Three {
+                let filled = square + particle_spacing.powi(2) / 12.0;
+                shape.semi_axes[axis] = (factor * filled).sqrt();
+            }
+        }
+        Some(shape)
+    }
+
+    /// Vertical over mean lateral semi-axis.
+    pub fn aspect_ratio(&self, dimension: Dimension) -> f64 {
+        self.semi_axes[2] / self.lateral(dimension)
+    }
+
+    /// Amplitude ε of the n = 2 mode, positive when upright.
+    pub fn amplitude(&self, dimension: Dimension) -> f64 {
+        let (a, b) = (self.semi_axes[2], self.lateral(dimension));
+        match dimension {
+            // a = R (1 + ε), b = R (1 − ε/2).
+            Dimension::Three => 2.0 * (a - b) / (a + 2.0 * b),
+            Dimension::Two => (a - b) / (a + b),
+        }
+    }
+
+    fn lateral(&self, dimension: Dimension) -> f64 {
+        match dimension {
+            Dimension::Three => 0.5 * (self.semi_axes[0] + self.semi_axes[1]),
+            Dimension::Two => self.semi_axes[0],
+        }
+    }
+}
+
+/// A drop on a dry wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Diameter of the wetted area over d.
+    pub wetted: f64,
+    /// The same for the liquid at any height.
+    pub largest: f64,
+    /// Highest liquid of the main body within 1.5 s0 of the axis, m above the wall.
+    pub apex: Option<f64>,
+}
+
+impl Spread {
+    /// `at`: axis; `diameter`: of the drop, m.
+    pub fn new(region: &Region, at: [f64; 2], diameter: f64, dimension: Dimension) -> Spread {
+        let raster = region.raster;
+        let (mut wetted, mut covered) = (0usize, 0usize);
+        let mut apex: Option<f64> = None;
+        for j in 0..raster.count[1] {
+            for i in 0..raster.count[0] {
+                wetted += usize::from(region.class([i, j, 0]) == Class::Main);
+                let Some(high) = region.column_high(i, j) else { continue };
+                covered += 1;
+                let dx = raster.coordinate(0, i) - at[0];
+                let dy =
+                    if raster.count[1] > 1 { raster.coordinate(1, j) - at[1] } else { 0.0 };
+                if dx.hypot(dy) <= 1.5 * raster.particle_spacing {
+                    apex = Some(apex.map_or(high, |old| old.max(high)));
+                }
+            }
+        }
+        let extent = |cells: usize| match dimension {
+            Dimension::Two => cells as f64 * raster.spacing[0],
+            Dimension::Three => {
+                let area = cells as f64 * raster.spacing[0] * raster.spacing[1];
+                2.0 * (area / std::f64::consts::PI).sqrt()
+            }
+        };
+        Spread { wetted: extent(wetted) / diameter, largest: extent(covered) / diameter, apex }
+    }
+}
+
+/// A collapsing column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Front {
+    /// Farthest liquid of the main body along +x, m.
+    pub reach: f64,
+    /// Highest liquid of the main body, m.
+    pub height: f64,
+}
+
+impl Front {
+    /// `None` if the main body is empty.
+    pub fn new(region: &Region) -> Option<Front> {
+        let raster = region.raster;
+        let mut front: Option<Front> = None;
+        for j in 0..raster.count[1] {
+            for i in 0..raster.count[0] {
+                let Some(z) = region.column_high(i, j) else { continue };
+                let f = front.get_or_insert_default();
+                f.height = f.height.max(z);
+                f.reach = f.reach.max(raster.coordinate(0, i));
+            }
+        }
+        let front = front.as_mut()?;
+        let column = (front.reach / raster.spacing[0] - 0.5).round() as usize;
+        front.reach = refine(region, column);
+        Some(*front)
+    }
+}
+
+/// Crossing of φ = 1/2 beyond the last column with liquid, along x; the farthest of all rows.
+fn refine(region: &Region, column: usize) -> f64 {
+    let raster = region.raster;
+    let x = raster.coordinate(0, column);
+    if column + 1 == raster.count[0] {
+        return x + 0.5 * raster.spacing[0];
+    }
+    let mut farthest = x;
+    for k in 0..raster.count[2] {
+        for j in 0..raster.count[1] {
+            if region.class([column, j, k]) == Class::Main {
+                let here = f64::from(raster.value([column, j, k]));
+                let next = f64::from(raster.value([column + 1, j, k]));
+                let part = ((0.5 - here) / (next - here)).clamp(0.0, 1.0);
+                farthest = farthest.max(x + part * raster.spacing[0]);
+            }
+        }
+    }
+    farthest
+}

@@ -1,0 +1,276 @@
+//! Which measures a scene calls for, and one row of them for a frame.
+
+use super::drop::{Front, Shape, Spread};
+use super::pool::{self, Axis, Pool};
+use super::raster::Raster;
+use super::region::Region;
+use crate::particle::Frame;
+use crate::scene::{Body, Dimension, Motion, Scene, Side, Shape as Geometry};
+
+/// What the bodies of a scene make of it.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A drop falls into a pool: crater, crown, jet.
+    Pool(Axis),
+    /// A drop falls on a dry wall: spread.
+    Wall(Axis),
+    /// Drops and blocks in free space: shape.
+    Shape,
+    /// A column that collapses: front.
+    Front,
+    /// Liquid at rest under gravity: its level.
+    Level,
+    /// No surface at all.
+    Bulk,
+}
+
+impl Kind {
+    pub fn new(scene: &Scene) -> Kind {
+        let layer = scene.bodies.iter().any(|b| matches!(b.shape, Geometry::Layer { .. }));
+        let drop = scene.bodies.iter().find_map(|body| axis(body).map(|axis| (body, axis)));
+        let down = scene.effects.gravity.is_some_and(|g| g[2] < 0.0);
+        let floor = scene.domain.boundary[2][0] == Side::Wall;
+        match drop {
+            Some((_, axis)) if layer => Kind::Pool(axis),
+            Some((body, axis)) if floor && (down || speed_down(body) > 0.0) => Kind::Wall(axis),
+            Some(_) => Kind::Shape,
+            None if layer && floor => Kind::Level,
+            None => Kind::of_blocks(scene, down && floor),
+        }
+    }
+
+    fn of_blocks(scene: &Scene, falls: bool) -> Kind {
+        let size = scene.domain.size;
+        let near = 0.5 * scene.pack.spacing;
+        let spans = |axis: usize| {
+            let flat = axis == 1 && scene.dimension == Dimension::Two;
+            flat || scene.bodies.iter().any(|body| match body.shape {
+                Geometry::Block { low, high } => {
+                    low[axis] < near && high[axis] > size[axis] - near
+                }
+                Geometry::Layer { depth } => axis < 2 || depth > size[2] - near,
+                _ => false,
+            })
+        };
+        match (spans(0) && spans(1), spans(2), falls) {
+            (true, true, _) => Kind::Bulk,
+            (true, false, true) => Kind::Level,
+            (false, _, true) => Kind::Front,
+            _ => Kind::Shape,
+        }
+    }
+}
+
+fn axis(body: &Body) -> Option<Axis> {
+    let (centre, diameter) = match body.shape {
+        Geometry::Sphere { centre, radius } => (centre, 2.0 * radius),
+        Geometry::Ellipsoid { centre, semi_axes } => (centre, 2.0 * semi_axes[0]),
+        _ => return None,
+    };
+    Some(Axis { at: [centre[0], centre[1]], diameter })
+}
+
+fn speed_down(body: &Body) -> f64 {
+    match body.motion {
+        Motion::Uniform(v) => -v[2],
+        _ => 0.0,
+    }
+}
+
+/// Depth of the pool as the scene states it, m; 0 without one.
+pub fn pool_depth(scene: &Scene) -> f64 {
+    let depths = scene.bodies.iter().map(|body| match body.shape {
+        Geometry::Layer { depth } => depth,
+        _ => 0.0,
+    });
+    depths.fold(0.0, f64::max)
+}
+
+/// Instant at which the drop meets pool or wall, moving at its first speed, s; 0 if it never does.
+/// Reference curves count from it.
+pub fn contact_time(scene: &Scene) -> f64 {
+    if !matches!(Kind::new(scene), Kind::Pool(_) | Kind::Wall(_)) {
+        return 0.0;
+    }
+    let level = pool_depth(scene);
+    let times = scene.bodies.iter().filter_map(|body| {
+        let bottom = match body.shape {
+            Geometry::Sphere { centre, radius } => centre[2] - radius,
+            Geometry::Ellipsoid { centre, semi_axes } => centre[2] - semi_axes[2],
+            _ => return None,
+        };
+        let speed = speed_down(body);
+        (speed > 0.0).then(|| ((bottom - level) / speed).max(0.0))
+    });
+    times.reduce(f64::min).unwrap_or(0.0)
+}
+
+/// One row: values by column name, in order. `NaN` is a blank.
+pub type Row = Vec<(String, f64)>;
+
+/// Measures frames of one scene, in their order.
+pub struct Gauge {
+    scene: Scene,
+    pub kind: Kind,
+    /// Initial level of the pool above the floor, m: as measured in the first frame.
+    pub level: Option<f64>,
+}
+
+impl Gauge {
+    pub fn new(scene: &Scene) -> Gauge {
+        Gauge { scene: scene.clone(), kind: Kind::new(scene), level: None }
+    }
+
+    /// Measures a frame. The first one fixes the initial level.
+    pub fn measure(&mut self, frame: &Frame) -> Row {
+        let mut row = Table::default();
+        row.put("time_s", frame.time);
+        let mut area = None;
+        if !matches!(self.kind, Kind::Bulk) {
+            let scene = &self.scene;
+            let raster =
+                Raster::new(scene.dimension, &scene.domain, scene.pack.spacing, &frame.position);
+            let region = Region::new(&raster);
+            let mut level = self.level;
+            self.measure_region(&region, frame, &mut level, &mut row);
+            if scene.effects.tension.is_some() {
+                area = Some(raster.surface_area());
+            }
+            self.level = level;
+        }
+        row.put("speed_max_m_s", speed_max(frame));
+        self.measure_energy(frame, area, &mut row);
+        row.0
+    }
+
+    fn measure_region(
+        &self,
+        region: &Region,
+        frame: &Frame,
+        level: &mut Option<f64>,
+        row: &mut Table,
+    ) {
+        let scene = &self.scene;
+        match self.kind {
+            Kind::Pool(axis) => {
+                let nominal = pool_depth(scene);
+                let first = || pool::far_level(region, &axis).unwrap_or(nominal);
+                let level = *level.get_or_insert_with(first);
+                put_pool(&Pool::new(region, &axis, scene.dimension, level), row);
+                row.put("highest_particle_m", highest(frame) - level);
+            }
+            Kind::Wall(axis) => {
+                let spread = Spread::new(region, axis.at, axis.diameter, scene.dimension);
+                row.put("spread_factor", spread.wetted);
+                row.put("max_diameter_factor", spread.largest);
+                row.put_some("apex_height_m", spread.apex);
+                row.put("highest_particle_m", highest(frame));
+            }
+            Kind::Front => {
+                let front = Front::new(region);
+                row.put_some("front_m", front.map(|f| f.reach));
+                row.put_some("column_height_m", front.map(|f| f.height));
+            }
+            Kind::Level => {
+                let middle = Axis {
+                    at: [0.5 * scene.domain.size[0], 0.5 * scene.domain.size[1]],
+                    diameter: 0.0,
+                };
+                row.put_some("surface_level_m", pool::far_level(region, &middle));
+                row.put("pressure_max_Pa", pressure_max(frame));
+            }
+            Kind::Shape => {
+                let shape = Shape::new(frame, scene.dimension, scene.pack.spacing);
+                for (axis, name) in ["centre_x_m", "centre_y_m", "centre_z_m"].iter().enumerate() {
+                    if axis != 1 || scene.dimension == Dimension::Three {
+                        row.put_some(name, shape.map(|s| s.centre[axis]));
+                    }
+                }
+                row.put_some("aspect_ratio", shape.map(|s| s.aspect_ratio(scene.dimension)));
+                row.put_some("amplitude", shape.map(|s| s.amplitude(scene.dimension)));
+            }
+            Kind::Bulk => {}
+        }
+    }
+
+    /// The solver's own scalars, and what follows from the particles where it gives none.
+    fn measure_energy(&self, frame: &Frame, area: Option<f64>, row: &mut Table) {
+        let given = |name: &str| frame.scalars.iter().any(|(n, _)| n == name);
+        let spacing = self.scene.pack.spacing;
+        let count = frame.id.len();
+        let nominal = self.scene.density * spacing.powi(self.scene.dimension.count() as i32);
+        let mass = frame
+            .scalars
+            .iter()
+            .find(|(name, _)| name == "mass_kg")
+            .map_or(nominal, |(_, total)| total / count.max(1) as f64);
+        for (name, value) in &frame.scalars {
+            row.put(name, *value);
+        }
+        if !given("kinetic_energy_J") {
+            let square = (0..count).fold(0.0, |sum, i| sum + f64::from(speed_squared(frame, i)));
+            row.put("kinetic_energy_J", 0.5 * mass * square);
+        }
+        if let Some(g) = self.scene.effects.gravity
+            && !given("potential_energy_J")
+        {
+            let height = (0..count).fold(0.0, |sum, i| {
+                (0..3).fold(sum, |s, a| s - g[a] * f64::from(frame.position[a][i]))
+            });
+            row.put("potential_energy_J", mass * height);
+        }
+        if let (Some(sigma), Some(area)) = (self.scene.effects.tension, area) {
+            row.put("surface_area_m2", area);
+            if !given("surface_energy_J") {
+                row.put("surface_energy_J", sigma * area);
+            }
+        }
+        if !given("mass_kg") {
+            row.put("mass_kg", mass * count as f64);
+        }
+    }
+}
+
+#[derive(Default)]
+struct Table(Row);
+
+impl Table {
+    fn put(&mut self, name: &str, value: f64) {
+        self.0.push((name.to_owned(), value));
+    }
+
+    fn put_some(&mut self, name: &str, value: Option<f64>) {
+        self.put(name, value.unwrap_or(f64::NAN));
+    }
+}
+
+fn put_pool(pool: &Pool, row: &mut Table) {
+    let depth = pool.axis_level.filter(|z| *z < 0.0).map(|z| -z);
+    let mean = pool.axis_level_mean.filter(|z| *z < 0.0).map(|z| -z);
+    let from_far = depth.and_then(|d| pool.far_level.map(|far| far + d));
+    row.put_some("axis_level_m", pool.axis_level);
+    row.put_some("crater_depth_m", depth);
+    row.put_some("crater_depth_mean_m", mean);
+    row.put_some("crater_depth_far_m", from_far);
+    row.put_some("crater_diameter_m", pool.crater_diameter);
+    row.put_some("crown_height_m", pool.crown_height);
+    row.put_some("jet_height_m", pool.jet_height);
+    row.put_some("far_level_m", pool.far_level);
+}
+
+fn speed_squared(frame: &Frame, i: usize) -> f32 {
+    let [u, v, w] = &frame.velocity;
+    u[i] * u[i] + v[i] * v[i] + w[i] * w[i]
+}
+
+fn speed_max(frame: &Frame) -> f64 {
+    f64::from((0..frame.id.len()).map(|i| speed_squared(frame, i)).fold(0.0, f32::max)).sqrt()
+}
+
+fn pressure_max(frame: &Frame) -> f64 {
+    f64::from(frame.pressure.iter().copied().fold(0.0, f32::max))
+}
+
+fn highest(frame: &Frame) -> f64 {
+    f64::from(frame.position[2].iter().copied().fold(f32::NEG_INFINITY, f32::max))
+}

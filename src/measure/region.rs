@@ -1,0 +1,243 @@
+//! What hangs together on the grid: the gas that is open to above, and the largest body of liquid.
+
+use super::raster::{LEVEL, Raster};
+
+/// What a node belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Gas connected with the topmost layer of the grid.
+    Exterior,
+    /// The largest connected liquid.
+    Main,
+    /// Mist, bubbles.
+    Other,
+}
+
+/// Connected regions (across faces) of a raster.
+pub struct Region<'a> {
+    pub raster: &'a Raster,
+    /// Of each summed node, then of each uniform block.
+    class: Vec<Class>,
+}
+
+impl<'a> Region<'a> {
+    pub fn new(raster: &'a Raster) -> Region<'a> {
+        let mut forest = Forest::new(raster);
+        forest.join_all();
+        let class = forest.classes();
+        Region { raster, class }
+    }
+
+    /// Class of a node.
+    pub fn class(&self, node: [usize; 3]) -> Class {
+        self.class[identity(self.raster, node)]
+    }
+
+    /// Level of the lowest exterior gas in a column, m above the floor, interpolated to φ = 1/2;
+    /// 0 where the gas touches the floor, `None` if the column has none.
+    pub fn column_low(&self, i: usize, j: usize) -> Option<f64> {
+        let raster = self.raster;
+        let mut k = 0;
+        while k < raster.count[2] {
+            let class = self.class([i, j, k]);
+            if class == Class::Exterior {
+                return Some(self.interface(i, j, k, false));
+            }
+            k = self.skip_up(i, j, k);
+        }
+        None
+    }
+
+    /// Level of the highest liquid of the main body in a column, m, interpolated; `None` if none.
+    pub fn column_high(&self, i: usize, j: usize) -> Option<f64> {
+        let raster = self.raster;
+        let mut k = raster.count[2];
+        while k > 0 {
+            let (block, _) = raster.locate([i, j, k - 1]);
+            if self.class([i, j, k - 1]) == Class::Main {
+                return Some(self.interface(i, j, k - 1, true));
+            }
+            k = if raster.is_summed(block) {
+                k - 1
+            } else {
+                (k - 1) / raster.edge[2] * raster.edge[2]
+            };
+        }
+        None
+    }
+
+    fn skip_up(&self, i: usize, j: usize, k: usize) -> usize {
+        let (block, _) = self.raster.locate([i, j, k]);
+        if self.raster.is_summed(block) {
+            k + 1
+        } else {
+            (k / self.raster.edge[2] + 1) * self.raster.edge[2]
+        }
+    }
+
+    /// Crossing of φ = 1/2 between node k and the one below (or above).
+    fn interface(&self, i: usize, j: usize, k: usize, above: bool) -> f64 {
+        let raster = self.raster;
+        let z = raster.coordinate(2, k);
+        if above && k + 1 == raster.count[2] {
+            return z + 0.5 * raster.spacing[2];
+        }
+        if !above && k == 0 {
+            return 0.0;
+        }
+        let here = raster.value([i, j, k]);
+        let next = raster.value([i, j, if above { k + 1 } else { k - 1 }]);
+        let part = f64::from(((LEVEL - here) / (next - here)).clamp(0.0, 1.0));
+        let step = part * raster.spacing[2];
+        if above { z + step } else { z - step }
+    }
+}
+
+/// Place of a node among the summed nodes and uniform blocks.
+fn identity(raster: &Raster, node: [usize; 3]) -> usize {
+    let (block, local) = raster.locate(node);
+    let code = raster.code[block] as usize;
+    let volume = raster.block_nodes();
+    if code < raster.summed {
+        code * volume + local
+    } else {
+        raster.summed * volume + (code - raster.summed)
+    }
+}
+
+/// Disjoint sets of nodes and uniform blocks.
+struct Forest<'a> {
+    raster: &'a Raster,
+    parent: Vec<u32>,
+}
+
+impl<'a> Forest<'a> {
+    fn new(raster: &'a Raster) -> Forest<'a> {
+        let count = raster.summed * raster.block_nodes() + raster.uniform.len();
+        Forest { raster, parent: (0..count as u32).collect() }
+    }
+
+    fn root(&mut self, mut item: u32) -> u32 {
+        while self.parent[item as usize] != item {
+            let up = self.parent[self.parent[item as usize] as usize];
+            self.parent[item as usize] = up;
+            item = up;
+        }
+        item
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a as u32), self.root(b as u32));
+        // The smaller index wins, so that the outcome does not depend on the order of joins.
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    fn join_all(&mut self) {
+        let raster = self.raster;
+        for block in 0..raster.code.len() {
+            if raster.is_summed(block) {
+                raster.for_nodes(block, |node| self.join_up(node));
+            } else {
+                let last = self.last_layers(block);
+                for (axis, node) in last {
+                    self.join_along(node, axis);
+                }
+            }
+        }
+    }
+
+    fn join_up(&mut self, node: [usize; 3]) {
+        for axis in 0..3 {
+            self.join_along(node, axis);
+        }
+    }
+
+    /// Joins a node with the next one along an axis if both are liquid or both gas.
+    fn join_along(&mut self, node: [usize; 3], axis: usize) {
+        let raster = self.raster;
+        let count = raster.count[axis];
+        if count == 1 || (node[axis] + 1 == count && !raster.periodic[axis]) {
+            return;
+        }
+        let mut other = node;
+        other[axis] = (node[axis] + 1) % count;
+        if (raster.value(node) >= LEVEL) == (raster.value(other) >= LEVEL) {
+            self.join(identity(raster, node), identity(raster, other));
+        }
+    }
+
+    /// Nodes of a uniform block that face the next block, by axis: one of each face if that block
+    /// is uniform too.
+    fn last_layers(&self, block: usize) -> Vec<(usize, [usize; 3])> {
+        let raster = self.raster;
+        let b = raster.block_at(block);
+        let low = [0, 1, 2].map(|a| b[a] * raster.edge[a]);
+        let high = [0, 1, 2].map(|a| (low[a] + raster.edge[a]).min(raster.count[a]));
+        let mut nodes = Vec::new();
+        for axis in 0..3 {
+            let mut next = b;
+            next[axis] = (b[axis] + 1) % raster.blocks[axis];
+            let whole = !raster.is_summed(raster.block_index(next));
+            let mut end = high;
+            if whole {
+                end = [0, 1, 2].map(|a| low[a] + 1);
+            }
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            for p in low[u]..end[u] {
+                for q in low[v]..end[v] {
+                    let mut node = [0; 3];
+                    node[axis] = high[axis] - 1;
+                    node[u] = p;
+                    node[v] = q;
+                    nodes.push((axis, node));
+                }
+            }
+        }
+        nodes
+    }
+
+    fn classes(&mut self) -> Vec<Class> {
+        let raster = self.raster;
+        let roots: Vec<u32> = (0..self.parent.len() as u32).map(|i| self.root(i)).collect();
+        let mut size = vec![0u64; roots.len()];
+        for block in 0..raster.code.len() {
+            let mut first = true;
+            raster.for_nodes(block, |node| {
+                if raster.is_summed(block) {
+                    if raster.value(node) >= LEVEL {
+                        size[roots[identity(raster, node)] as usize] += 1;
+                    }
+                } else if first {
+                    let item = identity(raster, node);
+                    let liquid = raster.uniform[item - raster.summed * raster.block_nodes()];
+                    size[roots[item] as usize] += u64::from(liquid) * raster.block_nodes() as u64;
+                    first = false;
+                }
+            });
+        }
+        let mut main = 0;
+        for (root, n) in size.iter().enumerate() {
+            if *n > size[main] {
+                main = root;
+            }
+        }
+        let mut exterior = vec![false; roots.len()];
+        let top = raster.count[2] - 1;
+        for j in 0..raster.count[1] {
+            for i in 0..raster.count[0] {
+                if raster.value([i, j, top]) < LEVEL {
+                    exterior[roots[identity(raster, [i, j, top])] as usize] = true;
+                }
+            }
+        }
+        let any = size[main] > 0;
+        roots
+            .iter()
+            .map(|&root| match root as usize {
+                r if exterior[r] => Class::Exterior,
+                r if any && r == main => Class::Main,
+                _ => Class::Other,
+            })
+            .collect()
+    }
+}

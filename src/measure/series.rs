@@ -1,0 +1,231 @@
+//! Measures against time: the table of a run, its file, and reference curves beside it.
+
+use std::path::{Path, PathBuf};
+
+use super::gauge::Row;
+
+/// What can go wrong with files of measures.
+#[derive(Debug, thiserror::Error)]
+pub enum SeriesError {
+    #[error("cannot write {path}: {source}")]
+    Write { path: PathBuf, source: csv::Error },
+    #[error("cannot read {path}: {source}")]
+    Read { path: PathBuf, source: csv::Error },
+    #[error("{path}: no column `time_s`; the columns are {found}; name one `time_s` (seconds)")]
+    NoTime { path: PathBuf, found: String },
+    #[error("{path}, line {line}: `{column}` is `{value}`; give a number or leave it blank")]
+    NotANumber { path: PathBuf, line: u64, column: String, value: String },
+    #[error("{path}, line {line}: time_s does not increase; sort the rows by time")]
+    NotIncreasing { path: PathBuf, line: u64 },
+}
+
+/// Columns of equal length; `NaN` is a blank. The first column is `time_s`.
+#[derive(Clone, Debug, Default)]
+pub struct Series {
+    pub names: Vec<String>,
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Series {
+    /// Appends a row; a name not seen before opens a column, blank so far.
+    pub fn push(&mut self, row: &Row) {
+        let count = self.len();
+        for (name, value) in row {
+            let place = self.place(name).unwrap_or_else(|| {
+                self.names.push(name.clone());
+                self.columns.push(vec![f64::NAN; count]);
+                self.names.len() - 1
+            });
+            if self.columns[place].len() == count {
+                self.columns[place].push(*value);
+            }
+        }
+        for column in &mut self.columns {
+            column.resize(count + 1, f64::NAN);
+        }
+    }
+
+    /// Rows.
+    pub fn len(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.place(name).map(|place| self.columns[place].as_slice())
+    }
+
+    pub fn column_mut(&mut self, name: &str) -> Option<&mut Vec<f64>> {
+        self.place(name).map(|place| &mut self.columns[place])
+    }
+
+    /// Whether the column exists and has a value somewhere.
+    pub fn has(&self, name: &str) -> bool {
+        self.column(name).is_some_and(|values| values.iter().any(|v| v.is_finite()))
+    }
+
+    fn place(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
+    /// Times, s.
+    pub fn time(&self) -> &[f64] {
+        self.column("time_s").unwrap_or(&[])
+    }
+
+    /// Value and time of a column's maximum.
+    pub fn maximum(&self, name: &str) -> Option<(f64, f64)> {
+        let values = self.column(name)?;
+        let known = values.iter().zip(self.time()).filter(|(v, _)| v.is_finite());
+        known.fold(None, |best, (&v, &t)| match best {
+            Some((old, _)) if old >= v => best,
+            _ => Some((v, t)),
+        })
+    }
+
+    /// Linear interpolation of a column; `None` outside, or next to a blank.
+    pub fn at(&self, name: &str, time: f64) -> Option<f64> {
+        let (t, v) = (self.time(), self.column(name)?);
+        let next = t.partition_point(|&x| x < time);
+        if next < t.len() && t[next] == time {
+            return v[next].is_finite().then_some(v[next]);
+        }
+        if next == 0 || next == t.len() {
+            return None;
+        }
+        let part = (time - t[next - 1]) / (t[next] - t[next - 1]);
+        let value = v[next - 1] + part * (v[next] - v[next - 1]);
+        value.is_finite().then_some(value)
+    }
+
+    /// First time at which a column passes `level` upwards after `after`, s, interpolated.
+    pub fn rises_through(&self, name: &str, level: f64, after: f64) -> Option<f64> {
+        let (t, v) = (self.time(), self.column(name)?);
+        (1..t.len()).find_map(|i| {
+            let crosses = t[i - 1] >= after && v[i - 1] < level && v[i] >= level;
+            crosses.then(|| t[i - 1] + (level - v[i - 1]) / (v[i] - v[i - 1]) * (t[i] - t[i - 1]))
+        })
+    }
+
+    /// Writes the table as CSV; shortest digits that read back to the same number.
+    pub fn write(&self, path: &Path) -> Result<(), SeriesError> {
+        let fail = |source| SeriesError::Write { path: path.to_owned(), source };
+        let mut file = csv::Writer::from_path(path).map_err(fail)?;
+        file.write_record(&self.names).map_err(fail)?;
+        for row in 0..self.len() {
+            let cells = self.columns.iter().map(|c| text(c[row]));
+            file.write_record(cells).map_err(fail)?;
+        }
+        file.flush().map_err(|e| fail(e.into()))
+    }
+
+    /// Reads a table with a `time_s` column; blanks are allowed elsewhere.
+    pub fn read(path: &Path) -> Result<Series, SeriesError> {
+        let fail = |source| SeriesError::Read { path: path.to_owned(), source };
+        let mut file =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(fail)?;
+        let names: Vec<String> = file.headers().map_err(fail)?.iter().map(str::to_owned).collect();
+        let Some(time) = names.iter().position(|n| n == "time_s") else {
+            let found = names.join(", ");
+            return Err(SeriesError::NoTime { path: path.to_owned(), found });
+        };
+        let mut columns = vec![Vec::new(); names.len()];
+        for record in file.records() {
+            let record = record.map_err(fail)?;
+            let line = record.position().map_or(0, csv::Position::line);
+            for (place, cell) in record.iter().enumerate() {
+                let number = match cell {
+                    "" => f64::NAN,
+                    _ => cell.parse().map_err(|_| SeriesError::NotANumber {
+                        path: path.to_owned(),
+                        line,
+                        column: names[place].clone(),
+                        value: cell.to_owned(),
+                    })?,
+                };
+                columns[place].push(number);
+            }
+            let t = &columns[time];
+            let increases = match t.as_slice() {
+                [.., before, now] => now > before,
+                [only] => only.is_finite(),
+                [] => true,
+            };
+            if !increases {
+                return Err(SeriesError::NotIncreasing { path: path.to_owned(), line });
+            }
+        }
+        columns.swap(0, time);
+        let mut names = names;
+        names.swap(0, time);
+        Ok(Series { names, columns })
+    }
+}
+
+fn text(value: f64) -> String {
+    if value.is_finite() {
+        let (plain, short) = (format!("{value}"), format!("{value:e}"));
+        if short.len() < plain.len() { short } else { plain }
+    } else {
+        String::new()
+    }
+}
+
+/// How far a run is from a reference curve, over the times that both know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Norm {
+    pub label: String,
+    pub column: String,
+    /// √(Σ (run − reference)² / Σ reference²).
+    pub l2: f64,
+    /// max |run − reference| / max |reference|.
+    pub max: f64,
+    /// Span of the comparison, s, in the reference's time.
+    pub from: f64,
+    pub to: f64,
+    /// Reference values compared.
+    pub points: usize,
+}
+
+/// Norms of every column that both have. `shift`: run time minus reference time, s.
+pub fn compare(run: &Series, reference: &Series, label: &str, shift: f64) -> Vec<Norm> {
+    let common = reference.names.iter().filter(|n| *n != "time_s" && run.has(n));
+    common.filter_map(|name| compare_column(run, reference, label, name, shift)).collect()
+}
+
+fn compare_column(
+    run: &Series,
+    reference: &Series,
+    label: &str,
+    name: &str,
+    shift: f64,
+) -> Option<Norm> {
+    let values = reference.column(name)?;
+    let (mut square, mut scale, mut max, mut max_scale) = (0.0, 0.0, 0.0f64, 0.0f64);
+    let (mut from, mut to, mut points) = (f64::NAN, f64::NAN, 0);
+    for (&t, &expected) in reference.time().iter().zip(values) {
+        let Some(found) = run.at(name, t + shift).filter(|_| expected.is_finite()) else {
+            continue;
+        };
+        let difference = found - expected;
+        square += difference * difference;
+        scale += expected * expected;
+        max = max.max(difference.abs());
+        max_scale = max_scale.max(expected.abs());
+        from = if points == 0 { t } else { from };
+        to = t;
+        points += 1;
+    }
+    (scale > 0.0).then(|| Norm {
+        label: label.to_owned(),
+        column: name.to_owned(),
+        l2: (square / scale).sqrt(),
+        max: max / max_scale,
+        from,
+        to,
+        points,
+    })
+}

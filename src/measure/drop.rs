@@ -27,12 +27,17 @@ impl Shape {
             return None;
         }
         let factor = dimension.count() as f64 + 2.0;
-        let mut shape = Shape { centre: [0.0; 3], semi_axes: [0.0; 3] };
+        let mut shape = Shape {
+            centre: [0.0; 3],
+            semi_axes: [0.0; 3],
+        };
         for axis in 0..3 {
             let x = &frame.position[axis];
             let mean = x.iter().fold(0.0, |sum, &x| sum + f64::from(x)) / n as f64;
-            let square =
-                x.iter().fold(0.0, |sum, &x| sum + (f64::from(x) - mean).powi(2)) / n as f64;
+            let square = x
+                .iter()
+                .fold(0.0, |sum, &x| sum + (f64::from(x) - mean).powi(2))
+                / n as f64;
             shape.centre[axis] = mean;
             if axis != 1 || dimension == Dimension::Three {
                 let filled = square + particle_spacing.powi(2) / 12.0;
@@ -85,11 +90,16 @@ impl Spread {
         for j in 0..raster.count[1] {
             for i in 0..raster.count[0] {
                 wetted += usize::from(region.class([i, j, 0]) == Class::Main);
-                let Some(high) = region.column_high(i, j) else { continue };
+                let Some(high) = region.column_high(i, j) else {
+                    continue;
+                };
                 covered += 1;
                 let dx = raster.coordinate(0, i) - at[0];
-                let dy =
-                    if raster.count[1] > 1 { raster.coordinate(1, j) - at[1] } else { 0.0 };
+                let dy = if raster.count[1] > 1 {
+                    raster.coordinate(1, j) - at[1]
+                } else {
+                    0.0
+                };
                 if dx.hypot(dy) <= 1.5 * raster.particle_spacing {
                     apex = Some(apex.map_or(high, |old| old.max(high)));
                 }
@@ -102,7 +112,11 @@ impl Spread {
                 2.0 * (area / std::f64::consts::PI).sqrt()
             }
         };
-        Spread { wetted: extent(wetted) / diameter, largest: extent(covered) / diameter, apex }
+        Spread {
+            wetted: extent(wetted) / diameter,
+            largest: extent(covered) / diameter,
+            apex,
+        }
     }
 }
 
@@ -122,7 +136,9 @@ impl Front {
         let mut front: Option<Front> = None;
         for j in 0..raster.count[1] {
             for i in 0..raster.count[0] {
-                let Some(z) = region.column_high(i, j) else { continue };
+                let Some(z) = region.column_high(i, j) else {
+                    continue;
+                };
                 let f = front.get_or_insert_default();
                 f.height = f.height.max(z);
                 f.reach = f.reach.max(raster.coordinate(0, i));

@@ -5,7 +5,7 @@ use super::pool::{self, Axis, Pool};
 use super::raster::Raster;
 use super::region::Region;
 use crate::particle::Frame;
-use crate::scene::{Body, Dimension, Motion, Scene, Side, Shape as Geometry};
+use crate::scene::{Body, Dimension, Motion, Scene, Shape as Geometry, Side};
 
 /// What the bodies of a scene make of it.
 #[derive(Clone, Copy, Debug)]
@@ -26,8 +26,14 @@ pub enum Kind {
 
 impl Kind {
     pub fn new(scene: &Scene) -> Kind {
-        let layer = scene.bodies.iter().any(|b| matches!(b.shape, Geometry::Layer { .. }));
-        let drop = scene.bodies.iter().find_map(|body| axis(body).map(|axis| (body, axis)));
+        let layer = scene
+            .bodies
+            .iter()
+            .any(|b| matches!(b.shape, Geometry::Layer { .. }));
+        let drop = scene
+            .bodies
+            .iter()
+            .find_map(|body| axis(body).map(|axis| (body, axis)));
         let down = scene.effects.gravity.is_some_and(|g| g[2] < 0.0);
         let floor = scene.domain.boundary[2][0] == Side::Wall;
         match drop {
@@ -45,9 +51,7 @@ impl Kind {
         let spans = |axis: usize| {
             let flat = axis == 1 && scene.dimension == Dimension::Two;
             flat || scene.bodies.iter().any(|body| match body.shape {
-                Geometry::Block { low, high } => {
-                    low[axis] < near && high[axis] > size[axis] - near
-                }
+                Geometry::Block { low, high } => low[axis] < near && high[axis] > size[axis] - near,
                 Geometry::Layer { depth } => axis < 2 || depth > size[2] - near,
                 _ => false,
             })
@@ -67,7 +71,10 @@ fn axis(body: &Body) -> Option<Axis> {
         Geometry::Ellipsoid { centre, semi_axes } => (centre, 2.0 * semi_axes[0]),
         _ => return None,
     };
-    Some(Axis { at: [centre[0], centre[1]], diameter })
+    Some(Axis {
+        at: [centre[0], centre[1]],
+        diameter,
+    })
 }
 
 fn speed_down(body: &Body) -> f64 {
@@ -118,7 +125,11 @@ pub struct Gauge {
 
 impl Gauge {
     pub fn new(scene: &Scene) -> Gauge {
-        Gauge { scene: scene.clone(), kind: Kind::new(scene), level: None }
+        Gauge {
+            scene: scene.clone(),
+            kind: Kind::new(scene),
+            level: None,
+        }
     }
 
     /// Measures a frame. The first one fixes the initial level.
@@ -128,8 +139,12 @@ impl Gauge {
         let mut area = None;
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;
-            let raster =
-                Raster::new(scene.dimension, &scene.domain, scene.pack.spacing, &frame.position);
+            let raster = Raster::new(
+                scene.dimension,
+                &scene.domain,
+                scene.pack.spacing,
+                &frame.position,
+            );
             let region = Region::new(&raster);
             let mut level = self.level;
             self.measure_region(&region, frame, &mut level, &mut row);
@@ -181,12 +196,18 @@ impl Gauge {
             }
             Kind::Shape => {
                 let shape = Shape::new(frame, scene.dimension, scene.pack.spacing);
-                for (axis, name) in ["centre_x_m", "centre_y_m", "centre_z_m"].iter().enumerate() {
+                for (axis, name) in ["centre_x_m", "centre_y_m", "centre_z_m"]
+                    .iter()
+                    .enumerate()
+                {
                     if axis != 1 || scene.dimension == Dimension::Three {
                         row.put_some(name, shape.map(|s| s.centre[axis]));
                     }
                 }
-                row.put_some("aspect_ratio", shape.map(|s| s.aspect_ratio(scene.dimension)));
+                row.put_some(
+                    "aspect_ratio",
+                    shape.map(|s| s.aspect_ratio(scene.dimension)),
+                );
                 row.put_some("amplitude", shape.map(|s| s.amplitude(scene.dimension)));
             }
             Kind::Bulk => {}
@@ -264,7 +285,12 @@ fn speed_squared(frame: &Frame, i: usize) -> f32 {
 }
 
 fn speed_max(frame: &Frame) -> f64 {
-    f64::from((0..frame.id.len()).map(|i| speed_squared(frame, i)).fold(0.0, f32::max)).sqrt()
+    f64::from(
+        (0..frame.id.len())
+            .map(|i| speed_squared(frame, i))
+            .fold(0.0, f32::max),
+    )
+    .sqrt()
 }
 
 fn pressure_max(frame: &Frame) -> f64 {
@@ -272,5 +298,10 @@ fn pressure_max(frame: &Frame) -> f64 {
 }
 
 fn highest(frame: &Frame) -> f64 {
-    f64::from(frame.position[2].iter().copied().fold(f32::NEG_INFINITY, f32::max))
+    f64::from(
+        frame.position[2]
+            .iter()
+            .copied()
+            .fold(f32::NEG_INFINITY, f32::max),
+    )
 }

@@ -5,6 +5,7 @@
 //! in their order, one at a time, and writes everything.
 
 pub mod raster;
+mod area;
 pub mod region;
 pub mod pool;
 pub mod drop;

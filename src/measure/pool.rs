@@ -12,6 +12,7 @@
 //!   `jet_height`: the same at r ≤ d. `highest_particle`: of any particle, mist and all.
 //! * `far_level`: mean level of the outermost tenth of the box; a crater in a small box lifts it.
 
+use super::raster::{LEVEL, Raster};
 use super::region::{Class, Region};
 use crate::scene::Dimension;
 
@@ -87,7 +88,10 @@ impl Pool {
     /// Measures with the initial level at `level`, m above the floor.
     pub fn new(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Pool {
         let reach = 1.5 * region.raster.particle_spacing;
-        let mut pool = Pool { far_level: far_level(region, axis), ..Pool::default() };
+        let mut pool = Pool {
+            far_level: far_level(region, axis),
+            ..Pool::default()
+        };
         let (mut sum, mut count) = (0.0, 0usize);
         for_columns(region, |i, j| {
             let d = offset(region, axis, i, j);
@@ -138,18 +142,15 @@ enum Cell {
 /// Gas patches of the plane that touch the far field are troughs of waves, and those under which the
 /// surface lies less than s0 deep are ripples: neither is a crater. Of the rest the largest counts
 /// (in 2-D, where a jet cuts a crater in two, all), with all that it encloses.
-fn crater_diameter(
-    region: &Region,
-    axis: &Axis,
-    dimension: Dimension,
-    level: f64,
-) -> Option<f64> {
+fn crater_diameter(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Option<f64> {
     let raster = region.raster;
     let [nx, ny, _] = raster.count;
     let mut plane = plane(region, level);
     let patches = patches(region, axis, &mut plane, level);
     let deep = patches.iter().filter(|p| p.crater);
-    let largest = deep.max_by_key(|p| (p.size, std::cmp::Reverse(p.number)))?.number;
+    let largest = deep
+        .max_by_key(|p| (p.size, std::cmp::Reverse(p.number)))?
+        .number;
     let wall = |cell: Cell| match cell {
         Cell::Patch(n) if dimension == Dimension::Two => patches[n as usize].crater,
         Cell::Patch(n) => n == largest,
@@ -165,7 +166,7 @@ fn crater_diameter(
         }
     });
     while let Some((i, j)) = stack.pop() {
-        for (a, b) in beside(i, j, nx, ny) {
+        for (a, b) in beside(raster, i, j) {
             if !outside[b * nx + a] && !wall(plane[b * nx + a]) {
                 outside[b * nx + a] = true;
                 stack.push((a, b));
@@ -206,8 +207,12 @@ fn plane(region: &Region, level: f64) -> Vec<Cell> {
         let (below, above) = (raster.value([i, j, low]), raster.value([i, j, high]));
         let exterior = region.class([i, j, low]) == Class::Exterior
             || region.class([i, j, high]) == Class::Exterior;
-        let gas = (1.0 - part) * below + part * above < super::raster::LEVEL;
-        plane.push(if gas && exterior { Cell::Gas } else { Cell::Liquid });
+        let gas = (1.0 - part) * below + part * above < LEVEL;
+        plane.push(if gas && exterior {
+            Cell::Gas
+        } else {
+            Cell::Liquid
+        });
     });
     plane
 }
@@ -220,8 +225,9 @@ struct Patch {
 
 /// Connected patches of gas; the plane's cells get their numbers.
 fn patches(region: &Region, axis: &Axis, plane: &mut [Cell], level: f64) -> Vec<Patch> {
-    let [nx, ny, _] = region.raster.count;
-    let deep = level - region.raster.particle_spacing;
+    let raster = region.raster;
+    let nx = raster.count[0];
+    let deep = level - raster.particle_spacing;
     let mut all = Vec::new();
     for start in 0..plane.len() {
         if plane[start] != Cell::Gas {
@@ -235,23 +241,35 @@ fn patches(region: &Region, axis: &Axis, plane: &mut [Cell], level: f64) -> Vec<
             size += 1;
             far |= is_far(region, axis, i, j);
             below = below || region.column_low(i, j).is_some_and(|z| z < deep);
-            for (a, b) in beside(i, j, nx, ny) {
+            for (a, b) in beside(raster, i, j) {
                 if plane[b * nx + a] == Cell::Gas {
                     plane[b * nx + a] = Cell::Patch(number);
                     stack.push((a, b));
                 }
             }
         }
-        all.push(Patch { number, size, crater: below && !far });
+        all.push(Patch {
+            number,
+            size,
+            crater: below && !far,
+        });
     }
     all
 }
 
-/// Columns that share a face with this one.
-fn beside(i: usize, j: usize, nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
-    let left = (i > 0).then(|| (i - 1, j));
-    let right = (i + 1 < nx).then_some((i + 1, j));
-    let front = (j > 0).then(|| (i, j - 1));
-    let back = (j + 1 < ny).then_some((i, j + 1));
-    [left, right, front, back].into_iter().flatten()
+/// Columns that share a face with this one, across periodic sides too.
+fn beside(raster: &Raster, i: usize, j: usize) -> impl Iterator<Item = (usize, usize)> {
+    let [nx, ny, _] = raster.count;
+    let next = move |at: usize, count: usize, periodic: bool| match at + 1 < count {
+        true => Some(at + 1),
+        false => periodic.then_some(0),
+    };
+    let last = move |at: usize, count: usize, periodic: bool| match at > 0 {
+        true => Some(at - 1),
+        false => periodic.then_some(count - 1),
+    };
+    let [px, py, _] = raster.periodic;
+    let along = [last(i, nx, px), next(i, nx, px)].map(|place| place.map(|a| (a, j)));
+    let across = [last(j, ny, py), next(j, ny, py)].map(|place| place.map(|b| (i, b)));
+    along.into_iter().chain(across).flatten()
 }

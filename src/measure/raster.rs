@@ -99,10 +99,13 @@ impl Raster {
     ) -> Raster {
         let flat = dimension == Dimension::Two;
         let half = 0.5 * particle_spacing;
-        let periodic = [0, 1, 2].map(|axis| {
-            domain.boundary[axis][0] == Side::Periodic && !(axis == 1 && flat)
-        });
-        let top = position[2].iter().copied().filter(|z| z.is_finite()).fold(0.0f32, f32::max);
+        let periodic = [0, 1, 2]
+            .map(|axis| domain.boundary[axis][0] == Side::Periodic && !(axis == 1 && flat));
+        let top = position[2]
+            .iter()
+            .copied()
+            .filter(|z| z.is_finite())
+            .fold(0.0f32, f32::max);
         let mut count = [1; 3];
         let mut spacing = [half; 3];
         for axis in 0..3 {
@@ -117,7 +120,11 @@ impl Raster {
                 f64::from(top) + 4.0 * particle_spacing
             };
             count[axis] = ((length / half).round() as usize).max(2);
-            spacing[axis] = if closed { length / count[axis] as f64 } else { half };
+            spacing[axis] = if closed {
+                length / count[axis] as f64
+            } else {
+                half
+            };
         }
         let edge = [EDGE, if flat { 1 } else { EDGE }, EDGE];
         Raster {
@@ -150,55 +157,6 @@ impl Raster {
     /// Centre of a node along one axis, m.
     pub fn coordinate(&self, axis: usize, index: usize) -> f64 {
         (index as f64 + 0.5) * self.spacing[axis]
-    }
-
-    /// Area of the surface, m^2 (length, m, in 2-D): the integral of |∇φ| weighted by
-    /// `1 − cos 2πφ`, whose integral over φ is one (coarea formula). Blind to ripples about 0 and 1.
-    pub fn surface_area(&self) -> f64 {
-        let cell: f64 = (0..3).filter(|&a| self.edge[a] > 1).map(|a| self.spacing[a]).product();
-        let per_block: Vec<f64> = (0..self.code.len())
-            .into_par_iter()
-            .map(|block| if self.is_summed(block) { self.block_area(block) } else { 0.0 })
-            .collect();
-        per_block.iter().fold(0.0, |total, area| total + area) * cell
-    }
-
-    fn block_area(&self, block: usize) -> f64 {
-        let mut total = 0.0;
-        self.for_nodes(block, |node| {
-            let here = f64::from(self.value(node));
-            let weight = 1.0 - (2.0 * std::f64::consts::PI * here.clamp(0.0, 1.0)).cos();
-            if weight < 1e-3 {
-                return;
-            }
-            let mut square = 0.0;
-            for axis in (0..3).filter(|&a| self.count[a] > 1) {
-                let (low, a) = self.neighbour(node, axis, false);
-                let (high, b) = self.neighbour(node, axis, true);
-                let steps = (a + b).max(1) as f64;
-                let slope = f64::from(high - low) / (steps * self.spacing[axis]);
-                square += slope * slope;
-            }
-            total += weight * square.sqrt();
-        });
-        total
-    }
-
-    /// φ at the next node along an axis and 1, or of the node itself and 0 at the grid's end.
-    fn neighbour(&self, node: [usize; 3], axis: usize, up: bool) -> (f32, usize) {
-        let mut other = node;
-        let end = if up { self.count[axis] - 1 } else { 0 };
-        if node[axis] == end {
-            if !self.periodic[axis] {
-                return (self.value(node), 0);
-            }
-            other[axis] = self.count[axis] - 1 - end;
-        } else if up {
-            other[axis] += 1;
-        } else {
-            other[axis] -= 1;
-        }
-        (self.value(other), 1)
     }
 
     /// Calls `visit` for every node of a block that lies on the grid, x fastest.
@@ -265,7 +223,10 @@ impl Raster {
             *place = place.saturating_add(1);
         }
         let axes = if flat { 2 } else { 3 };
-        let volume: f64 = (0..3).filter(|&a| a != 1 || !flat).map(|a| 0.5 * size[a]).product();
+        let volume: f64 = (0..3)
+            .filter(|&a| a != 1 || !flat)
+            .map(|a| 0.5 * size[a])
+            .product();
         let enough = 0.625 * volume / self.particle_spacing.powi(axes);
         (0..self.blocks.iter().product::<usize>())
             .into_par_iter()
@@ -274,7 +235,11 @@ impl Raster {
                 let (mut full, mut empty) = (true, true);
                 let range = |a: usize| {
                     let low = if a == 1 && flat { 0 } else { (b[a] + 1) * 2 };
-                    if a == 1 && flat { 0..1 } else { low - 1..low + 3 }
+                    if a == 1 && flat {
+                        0..1
+                    } else {
+                        low - 1..low + 3
+                    }
                 };
                 for k in range(2) {
                     for j in range(1) {
@@ -285,7 +250,11 @@ impl Raster {
                         }
                     }
                 }
-                if full { Some(true) } else { empty.then_some(false) }
+                if full {
+                    Some(true)
+                } else {
+                    empty.then_some(false)
+                }
             })
             .collect()
     }
@@ -379,7 +348,11 @@ impl Sorted {
                 next[*place] += 1;
             }
         }
-        Sorted { position, start, bins }
+        Sorted {
+            position,
+            start,
+            bins,
+        }
     }
 
     fn range(&self, bin: usize) -> std::ops::Range<usize> {
@@ -414,7 +387,11 @@ fn with_images(domain: &Domain, raster: &Raster, position: &[Vec<f32>; 3]) -> Ve
                 all.push(image);
             }
             if x > size - reach && high != Side::Open {
-                image[axis] = if high == Side::Periodic { x - size } else { 2.0 * size - x };
+                image[axis] = if high == Side::Periodic {
+                    x - size
+                } else {
+                    2.0 * size - x
+                };
                 all.push(image);
             }
         }

@@ -114,7 +114,10 @@ struct Forest<'a> {
 impl<'a> Forest<'a> {
     fn new(raster: &'a Raster) -> Forest<'a> {
         let count = raster.summed * raster.block_nodes() + raster.uniform.len();
-        Forest { raster, parent: (0..count as u32).collect() }
+        Forest {
+            raster,
+            parent: (0..count as u32).collect(),
+        }
     }
 
     fn root(&mut self, mut item: u32) -> u32 {
@@ -198,7 +201,9 @@ impl<'a> Forest<'a> {
 
     fn classes(&mut self) -> Vec<Class> {
         let raster = self.raster;
-        let roots: Vec<u32> = (0..self.parent.len() as u32).map(|i| self.root(i)).collect();
+        let roots: Vec<u32> = (0..self.parent.len() as u32)
+            .map(|i| self.root(i))
+            .collect();
         let mut size = vec![0u64; roots.len()];
         for block in 0..raster.code.len() {
             let mut first = true;

@@ -14,7 +14,12 @@ pub enum SeriesError {
     #[error("{path}: no column `time_s`; the columns are {found}; name one `time_s` (seconds)")]
     NoTime { path: PathBuf, found: String },
     #[error("{path}, line {line}: `{column}` is `{value}`; give a number or leave it blank")]
-    NotANumber { path: PathBuf, line: u64, column: String, value: String },
+    NotANumber {
+        path: PathBuf,
+        line: u64,
+        column: String,
+        value: String,
+    },
     #[error("{path}, line {line}: time_s does not increase; sort the rows by time")]
     NotIncreasing { path: PathBuf, line: u64 },
 }
@@ -64,7 +69,8 @@ impl Series {
 
     /// Whether the column exists and has a value somewhere.
     pub fn has(&self, name: &str) -> bool {
-        self.column(name).is_some_and(|values| values.iter().any(|v| v.is_finite()))
+        self.column(name)
+            .is_some_and(|values| values.iter().any(|v| v.is_finite()))
     }
 
     fn place(&self, name: &str) -> Option<usize> {
@@ -79,7 +85,10 @@ impl Series {
     /// Value and time of a column's maximum.
     pub fn maximum(&self, name: &str) -> Option<(f64, f64)> {
         let values = self.column(name)?;
-        let known = values.iter().zip(self.time()).filter(|(v, _)| v.is_finite());
+        let known = values
+            .iter()
+            .zip(self.time())
+            .filter(|(v, _)| v.is_finite());
         known.fold(None, |best, (&v, &t)| match best {
             Some((old, _)) if old >= v => best,
             _ => Some((v, t)),
@@ -112,7 +121,10 @@ impl Series {
 
     /// Writes the table as CSV; shortest digits that read back to the same number.
     pub fn write(&self, path: &Path) -> Result<(), SeriesError> {
-        let fail = |source| SeriesError::Write { path: path.to_owned(), source };
+        let fail = |source| SeriesError::Write {
+            path: path.to_owned(),
+            source,
+        };
         let mut file = csv::Writer::from_path(path).map_err(fail)?;
         file.write_record(&self.names).map_err(fail)?;
         for row in 0..self.len() {
@@ -124,13 +136,26 @@ impl Series {
 
     /// Reads a table with a `time_s` column; blanks are allowed elsewhere.
     pub fn read(path: &Path) -> Result<Series, SeriesError> {
-        let fail = |source| SeriesError::Read { path: path.to_owned(), source };
-        let mut file =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(fail)?;
-        let names: Vec<String> = file.headers().map_err(fail)?.iter().map(str::to_owned).collect();
+        let fail = |source| SeriesError::Read {
+            path: path.to_owned(),
+            source,
+        };
+        let mut file = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_path(path)
+            .map_err(fail)?;
+        let names: Vec<String> = file
+            .headers()
+            .map_err(fail)?
+            .iter()
+            .map(str::to_owned)
+            .collect();
         let Some(time) = names.iter().position(|n| n == "time_s") else {
             let found = names.join(", ");
-            return Err(SeriesError::NoTime { path: path.to_owned(), found });
+            return Err(SeriesError::NoTime {
+                path: path.to_owned(),
+                found,
+            });
         };
         let mut columns = vec![Vec::new(); names.len()];
         for record in file.records() {
@@ -155,7 +180,10 @@ impl Series {
                 [] => true,
             };
             if !increases {
-                return Err(SeriesError::NotIncreasing { path: path.to_owned(), line });
+                return Err(SeriesError::NotIncreasing {
+                    path: path.to_owned(),
+                    line,
+                });
             }
         }
         columns.swap(0, time);
@@ -168,7 +196,11 @@ impl Series {
 fn text(value: f64) -> String {
     if value.is_finite() {
         let (plain, short) = (format!("{value}"), format!("{value:e}"));
-        if short.len() < plain.len() { short } else { plain }
+        if short.len() < plain.len() {
+            short
+        } else {
+            plain
+        }
     } else {
         String::new()
     }
@@ -192,8 +224,13 @@ pub struct Norm {
 
 /// Norms of every column that both have. `shift`: run time minus reference time, s.
 pub fn compare(run: &Series, reference: &Series, label: &str, shift: f64) -> Vec<Norm> {
-    let common = reference.names.iter().filter(|n| *n != "time_s" && run.has(n));
-    common.filter_map(|name| compare_column(run, reference, label, name, shift)).collect()
+    let common = reference
+        .names
+        .iter()
+        .filter(|n| *n != "time_s" && run.has(n));
+    common
+        .filter_map(|name| compare_column(run, reference, label, name, shift))
+        .collect()
 }
 
 fn compare_column(

@@ -1,5 +1,9 @@
 //! Tests of the engine, module by module.
 
+mod measure_drop;
+mod measure_pool;
+mod measure_series;
+mod measure_splash;
 mod pack_lattice;
 mod pack_scene;
 mod record_checkpoint;

@@ -1,0 +1,173 @@
+//! Shape, spread, front and surface area against known bodies; which scene gets which.
+
+use coronet::measure::gauge::{Gauge, Kind, Row, contact_time};
+use coronet::measure::raster::Raster;
+use coronet::scene::*;
+
+use crate::measure_splash::{lattice, pool_scene};
+
+fn value(row: &Row, name: &str) -> f64 {
+    let found = row.iter().find(|(n, _)| n == name);
+    found.unwrap_or_else(|| panic!("no column {name}")).1
+}
+
+fn without_pool(dimension: Dimension, spacing: f64) -> Scene {
+    let mut scene = pool_scene(dimension, spacing);
+    scene.bodies.remove(0);
+    scene
+}
+
+#[test]
+fn an_ellipsoid_has_its_aspect_ratio_and_amplitude() {
+    for dimension in [Dimension::Two, Dimension::Three] {
+        let mut scene = without_pool(dimension, 0.25);
+        scene.domain.boundary[2][0] = Side::Open;
+        scene.effects.gravity = None;
+        let y = if dimension == Dimension::Two {
+            0.0
+        } else {
+            12.0
+        };
+        let frame = lattice(&scene, |x, b, z| {
+            let r = ((x - 12.0).hypot(b - y)) / 4.0;
+            r.hypot((z - 12.0) / 5.0) < 1.0
+        });
+        let row = Gauge::new(&scene).measure(&frame);
+        assert!((value(&row, "aspect_ratio") - 1.25).abs() < 0.01, "{row:?}");
+        let amplitude = if dimension == Dimension::Two {
+            1.0 / 9.0
+        } else {
+            2.0 / 13.0
+        };
+        assert!(
+            (value(&row, "amplitude") - amplitude).abs() < 0.005,
+            "{row:?}"
+        );
+        assert!((value(&row, "centre_z_m") - 12e-3).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_cap_on_a_wall_has_its_spread_and_apex() {
+    for dimension in [Dimension::Two, Dimension::Three] {
+        let scene = without_pool(dimension, 0.2);
+        assert!(matches!(Kind::new(&scene), Kind::Wall(_)));
+        let y = if dimension == Dimension::Two {
+            0.0
+        } else {
+            12.0
+        };
+        let frame = lattice(&scene, |x, b, z| {
+            (x - 12.0).hypot(b - y).hypot(z + 1.5) < 5.0
+        });
+        let row = Gauge::new(&scene).measure(&frame);
+        let base = 2.0 * (25.0f64 - 1.5 * 1.5).sqrt() / 4.0;
+        assert!(
+            (value(&row, "spread_factor") - base).abs() < 0.06,
+            "{row:?}"
+        );
+        assert!(
+            (value(&row, "max_diameter_factor") - base).abs() < 0.06,
+            "{row:?}"
+        );
+        assert!(
+            (value(&row, "apex_height_m") - 3.5e-3).abs() < 1.2e-4,
+            "{row:?}"
+        );
+    }
+}
+
+#[test]
+fn a_column_has_its_front_and_height() {
+    let mut scene = without_pool(Dimension::Two, 0.25);
+    scene.domain.boundary[0] = [Side::Wall; 2];
+    scene.bodies[0].shape = Shape::Block {
+        low: [0.0; 3],
+        high: [5e-3, 0.0, 8e-3],
+    };
+    assert!(matches!(Kind::new(&scene), Kind::Front));
+    let frame = lattice(&scene, |x, _, z| {
+        let puddle = x < 15.0 && z < 2.0;
+        let spray = (x - 20.0).hypot(z - 3.0) < 0.6;
+        puddle || spray || (x < 5.0 && z < 8.0)
+    });
+    let row = Gauge::new(&scene).measure(&frame);
+    assert!((value(&row, "front_m") - 15e-3).abs() < 3e-5, "{row:?}");
+    assert!(
+        (value(&row, "column_height_m") - 8e-3).abs() < 3e-5,
+        "{row:?}"
+    );
+}
+
+#[test]
+fn the_surface_area_is_that_of_the_body() {
+    let mut scene = pool_scene(Dimension::Three, 0.4);
+    let area = |scene: &Scene, holds: &dyn Fn(f64, f64, f64) -> bool| {
+        let frame = lattice(scene, holds);
+        let spacing = scene.pack.spacing;
+        Raster::new(scene.dimension, &scene.domain, spacing, &frame.position).surface_area() * 1e6
+    };
+    let flat = area(&scene, &|_, _, z| z < 10.0);
+    assert!((flat / 576.0 - 1.0).abs() < 0.02, "flat pool: {flat} mm²");
+    scene.domain.boundary[2][0] = Side::Open;
+    let ball = |x: f64, y: f64, z: f64| (x - 12.0).hypot(y - 12.0).hypot(z - 12.0) < 7.0;
+    let sphere = area(&scene, &ball);
+    let exact = 4.0 * std::f64::consts::PI * 49.0;
+    assert!(
+        (sphere / exact - 1.0).abs() < 0.03,
+        "sphere: {sphere} mm², exactly {exact}"
+    );
+}
+
+#[test]
+fn the_scene_decides_what_is_measured() {
+    let pool = pool_scene(Dimension::Three, 0.5);
+    assert!(matches!(Kind::new(&pool), Kind::Pool(_)));
+    assert!((contact_time(&pool) - 0.313e-3 / 3.13).abs() < 1e-9);
+    let mut rest = pool.clone();
+    rest.bodies.pop();
+    assert!(matches!(Kind::new(&rest), Kind::Level));
+    assert_eq!(contact_time(&rest), 0.0);
+    let mut floating = without_pool(Dimension::Three, 0.5);
+    floating.effects.gravity = None;
+    floating.bodies[0].motion = Motion::Uniform([0.0; 3]);
+    assert!(matches!(Kind::new(&floating), Kind::Shape));
+    let mut vortex = without_pool(Dimension::Two, 0.5);
+    vortex.effects.gravity = None;
+    let high = vortex.domain.size;
+    vortex.bodies[0].shape = Shape::Block {
+        low: [0.0; 3],
+        high,
+    };
+    assert!(matches!(Kind::new(&vortex), Kind::Bulk));
+}
+
+#[test]
+fn energies_that_the_solver_does_not_give_follow_from_the_particles() {
+    let mut scene = without_pool(Dimension::Two, 0.5);
+    scene.effects.tension = Some(0.067);
+    let mut frame = lattice(&scene, |x, _, z| (x - 12.0).hypot(z - 12.0) < 5.0);
+    frame.velocity[2].fill(-2.0);
+    let row = Gauge::new(&scene).measure(&frame);
+    let mass = 1100.0 * 0.5e-3f64.powi(2) * frame.id.len() as f64;
+    let close = |name: &str, expected: f64, part: f64| {
+        let found = value(&row, name);
+        assert!(
+            (found / expected - 1.0).abs() < part,
+            "{name}: {found}, expected {expected}"
+        );
+    };
+    close("mass_kg", mass, 1e-9);
+    close("kinetic_energy_J", 0.5 * mass * 4.0, 1e-9);
+    close("potential_energy_J", mass * 9.81 * 12e-3, 1e-5);
+    close(
+        "surface_energy_J",
+        0.067 * 2.0 * std::f64::consts::PI * 5e-3,
+        0.03,
+    );
+    frame.scalars = vec![("kinetic_energy_J".into(), 42.0)];
+    assert_eq!(
+        value(&Gauge::new(&scene).measure(&frame), "kinetic_energy_J"),
+        42.0
+    );
+}

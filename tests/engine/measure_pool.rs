@@ -1,0 +1,213 @@
+//! Crater, crown and jet against splashes of known size.
+
+use coronet::measure::gauge::{Gauge, Row};
+use coronet::particle::Frame;
+use coronet::scene::{Dimension, Scene};
+
+use crate::measure_splash::{SIDE, Splash, pool_scene, splash};
+
+/// Level fixed by a flat pool first, then the frame; lengths in mm.
+fn measure(scene: &Scene, frame: &Frame) -> Row {
+    let mut gauge = Gauge::new(scene);
+    gauge.measure(&splash(scene, &Splash::default()));
+    gauge.measure(frame)
+}
+
+fn mm(row: &Row, name: &str) -> f64 {
+    let found = row.iter().find(|(n, _)| n == name);
+    found.unwrap_or_else(|| panic!("no column {name}")).1 * 1e3
+}
+
+fn near(row: &Row, name: &str, expected: f64, tolerance: f64) {
+    let found = mm(row, name);
+    assert!(
+        (found - expected).abs() < tolerance,
+        "{name}: {found} mm, expected {expected} mm"
+    );
+}
+
+const BOTH: [Dimension; 2] = [Dimension::Two, Dimension::Three];
+
+#[test]
+fn a_flat_pool_has_neither_crater_nor_crown() {
+    for dimension in BOTH {
+        let scene = pool_scene(dimension, 0.4);
+        let mut gauge = Gauge::new(&scene);
+        let row = gauge.measure(&splash(&scene, &Splash::default()));
+        assert!(
+            (gauge.level.unwrap() * 1e3 - 10.0).abs() < 0.02,
+            "level {:?}",
+            gauge.level
+        );
+        assert!(mm(&row, "crater_diameter_m").is_nan());
+        near(&row, "axis_level_m", 0.0, 0.02);
+        near(&row, "crown_height_m", 0.0, 0.02);
+    }
+}
+
+/// Mean errors of depth and diameter over several radii, mm.
+fn crater_errors(dimension: Dimension, spacing: f64) -> [f64; 2] {
+    let scene = pool_scene(dimension, spacing);
+    let radii = [5.0, 5.37, 5.71, 6.13, 6.52];
+    let mut sum = [0.0; 2];
+    for radius in radii {
+        let crown = [radius, radius + 1.6, 2.0];
+        let shape = Splash {
+            crater: radius,
+            crown,
+            ..Splash::default()
+        };
+        let frame = splash(&scene, &shape);
+        let row = measure(&scene, &frame);
+        near(&row, "crater_depth_m", radius, 0.6 * spacing);
+        near(&row, "crater_depth_mean_m", radius, 0.6 * spacing);
+        near(&row, "crater_diameter_m", 2.0 * radius, spacing);
+        sum[0] += (mm(&row, "crater_depth_m") - radius).abs();
+        sum[1] += (mm(&row, "crater_diameter_m") - 2.0 * radius).abs();
+    }
+    sum.map(|s| s / radii.len() as f64)
+}
+
+#[test]
+fn a_hemispherical_crater_is_found_and_converges() {
+    for dimension in BOTH {
+        let coarse = crater_errors(dimension, 1.0);
+        let fine = crater_errors(
+            dimension,
+            if dimension == Dimension::Two {
+                0.1
+            } else {
+                0.25
+            },
+        );
+        for (coarse, fine) in coarse.into_iter().zip(fine) {
+            assert!(fine < 0.15, "{dimension:?}: mean error {fine} mm");
+            assert!(
+                fine < 0.6 * coarse,
+                "{dimension:?}: {coarse} then {fine} mm"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_crown_is_the_highest_connected_liquid_off_the_axis() {
+    for dimension in BOTH {
+        for spacing in [0.4, 0.25] {
+            let scene = pool_scene(dimension, spacing);
+            let shape = Splash {
+                crater: 5.5,
+                crown: [5.5, 7.1, 4.0],
+                mist: [0.9, 7.0],
+                ..Splash::default()
+            };
+            let row = measure(&scene, &splash(&scene, &shape));
+            near(&row, "crown_height_m", 4.0, 0.5 * spacing);
+            near(&row, "highest_particle_m", 7.9, 0.8 * spacing);
+            near(&row, "crater_depth_m", 5.5, 0.6 * spacing);
+            near(&row, "crater_diameter_m", 11.0, spacing);
+        }
+    }
+}
+
+#[test]
+fn the_jet_is_the_highest_connected_liquid_on_the_axis() {
+    for dimension in BOTH {
+        let scene = pool_scene(dimension, 0.25);
+        let shape = Splash {
+            jet: [1.5, 6.0],
+            ..Splash::default()
+        };
+        let row = measure(&scene, &splash(&scene, &shape));
+        near(&row, "jet_height_m", 6.0, 0.125);
+        near(&row, "axis_level_m", 6.0, 0.125);
+        near(&row, "crown_height_m", 0.0, 0.02);
+        assert!(mm(&row, "crater_depth_m").is_nan());
+        assert!(mm(&row, "crater_diameter_m").is_nan());
+    }
+}
+
+#[test]
+fn a_jet_inside_a_crater_does_not_shrink_its_diameter() {
+    for dimension in BOTH {
+        let scene = pool_scene(dimension, 0.25);
+        let shape = Splash {
+            crater: 6.0,
+            crown: [6.0, 7.1, 2.0],
+            jet: [1.5, 3.0],
+            ..Splash::default()
+        };
+        let row = measure(&scene, &splash(&scene, &shape));
+        near(&row, "crater_diameter_m", 12.0, 0.3);
+        near(&row, "jet_height_m", 3.0, 0.125);
+    }
+}
+
+#[test]
+fn an_entrapped_bubble_is_not_the_crater() {
+    let scene = pool_scene(Dimension::Three, 0.4);
+    let shape = Splash {
+        crater: 4.0,
+        bubble: [1.2, 7.5],
+        ..Splash::default()
+    };
+    let row = measure(&scene, &splash(&scene, &shape));
+    near(&row, "crater_depth_m", 4.0, 0.24);
+}
+
+#[test]
+fn a_crater_across_a_periodic_side_measures_the_same() {
+    let mut scene = pool_scene(Dimension::Three, 0.4);
+    let shape = Splash {
+        crater: 6.0,
+        crown: [6.0, 7.0, 3.0],
+        ..Splash::default()
+    };
+    let mut frame = splash(&scene, &shape);
+    let there = measure(&scene, &frame);
+    for axis in 0..2 {
+        for x in &mut frame.position[axis] {
+            *x = (*x + 0.5e-3 * SIDE as f32) % (1e-3 * SIDE as f32);
+        }
+        if let coronet::scene::Shape::Sphere { centre, .. } = &mut scene.bodies[1].shape {
+            centre[axis] = 0.0;
+        }
+    }
+    let here = measure(&scene, &frame);
+    for name in [
+        "crater_depth_m",
+        "crown_height_m",
+        "axis_level_m",
+        "far_level_m",
+    ] {
+        near(&here, name, mm(&there, name), 1e-3);
+    }
+    near(
+        &here,
+        "crater_diameter_m",
+        mm(&there, "crater_diameter_m"),
+        1e-6,
+    );
+}
+
+#[test]
+fn measures_do_not_depend_on_the_number_of_threads() {
+    let scene = pool_scene(Dimension::Three, 0.5);
+    let shape = Splash {
+        crater: 5.2,
+        crown: [5.2, 6.3, 2.0],
+        ..Splash::default()
+    };
+    let frame = splash(&scene, &shape);
+    let [one, three] = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let row = pool.install(|| measure(&scene, &frame));
+        row.into_iter()
+            .map(|(name, value)| (name, value.to_bits()))
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(one, three);
+}

@@ -6,6 +6,7 @@ mod measure_series;
 mod measure_splash;
 mod pack_lattice;
 mod pack_scene;
+mod record_background;
 mod record_checkpoint;
 mod record_damage;
 mod record_export;

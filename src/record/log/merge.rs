@@ -89,25 +89,23 @@ fn start_of(path: &Path) -> Result<Option<Option<f64>>, LogError> {
 
 /// Writes to `out`, atomically, the log that an undisturbed run would have written. Of each segment
 /// it takes the frames after the time that it was resumed from and up to the earliest time that a
-/// later one was resumed from. What a log says once is taken from the last segment, but walls and
-/// transforms from the first. The last segment must be complete; of the others it must be certain
-/// that no wanted frame is missing.
+/// later one was resumed from. What a log says once is taken from the last segment, which must be
+/// complete; of the others it must be certain that no wanted frame is missing.
 pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
     let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out)?;
-    if let Some(last) = segments.last() {
-        copy_facts(&last.path, &mut output)?;
-    }
     let mut copy = Copy::new(&mut output);
+    if let Some(last) = segments.last() {
+        copy.start(&last.path)?;
+    }
     for (index, segment) in segments.iter().enumerate() {
         let after = segment.resumed_from.unwrap_or(f64::NEG_INFINITY);
         let later = segments[index + 1..].iter();
         let until = later
             .map(|later| later.resumed_from.unwrap_or(f64::NEG_INFINITY))
             .fold(f64::INFINITY, f64::min);
-        copy.once = index == 0;
-        if after < until || index == 0 {
+        if after < until {
             copy.segment(segment, after, until)?;
         }
     }
@@ -123,8 +121,8 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
     let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out)?;
-    copy_facts(path, &mut output)?;
     let mut copy = Copy::new(&mut output);
+    copy.start(path)?;
     let (damage, _) = copy.frames(path, f64::NEG_INFINITY, f64::INFINITY)?;
     let merged = copy.result();
     output.finish()?;
@@ -136,33 +134,11 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
     })
 }
 
-/// Copies metadata and attachments from the beginning of a log.
-fn copy_facts(path: &Path, output: &mut Output) -> Result<(), LogError> {
-    for item in Items::open(path)? {
-        match item {
-            Ok(Item::Metadata(name, facts)) if name != SEGMENT && name != DURABLE => {
-                output.metadata(&name, facts)?;
-            }
-            Ok(Item::Attachment {
-                name,
-                media_type,
-                data,
-            }) => output.attachment(&name, &media_type, &data)?,
-            Ok(Item::Metadata(..)) => {}
-            Err(error @ LogError::Io(_)) => return Err(error),
-            Ok(Item::Message(_)) | Err(_) => break,
-        }
-    }
-    Ok(())
-}
-
 /// Copies messages frame by frame.
 struct Copy<'a> {
     output: &'a mut Output,
     hasher: Hasher,
     measures: MeasuresDecoder,
-    /// Whether to copy what a log says once, too.
-    once: bool,
     frames: u64,
     last_time: f64,
 }
@@ -173,7 +149,6 @@ impl<'a> Copy<'a> {
             output,
             hasher: content_hasher(),
             measures: MeasuresDecoder::default(),
-            once: true,
             frames: 0,
             last_time: f64::NAN,
         }
@@ -187,11 +162,33 @@ impl<'a> Copy<'a> {
         }
     }
 
+    /// Copies what the log at `path` says once, before its first frame.
+    fn start(&mut self, path: &Path) -> Result<(), LogError> {
+        for item in Items::open(path)? {
+            match item {
+                Ok(Item::Metadata(name, _)) if name == SEGMENT || name == DURABLE => {}
+                Ok(Item::Metadata(name, facts)) => self.output.metadata(&name, facts)?,
+                Ok(Item::Attachment {
+                    name,
+                    media_type,
+                    data,
+                }) => self.output.attachment(&name, &media_type, &data)?,
+                Ok(Item::Message(message)) if message.is_measures() => break,
+                Ok(Item::Message(message)) if message.body().is_some() => break,
+                Ok(Item::Message(message)) => self.message(&message)?,
+                // Whoever copies the frames meets the damage again and judges it.
+                Err(LogError::Damaged { .. }) => break,
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
     /// Copies the frames of `segment` with `after < time <= until`, or tells that some are lost.
     fn segment(&mut self, segment: &Segment, after: f64, until: f64) -> Result<(), LogError> {
         let (damage, durable) = self.frames(&segment.path, after, until)?;
         match damage {
-            Some(what) if after < until && durable < until => Err(LogError::FramesLost {
+            Some(what) if durable < until => Err(LogError::FramesLost {
                 path: segment.path.clone(),
                 until,
                 what,
@@ -224,7 +221,6 @@ impl<'a> Copy<'a> {
                     clouds.clear();
                 }
                 Ok(Item::Message(message)) if message.body().is_some() => clouds.push(message),
-                Ok(Item::Message(message)) if self.once => self.message(&message)?,
                 Ok(Item::Metadata(name, facts)) if name == DURABLE => {
                     durable = durable.max(time_of(path, &facts)?);
                 }

@@ -10,6 +10,7 @@ mod cursor;
 pub mod error;
 pub mod file;
 pub mod format;
+pub mod key;
 pub mod numbers;
 pub mod preset;
 pub mod quantity;

@@ -1,0 +1,204 @@
+//! Settings of the box, the effects and the method.
+
+use super::super::resolve::{AXES, ENDS};
+use super::super::{
+    Colour, Density, KernelName, Mass, Method, Pressure, Scene, Side, TensionForm, TensionStrength,
+    TimeStepping, ViscosityForm, WallPressure, Wcsph,
+};
+use super::body::{form, motion, place};
+use super::{List, Unit};
+
+pub(super) fn wcsph(scene: &Scene) -> &Wcsph {
+    let Method::Wcsph(settings) = &scene.method;
+    settings
+}
+
+/// Everything that the motion of the liquid depends on.
+pub(super) fn physics(list: &mut List, scene: &Scene) {
+    particle(list, scene);
+    walls(list, scene);
+    effects(list, scene, true);
+    for (index, body) in scene.bodies.iter().enumerate() {
+        let tag = format!("body[{index}]");
+        form(list, scene, body, &tag);
+        place(list, scene, body, &tag);
+        motion(list, scene, body, &tag);
+    }
+    flow(list, scene, true);
+}
+
+pub(super) fn particle(list: &mut List, scene: &Scene) {
+    list.count("dimension", scene.dimension.count() as u64);
+    list.number("pack.spacing", scene.pack.spacing, Unit::Length);
+    list.number("liquid.density", scene.density, Unit::Density);
+    let mass = match wcsph(scene).mass {
+        Mass::Nominal => "nominal",
+        Mass::LatticeSum => "lattice-sum",
+    };
+    list.word("method.wcsph.mass", mass);
+}
+
+pub(super) fn kernel(list: &mut List, settings: &Wcsph) {
+    let kernel = match settings.kernel {
+        KernelName::CubicSpline => "cubic-spline",
+        KernelName::WendlandC2 => "wendland-c2",
+    };
+    list.word("method.wcsph.kernel", kernel);
+    list.number("method.wcsph.smoothing", settings.smoothing, Unit::One);
+}
+
+/// The box and what its sides do.
+pub(super) fn walls(list: &mut List, scene: &Scene) {
+    let domain = &scene.domain;
+    let axes = scene.dimension.axes();
+    let size: Vec<f64> = axes.iter().map(|&axis| domain.size[axis]).collect();
+    list.numbers("box.size", "box.size", &size, Unit::Length);
+    for &axis in axes {
+        let [low, high] = domain.boundary[axis].map(side);
+        list.word(&format!("box.{}", AXES[axis]), &format!("{low}, {high}"));
+        for (end, velocity) in domain.wall_velocity[axis].iter().enumerate() {
+            if velocity.iter().any(|component| *component != 0.0) {
+                let name = format!("box.wall_velocity.{}_{}", AXES[axis], ENDS[end]);
+                let values: Vec<f64> = axes.iter().map(|&axis| velocity[axis]).collect();
+                list.numbers(&name, &name, &values, Unit::Speed);
+            }
+        }
+    }
+}
+
+fn side(side: Side) -> &'static str {
+    match side {
+        Side::Periodic => "periodic",
+        Side::Open => "open",
+        Side::Wall => "wall",
+    }
+}
+
+/// The effects that are there. A body that hangs free relaxes without gravity.
+pub(super) fn effects(list: &mut List, scene: &Scene, falls: bool) {
+    if let (Some(gravity), true) = (scene.effects.gravity, falls) {
+        match gravity {
+            [x, y, z] if x == 0.0 && y == 0.0 && z < 0.0 => {
+                list.number("effects.gravity.acceleration", -z, Unit::Acceleration);
+            }
+            _ => {
+                let name = "effects.gravity.direction";
+                let axes = scene.dimension.axes().iter();
+                let values: Vec<f64> = axes.map(|&axis| gravity[axis]).collect();
+                list.numbers(name, name, &values, Unit::Acceleration);
+            }
+        }
+    }
+    if let Some(viscosity) = scene.effects.viscosity {
+        list.number("effects.viscosity.dynamic", viscosity, Unit::Viscosity);
+        let form = match wcsph(scene).viscosity_form {
+            ViscosityForm::TwoTerm => "two-term",
+            ViscosityForm::TwoTermExact => "two-term-exact",
+            ViscosityForm::Morris => "morris",
+        };
+        list.word("effects.viscosity.form", form);
+    }
+    tension(list, scene);
+}
+
+/// The tension, if the scene has it.
+pub(super) fn tension(list: &mut List, scene: &Scene) {
+    let Some(coefficient) = scene.effects.tension else {
+        return;
+    };
+    let settings = wcsph(scene);
+    list.number("effects.tension.coefficient", coefficient, Unit::Tension);
+    let form = match settings.tension_form {
+        TensionForm::NormalisedColour => "normalised-colour",
+        TensionForm::RawColour => "raw-colour",
+    };
+    list.word("effects.tension.form", form);
+    list.number(
+        "effects.tension.smoothing",
+        settings.tension_smoothing,
+        Unit::One,
+    );
+    match settings.tension_strength {
+        TensionStrength::Fixed(strength) => {
+            list.number("effects.tension.strength", strength, Unit::One);
+        }
+        TensionStrength::Virial => list.word("effects.tension.strength", "virial"),
+    }
+}
+
+/// Settings of the solver. `walled`: the body can meet walls.
+pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
+    let settings = wcsph(scene);
+    list.word("method.name", "wcsph");
+    kernel(list, settings);
+    match settings.density {
+        Density::Summation => list.word("method.wcsph.density", "summation"),
+        Density::Continuity { diffusion } => {
+            list.word("method.wcsph.density", "continuity");
+            list.number(
+                "method.wcsph.density.continuity.diffusion",
+                diffusion,
+                Unit::One,
+            );
+        }
+    }
+    let pressure = match settings.pressure {
+        Pressure::Clipped => "clipped",
+        Pressure::Signed => "signed",
+    };
+    list.word("method.wcsph.pressure", pressure);
+    list.number("method.wcsph.exponent", settings.exponent, Unit::One);
+    list.number(
+        "method.wcsph.sound_speed_factor",
+        settings.sound_speed_factor,
+        Unit::One,
+    );
+    if let Some(speed) = settings.reference_speed {
+        list.number("method.wcsph.reference_speed", speed, Unit::Speed);
+    }
+    let has_wall = scene
+        .domain
+        .boundary
+        .iter()
+        .flatten()
+        .any(|side| *side == Side::Wall);
+    if walled && has_wall {
+        let wall_pressure = match settings.wall_pressure {
+            WallPressure::Summation => "summation",
+            WallPressure::Extrapolated => "extrapolated",
+        };
+        list.word("method.wcsph.wall_pressure", wall_pressure);
+    }
+    list.number("method.wcsph.shifting", settings.shifting, Unit::One);
+    list.number(
+        "method.wcsph.shock_dissipation",
+        settings.shock_dissipation,
+        Unit::One,
+    );
+    stepping(list, settings.time_stepping);
+}
+
+fn stepping(list: &mut List, stepping: TimeStepping) {
+    const KEY: &str = "method.wcsph.time_stepping";
+    match stepping {
+        TimeStepping::Fixed { step } => list.number(&format!("{KEY}.fixed.step"), step, Unit::Time),
+        TimeStepping::Adaptive { safety } => {
+            list.number(&format!("{KEY}.adaptive.safety"), safety, Unit::One);
+        }
+        TimeStepping::Dual {
+            advective,
+            acoustic,
+        } => {
+            list.number(&format!("{KEY}.dual.advective"), advective, Unit::One);
+            list.number(&format!("{KEY}.dual.acoustic"), acoustic, Unit::One);
+        }
+    }
+}
+
+pub(super) fn colour(colour: Colour) -> &'static str {
+    match colour {
+        Colour::Body => "body",
+        Colour::Speed => "speed",
+        Colour::Pressure => "pressure",
+    }
+}

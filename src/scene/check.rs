@@ -43,8 +43,8 @@ fn bodies(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
             if low[axis] < -EQUAL * size || high[axis] > size * (1.0 + EQUAL) {
                 let problem = format!(
                     "reaches from {} to {} in {}, out of the box [0, {}]",
-                    human(low[axis], Unit::Length),
-                    human(high[axis], Unit::Length),
+                    human(rounded(low[axis]), Unit::Length),
+                    human(rounded(high[axis]), Unit::Length),
                     AXES[axis],
                     human(size, Unit::Length)
                 );

@@ -1,7 +1,7 @@
 //! Holds a tree against the format: unknown keys, missing keys, wrong types, units and ranges.
 
 use super::error::SceneError;
-use super::format::{FILE, Field, Kind, Need};
+use super::format::{self, FILE, Field, Kind, Need};
 use super::quantity;
 use super::tree::{Entry, Node, Value};
 
@@ -148,12 +148,7 @@ pub fn quantity_of(node: &Node, path: &str, unit: quantity::Unit) -> Result<f64,
     Err(fault(node, path, &problem, &remedy()))
 }
 
-fn within(
-    node: &Node,
-    path: &str,
-    range: super::format::Range,
-    value: f64,
-) -> Result<(), SceneError> {
+fn within(node: &Node, path: &str, range: format::Range, value: f64) -> Result<(), SceneError> {
     if range.holds(value) {
         return Ok(());
     }
@@ -314,7 +309,7 @@ fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> SceneError {
         None => (None, 0.0),
     };
     let mut everywhere = Vec::new();
-    collect(FILE, "", &mut everywhere);
+    format::collect(&mut everywhere);
     let leaf = |key: &str| key.rsplit('.').next().unwrap_or(key).to_string();
     let elsewhere = everywhere
         .iter()
@@ -354,25 +349,6 @@ fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> SceneError {
     }
 }
 
-/// Every key of the format, dotted; a body's name stands as NAME.
-pub fn collect(fields: &[Field], path: &str, into: &mut Vec<String>) {
-    for field in fields {
-        let key = dotted(path, field.name);
-        into.push(key.clone());
-        collect_kind(&field.kind, &key, into);
-    }
-}
-
-fn collect_kind(kind: &Kind, key: &str, into: &mut Vec<String>) {
-    match kind {
-        Kind::Table(fields, _) => collect(fields, key, into),
-        Kind::Named(fields, _) => collect(fields, &dotted(key, "NAME"), into),
-        Kind::List(item, ..) => collect_kind(item, key, into),
-        Kind::Either(kinds) => kinds.iter().for_each(|kind| collect_kind(kind, key, into)),
-        _ => {}
-    }
-}
-
 fn unfit(node: &Node, path: &str, wanted: &str) -> SceneError {
     let problem = format!("is {}", node.kind());
     fault(node, path, &problem, &format!("write {wanted}"))
@@ -387,8 +363,17 @@ pub fn fault(node: &Node, path: &str, problem: &str, remedy: &str) -> SceneError
         } else {
             path.to_string()
         },
-        value: node.inline(),
+        value: shortened(node.inline()),
         problem: problem.to_string(),
         remedy: remedy.to_string(),
+    }
+}
+
+/// Long values in messages are cut.
+fn shortened(text: String) -> String {
+    const LONGEST: usize = 80;
+    match text.char_indices().nth(LONGEST) {
+        Some((at, _)) => format!("{} ...", &text[..at]),
+        None => text,
     }
 }

@@ -12,3 +12,8 @@ mod record_damage;
 mod record_export;
 mod record_log;
 mod record_reader;
+mod scene_error;
+mod scene_file;
+mod scene_key;
+mod scene_number;
+mod scene_quantity;

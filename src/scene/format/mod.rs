@@ -186,3 +186,29 @@ pub static FILE: &[Field] = &[
         "Which solver, with which settings.",
     ),
 ];
+
+/// Every key of the format, dotted; a body's name stands as NAME.
+pub fn collect(into: &mut Vec<String>) {
+    collect_fields(FILE, "", into);
+}
+
+fn collect_fields(fields: &[Field], path: &str, into: &mut Vec<String>) {
+    for field in fields {
+        let key = match path {
+            "" => field.name.to_string(),
+            _ => format!("{path}.{}", field.name),
+        };
+        into.push(key.clone());
+        collect_kind(&field.kind, &key, into);
+    }
+}
+
+fn collect_kind(kind: &Kind, key: &str, into: &mut Vec<String>) {
+    match kind {
+        Kind::Table(fields, _) => collect_fields(fields, key, into),
+        Kind::Named(fields, _) => collect_fields(fields, &format!("{key}.NAME"), into),
+        Kind::List(item, ..) => collect_kind(item, key, into),
+        Kind::Either(kinds) => kinds.iter().for_each(|kind| collect_kind(kind, key, into)),
+        _ => {}
+    }
+}

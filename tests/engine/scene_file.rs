@@ -1,0 +1,216 @@
+//! Scene files: the format, `--set`, and every file that is shipped.
+
+use coronet::scene::file::{self, Loaded};
+use coronet::scene::{
+    Arrangement, Density, Dimension, Effects, KernelName, Mass, Method, Motion, Shape, Side,
+    TensionStrength, TimeStepping, ViscosityForm, Wcsph, numbers, preset,
+};
+use std::path::{Path, PathBuf};
+
+pub const SMALL: &str = r#"
+[box]
+size = ["8 mm", "8 mm", "10 mm"]
+[liquid]
+density = "1100 kg/m^3"
+[effects.gravity]
+acceleration = "9.81 m/s^2"
+[effects.viscosity]
+dynamic = "3.5 mPa s"
+[effects.tension]
+coefficient = "67 mN/m"
+[body.pool]
+layer = { depth = "2 mm" }
+[body.drop]
+sphere = { diameter = "2 mm", gap = "0.4 mm", above = "pool" }
+velocity = "1.5 m/s"
+[pack]
+spacing = "0.4 mm"
+[relax]
+[impact]
+end = "5 ms"
+[frames]
+interval = "0.5 ms"
+"#;
+
+/// `SMALL` with overrides.
+pub fn small(sets: &[&str]) -> Loaded {
+    let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
+    file::read(SMALL, Path::new("small.toml"), &sets).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn settings(loaded: &Loaded) -> Wcsph {
+    let Method::Wcsph(settings) = &loaded.scene.method;
+    settings.clone()
+}
+
+/// Every scene file that is shipped.
+fn shipped() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = vec![root.join("pipeline.toml")];
+    let mut folders = vec![root.join("scenes")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "toml") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn values_arrive_in_si_with_defaults() {
+    let loaded = small(&[]);
+    let scene = &loaded.scene;
+    assert_eq!(loaded.text, SMALL);
+    assert_eq!(scene.name, "small");
+    assert_eq!(scene.dimension, Dimension::Three);
+    assert_eq!(scene.domain.size, [0.008, 0.008, 0.01]);
+    assert_eq!(scene.domain.boundary[0], [Side::Periodic; 2]);
+    assert_eq!(scene.domain.boundary[2], [Side::Wall, Side::Open]);
+    let effects = Effects {
+        gravity: Some([0.0, 0.0, -9.81]),
+        viscosity: Some(0.0035),
+        tension: Some(0.067),
+    };
+    assert_eq!(scene.effects, effects);
+    assert_eq!(scene.bodies[0].name, "pool");
+    assert_eq!(scene.bodies[0].shape, Shape::Layer { depth: 0.002 });
+    assert_eq!(scene.bodies[1].motion, Motion::Uniform([0.0, 0.0, -1.5]));
+    let Shape::Sphere { centre, radius } = scene.bodies[1].shape else {
+        panic!("{:?}", scene.bodies[1]);
+    };
+    assert_eq!((centre[0], centre[1], radius), (0.004, 0.004, 0.001));
+    assert!((centre[2] - 0.0034).abs() < 1e-15);
+    assert_eq!(scene.pack.arrangement, Arrangement::Poisson);
+    assert_eq!((scene.pack.tolerance, scene.pack.seed), (0.1, 1));
+    let relax = scene.relax.as_ref().unwrap();
+    assert_eq!((relax.time, relax.damping), (0.02, 500.0));
+    assert_eq!(scene.frames.time_scale, 1.0);
+    assert_eq!(settings(&loaded), preset::wcsph_modern());
+}
+
+#[test]
+fn overrides_replace_what_the_file_says() {
+    let loaded = small(&[
+        "body.drop.velocity=2.42 m/s",
+        "pack.spacing=\"0.5 mm\"",
+        "pack.arrangement=lattice",
+        "impact.end=0.01",
+        "effects.tension.strength=4.5",
+        "method={ preset = \"paper\" }",
+        "method.wcsph.smoothing=1.2",
+        "method.wcsph.time_stepping={ adaptive = { safety = 0.5 } }",
+        "post.panels=[\"1 ms\", 2e-3]",
+    ]);
+    let scene = &loaded.scene;
+    assert_eq!(scene.bodies[1].motion, Motion::Uniform([0.0, 0.0, -2.42]));
+    assert_eq!(scene.pack.spacing, 0.0005);
+    assert_eq!(scene.pack.arrangement, Arrangement::Lattice);
+    assert_eq!(scene.impact.end, 0.01);
+    assert_eq!(scene.post.panels, [0.001, 0.002]);
+    let expected = Wcsph {
+        smoothing: 1.2,
+        time_stepping: TimeStepping::Adaptive { safety: 0.5 },
+        ..preset::wcsph_paper()
+    };
+    assert_eq!(settings(&loaded), expected);
+    let again = file::read(&loaded.text, Path::new("small.toml"), &[]).unwrap();
+    assert_eq!(again.scene, *scene, "{}", loaded.text);
+}
+
+#[test]
+fn every_setting_of_the_method_can_be_overridden() {
+    let word = |set: &str| settings(&small(&[set]));
+    let flow = |set: &str| word(&format!("method.wcsph.{set}"));
+    assert_eq!(flow("kernel=cubic-spline").kernel, KernelName::CubicSpline);
+    assert_eq!(flow("density=summation").density, Density::Summation);
+    let continuity = flow("density={ continuity = { diffusion = 0.2 } }").density;
+    assert_eq!(continuity, Density::Continuity { diffusion: 0.2 });
+    assert_eq!(
+        flow("pressure=clipped").pressure,
+        coronet::scene::Pressure::Clipped
+    );
+    assert_eq!(flow("exponent=7").exponent, 7.0);
+    assert_eq!(flow("sound_speed_factor=20").sound_speed_factor, 20.0);
+    assert_eq!(flow("reference_speed=2 m/s").reference_speed, Some(2.0));
+    assert_eq!(flow("reference_speed=scene").reference_speed, None);
+    assert_eq!(flow("mass=lattice-sum").mass, Mass::LatticeSum);
+    let walls = flow("wall_pressure=summation").wall_pressure;
+    assert_eq!(walls, coronet::scene::WallPressure::Summation);
+    assert_eq!(flow("shifting=0.5").shifting, 0.5);
+    assert_eq!(flow("shock_dissipation=0").shock_dissipation, 0.0);
+    let fixed = flow("time_stepping={ fixed = { step = \"1 us\" } }").time_stepping;
+    assert_eq!(fixed, TimeStepping::Fixed { step: 1e-6 });
+    let form = word("effects.viscosity.form=two-term").viscosity_form;
+    assert_eq!(form, ViscosityForm::TwoTerm);
+    let tension = word("effects.tension.form=normalised-colour").tension_form;
+    assert_eq!(tension, coronet::scene::TensionForm::NormalisedColour);
+    let strength = word("effects.tension.strength=4.5").tension_strength;
+    assert_eq!(strength, TensionStrength::Fixed(4.5));
+    assert_eq!(word("effects.tension.smoothing=2").tension_smoothing, 2.0);
+}
+
+#[test]
+fn every_shipped_scene_loads_and_its_numbers_are_sane() {
+    let files = shipped();
+    assert_eq!(files.len(), 13, "a scene file came or went: {files:?}");
+    for path in files {
+        let loaded = file::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let scene = &loaded.scene;
+        let shown = path.display();
+        assert!(!scene.title.is_empty(), "{shown}");
+        let total: u64 = (0..scene.bodies.len())
+            .map(|body| numbers::count(scene, body))
+            .sum();
+        assert!(
+            (300..1_200_000).contains(&total),
+            "{shown}: {total} particles"
+        );
+        let sound = numbers::sound_speed(scene);
+        assert!(sound > 0.05 && sound < 100.0, "{shown}: sound {sound} m/s");
+        let limits = numbers::limits(scene);
+        assert!(
+            limits
+                .iter()
+                .all(|limit| limit.value > 1e-7 && limit.value < 10.0),
+            "{shown}"
+        );
+        let steps = scene.impact.end / limits[0].value;
+        assert!(steps < 5e5, "{shown}: {steps} steps");
+        assert!(scene.impact.end / scene.frames.interval >= 10.0, "{shown}");
+        let lines = numbers::of(scene).to_string();
+        assert!(
+            lines.contains("Limits of the time step"),
+            "{shown}: {lines}"
+        );
+        for body in 0..scene.bodies.len() {
+            assert!(numbers::rest_sound_speed(scene, body) > 0.0, "{shown}");
+        }
+    }
+}
+
+#[test]
+fn the_reference_manual_shows_every_key() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("pipeline.toml")).unwrap();
+    let mut keys = Vec::new();
+    coronet::scene::format::collect(&mut keys);
+    for key in keys.iter().filter_map(|key| key.rsplit('.').next()) {
+        let key = key.split('_').next().unwrap();
+        assert!(text.contains(key), "pipeline.toml does not mention `{key}`");
+    }
+}
+
+#[test]
+fn the_papers_case_has_the_papers_particles() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/nishio-2010/u3.13.toml");
+    let scene = file::load(&path, &[]).unwrap().scene;
+    assert_eq!(numbers::count(&scene, 0), 1_024_000);
+    assert_eq!(numbers::count(&scene, 1), 1791);
+    assert_eq!(numbers::sound_speed(&scene), 10.0 * 3.13);
+}

@@ -1,0 +1,116 @@
+//! Derived numbers against values worked out by hand.
+
+use crate::scene_file::small;
+use coronet::scene::numbers;
+
+/// The relative distance of a derived number from what it should be.
+fn off(sets: &[&str], name: &str, value: f64) -> f64 {
+    let scene = small(sets).scene;
+    let found = numbers::of(&scene)
+        .get(name)
+        .unwrap_or_else(|| panic!("no {name}"));
+    (found / value - 1.0).abs()
+}
+
+#[test]
+fn dimensionless_numbers_of_the_published_case() {
+    // Nishio et al. 2010, Table 1, whose numbers belong to d = 4.0 mm.
+    let sets = [
+        "box.size=[\"40 mm\", \"40 mm\", \"30 mm\"]",
+        "pack.spacing=0.5 mm",
+        "body.pool.layer.depth=10 mm",
+        "body.drop.sphere.diameter=4.0 mm",
+        "body.drop.velocity=3.13 m/s",
+    ];
+    for (name, value) in [
+        ("We", 643.0),
+        ("Re", 3935.0),
+        ("Oh", 6.45e-3),
+        ("T/d", 2.5),
+        ("d/s0", 8.0),
+    ] {
+        assert!(off(&sets, name, value) < 2e-3, "{name}");
+    }
+    assert!(off(&sets, "Fr", 249.7) < 1e-3);
+    assert!(off(&sets, "Bo", 0.6442) < 1e-3);
+    // c = 31.3 m/s, h = 0.65 mm, V = 3.13 m/s.
+    assert!(off(&sets, "acoustic", 0.25 * 0.65e-3 / 34.43) < 1e-12);
+    assert!(off(&sets, "advective", 0.25 * 0.5e-3 / 3.13) < 1e-12);
+    assert!(
+        off(
+            &sets,
+            "viscous",
+            0.125 * 0.65e-3 * 0.65e-3 / (3.5e-3 / 1100.0)
+        ) < 1e-12
+    );
+    assert!(off(&sets, "capillary", 2.1176e-4) < 1e-4);
+    assert!(off(&sets, "force", 0.25 * (0.65e-3_f64 / 9.81).sqrt()) < 1e-12);
+}
+
+#[test]
+fn numbers_of_absent_effects_are_absent() {
+    let bare = crate::scene_file::SMALL
+        .replace("[effects.gravity]\nacceleration = \"9.81 m/s^2\"\n", "")
+        .replace("[effects.viscosity]\ndynamic = \"3.5 mPa s\"\n", "")
+        .replace("[effects.tension]\ncoefficient = \"67 mN/m\"\n", "");
+    let path = std::path::Path::new("bare.toml");
+    let scene = coronet::scene::file::read(&bare, path, &[]).unwrap().scene;
+    let numbers = numbers::of(&scene);
+    for name in [
+        "We",
+        "Re",
+        "Oh",
+        "Fr",
+        "Bo",
+        "viscous",
+        "capillary",
+        "force",
+    ] {
+        assert_eq!(numbers.get(name), None, "{name}");
+    }
+    assert!(numbers.get("acoustic").is_some());
+}
+
+#[test]
+fn the_reference_speed_is_the_largest_that_the_scene_suggests() {
+    let speed = |sets: &[&str]| numbers::reference_speed(&small(sets).scene);
+    assert_eq!(speed(&[]), 1.5);
+    // At rest: the top of the drop stands 4.4 mm above the floor, sqrt(2 g z) = 0.2938 m/s; the
+    // drop's sqrt(2 sigma / (rho R)) = 0.3490 m/s is larger.
+    let capillary = (2.0_f64 * 0.067 / (1100.0 * 0.001)).sqrt();
+    assert!((speed(&["body.drop.velocity=0 m/s"]) - capillary).abs() < 1e-15);
+    let fall = (2.0_f64 * 9.81 * 4.4e-3).sqrt();
+    let weak = [
+        "body.drop.velocity=0 m/s",
+        "effects.tension.coefficient=1 uN/m",
+    ];
+    assert!((speed(&weak) - fall).abs() < 1e-12);
+    assert_eq!(speed(&["method.wcsph.reference_speed=7 m/s"]), 7.0);
+}
+
+#[test]
+fn relaxation_does_not_hear_the_impact_speed() {
+    let slow = small(&["body.drop.velocity=1 m/s"]).scene;
+    let fast = small(&["body.drop.velocity=4 m/s"]).scene;
+    for body in 0..2 {
+        let speeds = [&slow, &fast].map(|scene| numbers::rest_sound_speed(scene, body));
+        assert_eq!(speeds[0], speeds[1]);
+    }
+    assert!(numbers::sound_speed(&slow) < numbers::sound_speed(&fast));
+}
+
+#[test]
+fn lattices_are_counted_exactly() {
+    // Points of the square and cubic lattice within 3 of the origin: 29 and 123.
+    let sphere = [
+        "pack.arrangement=lattice",
+        "body.drop.sphere.diameter=2.4 mm",
+    ];
+    assert_eq!(numbers::count(&small(&sphere).scene, 1), 123);
+    assert_eq!(
+        numbers::count(&small(&["pack.arrangement=lattice"]).scene, 0),
+        20 * 20 * 5
+    );
+    // 4/3 pi 1 mm^3 over 0.064 mm^3.
+    assert_eq!(numbers::count(&small(&[]).scene, 1), 65);
+}

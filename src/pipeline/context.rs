@@ -11,7 +11,7 @@ use super::stamp::Stamp;
 use super::store::{OUT, content};
 use super::{Event, Progress, StageError, Watch};
 use crate::record::atomic::{FileError, write_file};
-use crate::record::{Checkpoint, checkpoint};
+use crate::record::{Checkpoint, Digest, checkpoint};
 
 /// File in the work folder that keeps the time spent by earlier attempts.
 pub const SPENT: &str = "spent.json";
@@ -46,6 +46,7 @@ pub struct Context<'a> {
     pub inputs: Vec<Input>,
     /// Finished beginnings or continuations of this result.
     pub relatives: Vec<Relative>,
+    pub(super) key: Digest,
     pub(super) work: PathBuf,
     pub(super) job: String,
     pub(super) stop: &'a AtomicBool,
@@ -58,6 +59,11 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// Key of the result that is being made.
+    pub fn key(&self) -> Digest {
+        self.key
+    }
+
     /// Folder for what outlives a kill; nobody else writes there.
     pub fn work(&self) -> &Path {
         &self.work

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::stamp::{InputStamp, SettingStamp, Stamp};
-use super::store::{Found, OUT, Store, WORK};
+use super::store::{CHECKPOINT, Found, Store, WORK};
 use super::{Pipeline, Stage, key, label};
 use crate::record::Digest;
 
@@ -116,8 +116,11 @@ pub fn decide(store: &Store, pipeline: &Pipeline, job: usize, done: &[Option<Don
 fn start(store: &Store, stage: &dyn Stage, key: &Digest, family: Option<Digest>) -> Option<String> {
     let work = store.folder(stage.name(), key).join(WORK);
     let entries = fs::read_dir(work).into_iter().flatten().flatten();
-    let mut names = entries.map(|entry| entry.file_name());
-    if names.any(|name| name != OUT && name != super::context::SPENT) {
+    let mut paths = entries.map(|entry| entry.path());
+    if paths.any(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == CHECKPOINT)
+    }) {
         return Some("an unfinished run".to_string());
     }
     let relatives = relatives(store, stage.name(), family);
@@ -197,13 +200,19 @@ fn differences(
     if earlier.format != format {
         list.push(format!("checkpoint format {} -> {format}", earlier.format));
     }
-    for setting in wanted {
+    // By another name (of a body) it is the same setting.
+    let known = |list: &[SettingStamp], setting: &SettingStamp| {
+        list.iter()
+            .any(|other| other.canonical == setting.canonical)
+    };
+    for setting in wanted
+        .iter()
+        .filter(|setting| !known(&earlier.settings, setting))
+    {
         let old = earlier.settings.iter().find(|old| old.name == setting.name);
-        if old.is_none_or(|old| old.canonical != setting.canonical) {
-            list.push(difference(stage, &setting.name, old, Some(setting)));
-        }
+        list.push(difference(stage, &setting.name, old, Some(setting)));
     }
-    for old in &earlier.settings {
+    for old in earlier.settings.iter().filter(|old| !known(wanted, old)) {
         if !wanted.iter().any(|setting| setting.name == old.name) {
             list.push(difference(stage, &old.name, Some(old), None));
         }

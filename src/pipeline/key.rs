@@ -1,7 +1,7 @@
 //! The key of a result: SHA-256 over everything that it depends on, and nothing else.
 //!
 //! In it: the stage's name and VERSION, the version of the checkpoint format, each setting that the
-//! stage reads (name and canonical bytes) and the digest of each input. Not in it: paths, times,
+//! stage reads (canonical bytes) and the digest of each input. Not in it: paths, times,
 //! number of threads, compression level, names of bodies. Inputs count by the digest of what they
 //! contain, so a producer that runs again with the same result changes nothing after it.
 
@@ -40,7 +40,7 @@ fn hash(
         .filter(|setting| without != Some(setting.name.as_str()));
     hasher.number(counted.clone().count() as u64);
     for setting in counted {
-        hasher.text(&setting.name).bytes(&setting.canonical);
+        hasher.bytes(&setting.canonical);
     }
     hasher.number(inputs.len() as u64);
     for digest in inputs {

@@ -43,11 +43,12 @@ pub use store::Store;
 /// One setting that a stage reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// As the user writes it: `pack.spacing`.
+    /// As the user writes it: `pack.spacing`, `body.drop.velocity`. Is in no key.
     pub name: String,
     /// For people: `0.25 mm`.
     pub shown: String,
-    /// For the key: equal settings have equal bytes, and no others.
+    /// For the key: what the setting is and its value. Equal settings have equal bytes, and no
+    /// others.
     pub canonical: Vec<u8>,
 }
 

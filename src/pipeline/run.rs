@@ -223,6 +223,7 @@ impl Walk<'_> {
         let mut context = Context {
             inputs,
             relatives: relatives.into_iter().map(relative).collect(),
+            key: decision.key.expect("known when it runs"),
             work,
             job: label.clone(),
             stop: run.stop,

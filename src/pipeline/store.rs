@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::stamp::{self, OutputStamp, Stamp};
 use crate::record::atomic::{FileError, is_temporary, sync_folder_of};
-use crate::record::{Digest, checkpoint};
+use crate::record::{Digest, checkpoint, log};
 
 /// Extension of checkpoints.
 pub const CHECKPOINT: &str = "checkpoint";
@@ -184,6 +184,7 @@ pub fn content(path: &Path) -> Result<Digest, String> {
             let checkpoint = checkpoint::read(path).map_err(|error| error.to_string())?;
             Ok(checkpoint.digest())
         }
+        Some(LOG) => log::content_digest(path).map_err(|error| error.to_string()),
         _ => bytes_digest(path).map_err(|error| format!("cannot read {}: {error}", path.display())),
     }
 }

@@ -103,10 +103,10 @@ impl Stage for Sum<'_> {
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
         self.lab.calls.fetch_add(1, Ordering::Relaxed);
         if self.lab.interrupt.load(Ordering::Relaxed) {
-            fs::write(context.work().join("half"), "x").map_err(StageError::failed)?;
+            fs::write(context.work().join("half.checkpoint"), "x").map_err(StageError::failed)?;
             return Err(StageError::Interrupted);
         }
-        if context.work().join("half").exists() || !context.relatives.is_empty() {
+        if context.work().join("half.checkpoint").exists() || !context.relatives.is_empty() {
             context.resumed();
         }
         let mut sum = f64::from(self.end);

@@ -1,0 +1,146 @@
+//! What a user types.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    a stage failed for another reason
+  2    wrong arguments, or a mistake in the pipeline file
+  3    the physics went wrong (diverged); the last good checkpoint is kept
+  4    results cannot be trusted: damaged files (verify), or one key with two results
+  5    files cannot be read or written: no space, no permission, read-only
+  6    in use by another process (gc)
+  130  stopped by Ctrl-C or a termination signal after a checkpoint; the same command goes on";
+
+/// Drop impact on a pool, a wall or another drop, with particles, as a resumable pipeline.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXIT_CODES, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Bring all results of a pipeline up to date, going on where an earlier run ended
+    #[command(after_help = EXIT_CODES)]
+    Run(RunArguments),
+    /// Show what would run, why, and about how long it would take
+    Plan(PlanArguments),
+    /// Hash all finished results again; set damaged files aside, so that `run` makes them anew
+    Verify(StoreArguments),
+    /// Remove results that no pipeline reaches (see `artifacts/latest/`)
+    Gc(SweepArguments),
+    /// Show what a checkpoint, a log or a result holds
+    Show(ShowArguments),
+    /// Write a checkpoint or the frames of a run in a format for other programs
+    Export(ExportArguments),
+    /// Save the whole frames of a log that was cut off
+    Recover(RecoverArguments),
+    /// Print the JSON schema of pipeline files, for editors
+    Schema,
+}
+
+#[derive(Debug, Args)]
+pub struct PipelineArguments {
+    /// The pipeline file
+    #[arg(default_value = "pipeline.toml")]
+    pub pipeline: PathBuf,
+    /// Override a setting, as `--set body.drop.velocity="[0 m/s, 0 m/s, -2.42 m/s]"`; repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct StoreArguments {
+    /// Folder of all results
+    #[arg(long, value_name = "DIR", default_value = "artifacts")]
+    pub artifacts: PathBuf,
+    /// One JSON object a line on standard output, for scripts
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    #[command(flatten)]
+    pub pipeline: PipelineArguments,
+    #[command(flatten)]
+    pub store: StoreArguments,
+    /// Stop after this stage
+    #[arg(long, value_name = "STAGE")]
+    pub until: Option<String>,
+    /// Threads; results do not depend on their number [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub struct PlanArguments {
+    #[command(flatten)]
+    pub pipeline: PipelineArguments,
+    #[command(flatten)]
+    pub store: StoreArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct SweepArguments {
+    /// Pipeline files whose results stay, too, besides those in `artifacts/latest/`
+    pub pipelines: Vec<PathBuf>,
+    /// Let go what the pipeline of this name alone reaches; repeatable
+    #[arg(long, value_name = "NAME")]
+    pub forget: Vec<String>,
+    /// Only tell what would be removed
+    #[arg(long)]
+    pub dry_run: bool,
+    #[command(flatten)]
+    pub store: StoreArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct ShowArguments {
+    /// A checkpoint, a log, or the folder of a result or of a pipeline's latest results
+    pub path: PathBuf,
+    /// One JSON object on standard output, for scripts
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExportArguments {
+    /// A checkpoint, a log, or the folder of a run
+    pub path: PathBuf,
+    /// Format
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Format,
+    /// Folder for the files [default: `export` in the current folder]
+    #[arg(long, value_name = "DIR", default_value = "export")]
+    pub output: PathBuf,
+    /// One JSON object on standard output, for scripts
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Format {
+    /// ParaView: `.vtp` files and a `.pvd` time index
+    Vtk,
+    /// Tables
+    Csv,
+    /// Point clouds
+    Ply,
+}
+
+#[derive(Debug, Args)]
+pub struct RecoverArguments {
+    /// The log
+    pub log: PathBuf,
+    /// The new log [default: `<log>-recovered.mcap` beside it]
+    pub output: Option<PathBuf>,
+    /// One JSON object on standard output, for scripts
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,77 @@
+//! `calibrate`: relaxed bodies -> the strength of the tension on this arrangement.
+
+use coronet::method;
+use coronet::pipeline::{Context, Output, Setting, Stage, StageError};
+use coronet::record::{Checkpoint, checkpoint};
+use coronet::scene::file::Loaded;
+
+use crate::impact::read_body;
+
+const FILE: &str = "strength.checkpoint";
+const STRENGTH: &str = "strength";
+
+pub struct Calibrate<'a> {
+    pub loaded: &'a Loaded,
+    /// Jobs of the bodies, in the order of the scene.
+    pub bodies: Vec<usize>,
+    pub settings: Vec<Setting>,
+    /// VERSION, see [`crate::jobs::version`].
+    pub version: u32,
+}
+
+impl Stage for Calibrate<'_> {
+    fn name(&self) -> &str {
+        "calibrate"
+    }
+
+    fn version(&self) -> u32 {
+        self.version
+    }
+
+    fn settings(&self) -> Vec<Setting> {
+        self.settings.clone()
+    }
+
+    fn inputs(&self) -> Vec<usize> {
+        self.bodies.clone()
+    }
+
+    fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
+        let bodies: Result<Vec<_>, _> = (0..self.bodies.len())
+            .map(|body| read_body(context, body, body))
+            .collect();
+        let calibration =
+            method::calibrate(&self.loaded.scene, &bodies?).map_err(StageError::failed)?;
+        context.note(format!("alpha = {}", calibration.strength));
+        let mut scalars = vec![(STRENGTH.to_string(), calibration.strength)];
+        for (index, (name, area, ratio)) in calibration.bodies.iter().enumerate() {
+            context.note(format!(
+                "{name}: sigma_eff / sigma at alpha = 1 is {ratio:.6}"
+            ));
+            scalars.push((format!("area/{index}"), *area));
+            scalars.push((format!("ratio/{index}"), *ratio));
+        }
+        let checkpoint = Checkpoint {
+            kind: "calibration".into(),
+            scalars,
+            ..Checkpoint::default()
+        };
+        let path = context.output().join(FILE);
+        checkpoint
+            .write(&path, checkpoint::LEVEL)
+            .map_err(StageError::failed)?;
+        Ok(vec![Output::counted(FILE)])
+    }
+}
+
+/// The strength that input `index` found.
+pub fn read(context: &Context, index: usize) -> Result<f64, StageError> {
+    let checkpoint = context.checkpoint(index, FILE)?;
+    checkpoint
+        .scalar(STRENGTH)
+        .ok_or_else(|| StageError::Input {
+            index,
+            file: context.inputs[index].folder.join(FILE),
+            what: "it holds no strength".into(),
+        })
+}

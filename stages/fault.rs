@@ -1,0 +1,58 @@
+//! Exit codes, see `coronet --help`.
+
+use std::io;
+
+use coronet::method::Diverged;
+use coronet::pipeline::PipelineError;
+use coronet::scene::error::SceneError;
+use coronet::scene::key::KeyError;
+
+pub const FAILED: u8 = 1;
+pub const USAGE: u8 = 2;
+pub const DIVERGED: u8 = 3;
+pub const UNTRUSTED: u8 = 4;
+pub const FILES: u8 = 5;
+pub const BUSY: u8 = 6;
+pub const INTERRUPTED: u8 = 130;
+
+/// Results that cannot be trusted were found.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Untrusted(pub String);
+
+/// A mistake in the arguments that only the program can see.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Usage(pub String);
+
+/// The exit code for `error`, from whatever in its chain tells most.
+pub fn exit_code(error: &anyhow::Error) -> u8 {
+    error.chain().find_map(code_of).unwrap_or(FAILED)
+}
+
+fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
+    if let Some(error) = error.downcast_ref::<PipelineError>() {
+        return match error {
+            PipelineError::Interrupted { .. } => Some(INTERRUPTED),
+            PipelineError::Nondeterministic { .. } | PipelineError::DamagedAgain { .. } => {
+                Some(UNTRUSTED)
+            }
+            PipelineError::UnknownStage { .. } | PipelineError::UnknownPipeline { .. } => {
+                Some(USAGE)
+            }
+            PipelineError::Busy { .. } => Some(BUSY),
+            PipelineError::File(_) => Some(FILES),
+            _ => None,
+        };
+    }
+    if error.is::<SceneError>() || error.is::<KeyError>() || error.is::<Usage>() {
+        return Some(USAGE);
+    }
+    if error.is::<Untrusted>() {
+        return Some(UNTRUSTED);
+    }
+    if error.is::<Diverged>() {
+        return Some(DIVERGED);
+    }
+    error.is::<io::Error>().then_some(FILES)
+}

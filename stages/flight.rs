@@ -1,0 +1,178 @@
+//! Checkpoints of a stage under way: what a killed run goes on from.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use coronet::pipeline::store::{CHECKPOINT, OUT};
+use coronet::pipeline::{Context, Output, StageError};
+use coronet::record::background::CheckpointWriter;
+use coronet::record::checkpoint::{self, LEVEL};
+use coronet::record::log::Flush;
+use coronet::record::{Checkpoint, Digest};
+
+/// Rolling checkpoints, of which the newest two stay.
+const ROLLING: &str = "step-";
+/// Checkpoints that become part of the result, so that a shorter run can start from them.
+pub const KEPT: &str = "kept-";
+/// Text that tells for which key a rolling checkpoint was written.
+const KEY: &str = "key";
+
+/// Writes the checkpoints of a running stage in the background.
+pub struct Flight {
+    folder: PathBuf,
+    key: Digest,
+    writer: CheckpointWriter,
+    every: Duration,
+    last: Instant,
+}
+
+impl Flight {
+    /// `every`: wall seconds between rolling checkpoints.
+    pub fn new(context: &Context, every: f64) -> Result<Self, StageError> {
+        Ok(Flight {
+            folder: context.work().to_path_buf(),
+            key: context.key(),
+            writer: CheckpointWriter::new(LEVEL).map_err(StageError::failed)?,
+            every: Duration::try_from_secs_f64(every).unwrap_or(Duration::MAX),
+            last: Instant::now(),
+        })
+    }
+
+    /// Whether it is time for a rolling checkpoint.
+    pub fn is_due(&self) -> bool {
+        self.last.elapsed() >= self.every
+    }
+
+    /// Has `checkpoint` written, after the frames before it are durable.
+    pub fn save(
+        &mut self,
+        context: &Context,
+        mut checkpoint: Checkpoint,
+        after: Option<Flush>,
+        kept: bool,
+    ) -> Result<(), StageError> {
+        let prefix = if kept { KEPT } else { ROLLING };
+        let name = format!("{prefix}{:012}.{CHECKPOINT}", checkpoint.step);
+        checkpoint.texts.push((KEY.into(), self.key.to_string()));
+        let path = self.folder.join(name);
+        self.writer
+            .submit(checkpoint, path, after)
+            .map_err(StageError::failed)?;
+        self.last = Instant::now();
+        self.collect(context)
+    }
+
+    /// Notes what has been written since the last call and drops what is no longer needed. Errors of
+    /// earlier writes come out here.
+    pub fn collect(&mut self, context: &Context) -> Result<(), StageError> {
+        if !self
+            .writer
+            .written()
+            .map_err(StageError::failed)?
+            .is_empty()
+        {
+            self.settle(context)?;
+        }
+        Ok(())
+    }
+
+    /// Waits until all is on disk.
+    pub fn land(&mut self, context: &Context) -> Result<(), StageError> {
+        self.writer.wait().map_err(StageError::failed)?;
+        self.settle(context)
+    }
+
+    fn settle(&self, context: &Context) -> Result<(), StageError> {
+        let rolling = list(&self.folder, ROLLING);
+        for old in rolling.iter().rev().skip(2) {
+            let _ = fs::remove_file(old);
+        }
+        Ok(context.save_time()?)
+    }
+}
+
+/// The newest checkpoint in the work folder that can be trusted. Others are set aside.
+pub fn newest(context: &Context) -> Option<Checkpoint> {
+    let mut paths = list(context.work(), ROLLING);
+    paths.extend(list(context.work(), KEPT));
+    paths.sort_by_key(|path| std::cmp::Reverse(number(path)));
+    paths.into_iter().find_map(|path| {
+        let what = match checkpoint::read(&path) {
+            Ok(checkpoint) if checkpoint.text(KEY) == Some(&context.key().to_string()) => {
+                return Some(checkpoint);
+            }
+            Ok(_) => "it belongs to another result".to_string(),
+            Err(error) => error.to_string(),
+        };
+        let mut name = path.clone().into_os_string();
+        name.push(".bad");
+        let _ = fs::rename(&path, name);
+        context.warn(&format!("{} is passed over: {what}", path.display()));
+        None
+    })
+}
+
+/// Removes what earlier attempts left in the work folder.
+pub fn clear(context: &Context) -> Result<(), StageError> {
+    for entry in fs::read_dir(context.work())
+        .map_err(StageError::failed)?
+        .flatten()
+    {
+        let path = entry.path();
+        if entry.file_name() != OUT && path.is_file() {
+            fs::remove_file(path).map_err(StageError::failed)?;
+        }
+    }
+    Ok(context.save_time()?)
+}
+
+/// Moves the kept checkpoints into the result. They depend on where runs were cut, so no digest
+/// counts them.
+pub fn keep(context: &Context) -> Result<Vec<Output>, StageError> {
+    let mut outputs = Vec::new();
+    for path in list(context.work(), KEPT) {
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        // A link, so that the checkpoint also stays where a killed run would look for it.
+        let target = context.output().join(&name);
+        link_or_copy(&path, &target).map_err(StageError::failed)?;
+        outputs.push(Output::shown(name));
+    }
+    Ok(outputs)
+}
+
+/// Another name for the same file, or a copy where the file system has no links.
+pub fn link_or_copy(from: &Path, to: &Path) -> std::io::Result<()> {
+    if fs::hard_link(from, to).is_err() {
+        fs::copy(from, to)?;
+    }
+    Ok(())
+}
+
+/// Paths with that prefix, in the order of their step numbers.
+fn list(folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut paths: Vec<_> = entries
+        .map(|entry| entry.path())
+        .filter(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.starts_with(prefix) && name.ends_with(CHECKPOINT)
+        })
+        .collect();
+    paths.sort();
+    paths
+}
+
+fn number(path: &Path) -> u64 {
+    let stem = path
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let digits = stem.rsplit('-').next().unwrap_or_default();
+    digits.parse().unwrap_or(0)
+}

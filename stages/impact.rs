@@ -1,0 +1,422 @@
+//! `impact`: relaxed bodies -> the state at the end, and the log of frames.
+//!
+//! The run ends at the first restartable instant at or after `impact.end`. Frame k is taken at the
+//! first step at or after k x `frames.interval`; a result has every frame up to its last instant. So
+//! the frames of a shorter run are exactly the first frames of a longer one, whoever stopped when.
+
+use std::fs;
+
+use coronet::method::{self, Phase, Solver};
+use coronet::particle::{Particles, State, wall};
+use coronet::pipeline::store::{LOG, content};
+use coronet::pipeline::{Context, Output, Relative, Setting, Stage, StageError, Work};
+use coronet::record::atomic::write_file;
+use coronet::record::layout::Layout;
+use coronet::record::log::{self, LogError, LogSetup, LogWriter, Segment};
+use coronet::record::{Checkpoint, checkpoint};
+use coronet::scene::file::Loaded;
+
+use crate::flight::{self, Flight};
+use crate::pace::Pace;
+use crate::{calibrate, settings};
+
+/// State at the end.
+pub const STATE: &str = "state.checkpoint";
+/// Frames of the whole run.
+pub const FRAMES: &str = "frames.mcap";
+/// For viewers, shows all of the log.
+pub const LAYOUT: &str = "layout.json";
+/// The log of the result that this one goes on from, in the work folder.
+const BASE: &str = "base.mcap";
+
+/// Number of the next frame, as a scalar of a checkpoint.
+const NEXT: &str = "frames/next";
+/// Frames taken so far.
+const TAKEN: &str = "frames/taken";
+
+/// Parts of the run between checkpoints that stay, for shorter runs to start from.
+const PARTS: f64 = 4.0;
+
+pub struct Impact<'a> {
+    pub loaded: &'a Loaded,
+    /// Jobs of the bodies, in the order of the scene.
+    pub bodies: Vec<usize>,
+    pub calibration: Option<usize>,
+    pub settings: Vec<Setting>,
+    /// VERSION, see [`crate::jobs::version`].
+    pub version: u32,
+}
+
+impl Stage for Impact<'_> {
+    fn name(&self) -> &str {
+        "impact"
+    }
+
+    fn version(&self) -> u32 {
+        self.version
+    }
+
+    fn settings(&self) -> Vec<Setting> {
+        self.settings.clone()
+    }
+
+    fn inputs(&self) -> Vec<usize> {
+        self.bodies
+            .iter()
+            .copied()
+            .chain(self.calibration)
+            .collect()
+    }
+
+    fn extends(&self) -> Option<&str> {
+        Some("impact.end")
+    }
+
+    fn work(&self) -> Option<Work> {
+        settings::impact_work(&self.loaded.scene)
+    }
+
+    fn remark(&self, name: &str) -> Option<&str> {
+        name.starts_with("frames.")
+            .then_some("frames of the past cannot be had from a finished run")
+    }
+
+    fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
+        match self.fly(context) {
+            Err(Trouble::FramesLost(what)) => {
+                context.warn(&format!("{what}; starting from the beginning"));
+                flight::clear(context)?;
+                self.fly(context).map_err(StageError::from)
+            }
+            other => other.map_err(StageError::from),
+        }
+    }
+}
+
+/// Where a run begins.
+struct Start {
+    state: State,
+    next: u64,
+    taken: u64,
+    /// Not from t = 0.
+    resumed: bool,
+}
+
+/// Why a run did not reach its end.
+enum Trouble {
+    Stage(StageError),
+    /// Frames before the checkpoint are not in the log, whatever the disk had promised.
+    FramesLost(String),
+}
+
+impl From<StageError> for Trouble {
+    fn from(error: StageError) -> Self {
+        Trouble::Stage(error)
+    }
+}
+
+impl From<Trouble> for StageError {
+    fn from(trouble: Trouble) -> Self {
+        match trouble {
+            Trouble::Stage(error) => error,
+            Trouble::FramesLost(what) => StageError::failed(what),
+        }
+    }
+}
+
+impl Impact<'_> {
+    fn fly(&self, context: &mut Context) -> Result<Vec<Output>, Trouble> {
+        let scene = &self.loaded.scene;
+        let strength = match self.calibration {
+            Some(_) => Some(calibrate::read(context, self.bodies.len())?),
+            None => None,
+        };
+        let start = self.start(context)?;
+        if start.resumed {
+            context.resumed();
+        }
+        let resumed_from = start.resumed.then_some(start.state.time);
+        let built = method::build(scene, start.state, Phase::Impact, strength);
+        let mut solver = built.map_err(StageError::failed)?;
+        let mut frames = Frames {
+            log: self.open_log(context, resumed_from)?,
+            interval: scene.frames.interval,
+            next: start.next,
+            taken: start.taken,
+            error: None,
+        };
+        frames.step(solver.as_ref());
+        self.advance(context, solver.as_mut(), &mut frames)?;
+        let end = frames.checkpoint(solver.as_ref());
+        let taken = frames.taken;
+        frames.log.finish().map_err(StageError::failed)?;
+        end.write(&context.output().join(STATE), checkpoint::LEVEL)
+            .map_err(StageError::failed)?;
+        merge(context, taken)?;
+        self.write_layout(context, solver.as_ref())?;
+        let mut outputs = vec![Output::counted(STATE), Output::counted(FRAMES)];
+        outputs.push(Output::shown(LAYOUT));
+        outputs.extend(flight::keep(context)?);
+        Ok(outputs)
+    }
+
+    /// Steps to the end; writes checkpoints on the way.
+    fn advance(
+        &self,
+        context: &Context,
+        solver: &mut dyn Solver,
+        frames: &mut Frames,
+    ) -> Result<(), StageError> {
+        let impact = &self.loaded.scene.impact;
+        let mut flight = Flight::new(context, impact.checkpoint_every)?;
+        let mut pace = Pace::new(solver);
+        let mut part = (solver.time() / impact.end * PARTS).floor();
+        while solver.time() < impact.end {
+            let advanced = solver.advance(&mut |solver| frames.step(solver));
+            if let Err(diverged) = advanced {
+                flight.land(context)?;
+                return Err(StageError::failed(diverged));
+            }
+            frames.check()?;
+            let progress = (solver.time() / impact.end * PARTS).floor();
+            let kept = progress > part && solver.time() < impact.end;
+            part = progress;
+            let stopped = context.stopped() && solver.time() < impact.end;
+            if kept || stopped || flight.is_due() {
+                let flush = frames
+                    .log
+                    .flush(solver.time())
+                    .map_err(StageError::failed)?;
+                flight.save(context, frames.checkpoint(solver), Some(flush), kept)?;
+            }
+            if stopped {
+                flight.land(context)?;
+                return Err(StageError::Interrupted);
+            }
+            flight.collect(context)?;
+            pace.report(context, solver, impact.end, "");
+        }
+        flight.land(context)
+    }
+
+    /// The latest instant that is known: of an unfinished run, of a finished relative, or t = 0.
+    fn start(&self, context: &Context) -> Result<Start, StageError> {
+        let flying = flight::newest(context).and_then(start);
+        let since = flying
+            .as_ref()
+            .map_or(f64::NEG_INFINITY, |start| start.state.time);
+        if let Some(start) = self.relative(context, since)? {
+            return Ok(start);
+        }
+        if let Some(start) = flying {
+            return Ok(start);
+        }
+        flight::clear(context)?;
+        let bodies: Result<Vec<_>, _> = (0..self.bodies.len())
+            .map(|body| read_body(context, body, body))
+            .collect();
+        Ok(Start {
+            state: method::initial(&self.loaded.scene, &bodies?),
+            next: 0,
+            taken: 0,
+            resumed: false,
+        })
+    }
+
+    /// The latest usable instant after `since` of a finished run with another end.
+    fn relative(&self, context: &Context, since: f64) -> Result<Option<Start>, StageError> {
+        let end = self.loaded.scene.impact.end;
+        let mut candidates = Vec::new();
+        for relative in &context.relatives {
+            for output in &relative.stamp.outputs {
+                let path = relative.folder.join(&output.file);
+                let is_state = output.file == STATE || output.file.starts_with(flight::KEPT);
+                let Some(peek) = is_state.then(|| checkpoint::peek(&path).ok()).flatten() else {
+                    continue;
+                };
+                // The final instant of a run with an earlier end is the first one at or after ours
+                // even if it lies behind it; of other instants only those before the end are useful.
+                let shorter = output.file == STATE && run_end(relative).is_some_and(|e| e <= end);
+                if peek.time > since && (peek.time < end || shorter) {
+                    candidates.push((peek.time, relative, output.file.as_str()));
+                }
+            }
+        }
+        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, relative, file) in candidates {
+            match adopt(context, relative, file)? {
+                Ok(start) => return Ok(Some(start)),
+                Err(what) => {
+                    let folder = relative.folder.display();
+                    context.warn(&format!("{folder} cannot be continued: {what}"));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn write_layout(&self, context: &Context, solver: &dyn Solver) -> Result<(), StageError> {
+        let scene = &self.loaded.scene;
+        let scalars = solver.frame().scalars;
+        let layout = Layout {
+            bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
+            size: scene.domain.size,
+            scalars: scalars.into_iter().map(|(name, _)| name).collect(),
+        };
+        Ok(write_file(
+            &context.output().join(LAYOUT),
+            layout.json().as_bytes(),
+        )?)
+    }
+
+    fn open_log(&self, context: &Context, from: Option<f64>) -> Result<LogWriter, StageError> {
+        let mut provenance = vec![
+            ("program".to_string(), crate::PROGRAM.to_string()),
+            ("key".to_string(), context.key().to_string()),
+        ];
+        for input in &context.inputs {
+            provenance.push((input.stamp.label(), input.stamp.digest.to_string()));
+        }
+        let scene = &self.loaded.scene;
+        let text = self.loaded.text.clone();
+        let setup = LogSetup::new(scene, &wall::build(scene), text, provenance);
+        let segment = next_segment(context);
+        LogWriter::create(context.work(), segment, from, &setup).map_err(StageError::failed)
+    }
+}
+
+/// Frames as they become due.
+struct Frames {
+    log: LogWriter,
+    /// s.
+    interval: f64,
+    next: u64,
+    taken: u64,
+    error: Option<LogError>,
+}
+
+impl Frames {
+    /// Takes a frame if the solver has reached the next frame's time.
+    fn step(&mut self, solver: &dyn Solver) {
+        let time = solver.time();
+        if self.next as f64 * self.interval > time || self.error.is_some() {
+            return;
+        }
+        self.error = self.log.frame(solver.frame()).err();
+        self.taken += 1;
+        while self.next as f64 * self.interval <= time {
+            self.next += 1;
+        }
+    }
+
+    fn check(&mut self) -> Result<(), StageError> {
+        self.error
+            .take()
+            .map_or(Ok(()), |error| Err(StageError::failed(error)))
+    }
+
+    fn checkpoint(&self, solver: &dyn Solver) -> Checkpoint {
+        let mut checkpoint = Checkpoint::from(solver.state());
+        checkpoint.scalars.push((NEXT.into(), self.next as f64));
+        checkpoint.scalars.push((TAKEN.into(), self.taken as f64));
+        checkpoint
+    }
+}
+
+/// Reads body `index` from input `input`: the checkpoint does not know its place in the scene.
+pub fn read_body(context: &Context, input: usize, index: usize) -> Result<Particles, StageError> {
+    let checkpoint = context.checkpoint(input, crate::BODY)?;
+    let mut particles = Particles::try_from(checkpoint).map_err(|error| StageError::Input {
+        index: input,
+        file: context.inputs[input].folder.join(crate::BODY),
+        what: error.to_string(),
+    })?;
+    particles.body.fill(index as u8);
+    Ok(particles)
+}
+
+fn start(checkpoint: Checkpoint) -> Option<Start> {
+    let next = checkpoint.scalar(NEXT)? as u64;
+    let taken = checkpoint.scalar(TAKEN)? as u64;
+    Some(Start {
+        state: State::try_from(checkpoint).ok()?,
+        next,
+        taken,
+        resumed: true,
+    })
+}
+
+/// `impact.end` of a finished run, s.
+fn run_end(relative: &Relative) -> Option<f64> {
+    settings::number(relative.setting("impact.end")?)
+}
+
+/// Makes a finished run the beginning of this one: its log becomes the base. The inner error says
+/// why it cannot be used.
+fn adopt(
+    context: &Context,
+    relative: &Relative,
+    file: &str,
+) -> Result<Result<Start, String>, StageError> {
+    let log = relative.folder.join(FRAMES);
+    let mut outputs = relative.stamp.outputs.iter();
+    let wanted = outputs
+        .find(|output| output.file == FRAMES)
+        .map(|output| output.digest);
+    let found = content(&log);
+    if found.as_ref().ok() != wanted.as_ref() {
+        return Ok(Err(found
+            .err()
+            .unwrap_or_else(|| "its log is another one".into())));
+    }
+    let start = match relative.checkpoint(file) {
+        Ok(checkpoint) => start(checkpoint),
+        Err(what) => return Ok(Err(what)),
+    };
+    let Some(start) = start else {
+        return Ok(Err(format!("{file} is no state of an impact")));
+    };
+    flight::clear(context)?;
+    flight::link_or_copy(&log, &context.work().join(BASE)).map_err(StageError::failed)?;
+    Ok(Ok(start))
+}
+
+/// Number of the first segment that does not exist yet.
+fn next_segment(context: &Context) -> u32 {
+    let entries = fs::read_dir(context.work()).into_iter().flatten().flatten();
+    let numbers = entries.filter_map(|entry| {
+        let name = entry.file_name().into_string().ok()?;
+        name.strip_prefix("segment-")?
+            .strip_suffix(&format!(".{LOG}"))?
+            .parse::<u32>()
+            .ok()
+    });
+    numbers.max().map_or(0, |last| last + 1)
+}
+
+/// One log of all segments, with every frame that was taken.
+fn merge(context: &Context, taken: u64) -> Result<(), Trouble> {
+    let mut segments = log::segments(context.work()).map_err(StageError::failed)?;
+    let base = context.work().join(BASE);
+    if base.exists() {
+        let path = base;
+        segments.insert(
+            0,
+            Segment {
+                path,
+                resumed_from: None,
+            },
+        );
+    }
+    match log::merge(&segments, &context.output().join(FRAMES)) {
+        Ok(merged) if merged.frames == taken => Ok(()),
+        Ok(merged) => {
+            let what = format!("the log has {} of {taken} frames", merged.frames);
+            Err(Trouble::FramesLost(what))
+        }
+        Err(error @ (LogError::FramesLost { .. } | LogError::Damaged { .. })) => {
+            Err(Trouble::FramesLost(error.to_string()))
+        }
+        Err(error) => Err(StageError::failed(error).into()),
+    }
+}

@@ -1,0 +1,78 @@
+//! The jobs of a scene: for each body pack and relax, then calibrate, impact and post.
+
+use std::path::Path;
+
+use anyhow::Result;
+use coronet::pipeline::{Pipeline, Stage};
+use coronet::scene::file::Loaded;
+use coronet::scene::key;
+
+use crate::calibrate::Calibrate;
+use crate::impact::Impact;
+use crate::pack::Pack;
+use crate::post::Post;
+use crate::relax::Relax;
+use crate::settings::list;
+
+/// VERSION of each stage: grows whenever the same settings give another result. The golden digests
+/// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
+pub mod version {
+    pub const PACK: u32 = 1;
+    pub const RELAX: u32 = 1;
+    pub const CALIBRATE: u32 = 1;
+    pub const IMPACT: u32 = 1;
+    pub const POST: u32 = 1;
+}
+
+/// The jobs of a scene, in an order in which they can run.
+pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
+    let scene = &loaded.scene;
+    let mut jobs: Vec<Box<dyn Stage + '_>> = Vec::new();
+    let mut bodies = Vec::new();
+    for body in 0..scene.bodies.len() {
+        jobs.push(Box::new(Pack {
+            loaded,
+            body,
+            settings: list(key::pack(scene, body)?),
+            version: version::PACK,
+        }));
+        if scene.relax.is_some() {
+            jobs.push(Box::new(Relax {
+                loaded,
+                body,
+                pack: jobs.len() - 1,
+                settings: list(key::relax(scene, body)?),
+                version: version::RELAX,
+            }));
+        }
+        bodies.push(jobs.len() - 1);
+    }
+    let mut calibration = None;
+    if let Some(settings) = key::calibrate(scene)? {
+        jobs.push(Box::new(Calibrate {
+            loaded,
+            bodies: bodies.clone(),
+            settings: list(settings),
+            version: version::CALIBRATE,
+        }));
+        calibration = Some(jobs.len() - 1);
+    }
+    jobs.push(Box::new(Impact {
+        loaded,
+        bodies,
+        calibration,
+        settings: list(key::impact(scene)?),
+        version: version::IMPACT,
+    }));
+    let folder = loaded.path.parent().unwrap_or(Path::new("."));
+    jobs.push(Box::new(Post {
+        loaded,
+        impact: jobs.len() - 1,
+        settings: list(key::post(scene, folder)?),
+        version: version::POST,
+    }));
+    Ok(Pipeline {
+        name: scene.name.clone(),
+        jobs,
+    })
+}

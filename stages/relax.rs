@@ -1,0 +1,158 @@
+//! `relax`: a packed body -> the same body in equilibrium.
+//!
+//! Runs at rest with damping until kinetic energy and density spread have stayed below their limits
+//! for a tenth of `relax.time` (a body that has not begun to move is at rest, too), at most for
+//! `relax.time`.
+
+use coronet::method::{self, Phase, Solver};
+use coronet::particle::State;
+use coronet::pipeline::{Context, Output, Setting, Stage, StageError, Work};
+use coronet::record::{Checkpoint, checkpoint};
+use coronet::scene::file::Loaded;
+
+use crate::flight::{self, Flight};
+use crate::impact::read_body;
+use crate::pace::Pace;
+use crate::{BODY, settings};
+
+/// Since when both limits have been kept, s, as a scalar of a checkpoint; NaN: they are not.
+const CALM_SINCE: &str = "calm_since";
+
+/// Part of the longest time for which the limits must be kept.
+const CALM_PART: f64 = 0.1;
+
+pub struct Relax<'a> {
+    pub loaded: &'a Loaded,
+    /// Place in the scene.
+    pub body: usize,
+    /// Job that packs it.
+    pub pack: usize,
+    pub settings: Vec<Setting>,
+    /// VERSION, see [`crate::jobs::version`].
+    pub version: u32,
+}
+
+impl Stage for Relax<'_> {
+    fn name(&self) -> &str {
+        "relax"
+    }
+
+    fn part(&self) -> &str {
+        &self.loaded.scene.bodies[self.body].name
+    }
+
+    fn version(&self) -> u32 {
+        self.version
+    }
+
+    fn settings(&self) -> Vec<Setting> {
+        self.settings.clone()
+    }
+
+    fn inputs(&self) -> Vec<usize> {
+        vec![self.pack]
+    }
+
+    fn work(&self) -> Option<Work> {
+        settings::relax_work(&self.loaded.scene, self.body)
+    }
+
+    fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
+        let scene = &self.loaded.scene;
+        let relax = scene
+            .relax
+            .as_ref()
+            .expect("the stage exists because the table does");
+        let (state, mut calm_since) = match flight::newest(context).and_then(restored) {
+            Some(start) => {
+                context.resumed();
+                start
+            }
+            None => {
+                flight::clear(context)?;
+                let packed = read_body(context, 0, self.body)?;
+                (method::resting(scene, &packed), f64::NAN)
+            }
+        };
+        let particle_mass = state.particles.mass;
+        let damping = relax.damping;
+        let built = method::build(scene, state, Phase::Relax { damping }, None);
+        let mut solver = built.map_err(StageError::failed)?;
+        let mut flight = Flight::new(context, scene.impact.checkpoint_every)?;
+        let mut pace = Pace::new(solver.as_ref());
+        let unrest = loop {
+            let (energy, spread) = solver.unrest();
+            let specific = energy / (solver.len() as f64 * particle_mass);
+            let calm = specific <= relax.kinetic_energy && spread <= relax.density_spread;
+            calm_since = match calm {
+                true if calm_since.is_nan() => solver.time(),
+                true => calm_since,
+                false => f64::NAN,
+            };
+            let long_calm = solver.time() - calm_since >= CALM_PART * relax.time;
+            if long_calm || solver.time() >= relax.time {
+                break (specific, spread, calm);
+            }
+            solver.advance(&mut |_| {}).map_err(StageError::failed)?;
+            let stopped = context.stopped();
+            if stopped || flight.is_due() {
+                let checkpoint = checkpoint(solver.as_ref(), calm_since);
+                flight.save(context, checkpoint, None, false)?;
+            }
+            if stopped {
+                flight.land(context)?;
+                return Err(StageError::Interrupted);
+            }
+            flight.collect(context)?;
+            let text = format!("{specific:.2e} J/kg, {spread:.2} kg/m^3");
+            pace.report(context, solver.as_ref(), relax.time, &text);
+        };
+        flight.land(context)?;
+        self.report(context, solver.as_ref(), unrest);
+        self.write(context, &solver.state())
+    }
+}
+
+impl Relax<'_> {
+    /// Notes how still the body is.
+    fn report(&self, context: &mut Context, solver: &dyn Solver, unrest: (f64, f64, bool)) {
+        let relax = self.loaded.scene.relax.as_ref().expect("as above");
+        let (specific, spread, calm) = unrest;
+        let reached = format!(
+            "after {:.3e} s: kinetic energy {specific:.3e} J/kg (limit {:.3e}), standard deviation \
+             of density {spread:.3} kg/m^3 (limit {:.3})",
+            solver.time(),
+            relax.kinetic_energy,
+            relax.density_spread
+        );
+        if !calm {
+            let text =
+                format!("not at rest {reached}; raise relax.time or relax.damping, or the limits");
+            context.warn(&text);
+            context.note(text);
+        } else {
+            context.note(format!("at rest {reached}"));
+        }
+    }
+
+    fn write(&self, context: &Context, state: &State) -> Result<Vec<Output>, StageError> {
+        let mut body = method::relaxed(&self.loaded.scene, state);
+        body.body.fill(0);
+        let path = context.output().join(BODY);
+        Checkpoint::from(body)
+            .write(&path, checkpoint::LEVEL)
+            .map_err(StageError::failed)?;
+        Ok(vec![Output::counted(BODY)])
+    }
+}
+
+fn checkpoint(solver: &dyn Solver, calm_since: f64) -> Checkpoint {
+    let mut checkpoint = Checkpoint::from(solver.state());
+    checkpoint.scalars.push((CALM_SINCE.into(), calm_since));
+    checkpoint
+}
+
+fn restored(checkpoint: Checkpoint) -> Option<(State, f64)> {
+    let calm_since = checkpoint.scalar(CALM_SINCE)?;
+    Some((State::try_from(checkpoint).ok()?, calm_since))
+}

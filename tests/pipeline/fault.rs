@@ -1,0 +1,445 @@
+//! Damaged, foreign and hostile files, full and read-only disks, races: a clear error or a rerun.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::program::{Ended, Program, TINY, members};
+
+const STATE: &str = "state.checkpoint";
+const BODY: &str = "body.checkpoint";
+
+/// Ways to spoil a checkpoint of at least 200 bytes.
+fn spoiled(good: &[u8], other: &[u8]) -> Vec<(&'static str, Vec<u8>)> {
+    let changed = |at: usize, bytes: &[u8]| {
+        let mut file = good.to_vec();
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        file
+    };
+    let flip = |at: usize| changed(at, &[good[at] ^ 0x10]);
+    vec![
+        ("empty", Vec::new()),
+        ("cut in the magic", good[..5].to_vec()),
+        ("cut in the header", good[..100].to_vec()),
+        ("cut in an array", good[..good.len() - 40].to_vec()),
+        ("longer", [good, b"more"].concat()),
+        ("flipped in the magic", flip(1)),
+        ("flipped in the header", flip(90)),
+        ("flipped in an array", flip(good.len() - 9)),
+        ("newer version", changed(8, &99u32.to_le_bytes())),
+        ("huge header", changed(12, &u64::MAX.to_le_bytes())),
+        (
+            "huge text in the header",
+            changed(52, &(1u64 << 50).to_le_bytes()),
+        ),
+        (
+            "something else",
+            b"PK\x03\x04 no checkpoint at all".repeat(40),
+        ),
+        ("zeros", vec![0; good.len()]),
+        ("another checkpoint", other.to_vec()),
+    ]
+}
+
+#[test]
+fn a_spoiled_result_is_kept_aside_and_made_anew() {
+    let program = Program::new();
+    let first = program.run(&["--until", "calibrate"]);
+    let digests = members(&first, "digest");
+    let path = program.latest("relax-drop").join(BODY);
+    let good = fs::read(&path).unwrap();
+    let other = fs::read(program.latest("relax-pool").join(BODY)).unwrap();
+    let cases = spoiled(&good, &other);
+    for (number, (name, bytes)) in cases.iter().enumerate() {
+        fs::write(&path, bytes).unwrap();
+        // Calibration reads the body, so even damage that a glance does not see is found.
+        let calibration = program.latest("calibrate");
+        fs::remove_dir_all(calibration).unwrap();
+        let arguments = ["run", "tiny.toml", "--json", "--until", "calibrate"];
+        let ended = program.call(&arguments);
+        ended.no_panic();
+        let objects = ended.well().objects();
+        assert_eq!(members(&objects, "digest"), digests, "{name}");
+        let kept = path.with_file_name(format!("{BODY}.bad-{}", number + 1));
+        assert_eq!(&fs::read(kept).unwrap(), bytes, "{name}");
+        assert_eq!(fs::read(&path).unwrap(), good, "{name}");
+    }
+}
+
+#[test]
+fn a_spoiled_checkpoint_in_flight_is_passed_over() {
+    let undisturbed = Program::new();
+    let expected = undisturbed.fingerprint(&undisturbed.run(&[]));
+    let program = Program::new();
+    program.run(&["--until", "calibrate"]);
+    let work = interrupted(&program);
+    let other = fs::read(program.latest("relax-pool").join(BODY)).unwrap();
+    let newest = newest_checkpoint(&work);
+    let good = fs::read(&newest).unwrap();
+    for (name, bytes) in spoiled(&good, &other) {
+        // Whatever the last attempt made of it, start from the same folder.
+        let copy = Program::new();
+        copy_folder(program.folder.path(), copy.folder.path());
+        let newest = copy.path("artifacts").join(
+            newest
+                .strip_prefix(program.path("artifacts").canonicalize().unwrap())
+                .unwrap(),
+        );
+        fs::write(newest, bytes).unwrap();
+        let ended = copy.call(&["run", "tiny.toml", "--json"]);
+        ended.no_panic();
+        assert!(
+            ended.err.contains("is passed over"),
+            "{name}: {}",
+            ended.err
+        );
+        assert_eq!(
+            copy.fingerprint(&ended.well().objects()),
+            expected,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_spoiled_segment_of_the_log_means_a_new_start() {
+    let undisturbed = Program::new();
+    let expected = undisturbed.fingerprint(&undisturbed.run(&[]));
+    let program = Program::new();
+    program.run(&["--until", "calibrate"]);
+    let work = interrupted(&program);
+    let segment = work.join("segment-000.mcap");
+    let bytes = fs::read(&segment).unwrap();
+    fs::write(&segment, &bytes[..bytes.len() / 2]).unwrap();
+    let ended = program.call(&["run", "tiny.toml", "--json"]);
+    ended.no_panic();
+    assert!(
+        ended.err.contains("starting from the beginning"),
+        "{}",
+        ended.err
+    );
+    assert_eq!(program.fingerprint(&ended.well().objects()), expected);
+}
+
+/// Stops the impact of `program` on its way; returns its work folder.
+fn interrupted(program: &Program) -> PathBuf {
+    for milliseconds in [150, 300, 600, 1200] {
+        let mut child = program.start(&["run", "tiny.toml", "--json"]);
+        std::thread::sleep(std::time::Duration::from_millis(milliseconds));
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "ended within {milliseconds} ms"
+        );
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let plan = program.plan(&[]);
+        let impact = plan.iter().find(|job| job["stage"] == "impact").unwrap();
+        if impact["status"] == "resumes" {
+            let key = impact["key"]
+                .as_str()
+                .unwrap()
+                .trim_start_matches("sha256:");
+            let folder = program.path("artifacts/impact").join(key).join("work");
+            return folder.canonicalize().unwrap();
+        }
+    }
+    panic!("no checkpoint in flight");
+}
+
+fn newest_checkpoint(work: &Path) -> PathBuf {
+    let entries = fs::read_dir(work)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let checkpoints = entries.filter(|path| path.extension().is_some_and(|e| e == "checkpoint"));
+    let number = |path: &PathBuf| {
+        let stem = path.file_stem().unwrap().to_string_lossy().into_owned();
+        stem.rsplit('-').next().unwrap().parse::<u64>().unwrap()
+    };
+    checkpoints.max_by_key(number).unwrap()
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    let done = Command::new("cp")
+        .arg("-a")
+        .arg(from.join("."))
+        .arg(to)
+        .status()
+        .unwrap();
+    assert!(done.success());
+}
+
+#[test]
+fn a_log_that_cannot_be_trusted_is_made_anew_before_it_is_evaluated() {
+    let program = Program::new();
+    let expected = program.fingerprint(&program.run(&[]));
+    let path = program.latest("impact").join("frames.mcap");
+    let mut bytes = fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&path, &bytes).unwrap();
+    fs::remove_dir_all(program.latest("post")).unwrap();
+    let ended = program.call(&["run", "tiny.toml", "--json"]);
+    ended.no_panic();
+    assert!(ended.err.contains("frames.mcap.bad-1"), "{}", ended.err);
+    assert_eq!(program.fingerprint(&ended.well().objects()), expected);
+}
+
+#[test]
+fn verification_finds_a_flipped_bit_and_the_next_run_repairs_it() {
+    let program = Program::new();
+    let expected = program.fingerprint(&program.run(&[]));
+    program.call(&["verify"]).well();
+    let path = program.latest("impact").join(STATE);
+    let mut bytes = fs::read(&path).unwrap();
+    let end = bytes.len();
+    bytes[end - 9] ^= 1;
+    fs::write(&path, &bytes).unwrap();
+    program.call(&["verify"]).badly(4, &["cannot be trusted"]);
+    assert_eq!(program.fingerprint(&program.run(&[])), expected);
+    program.call(&["verify"]).well();
+}
+
+#[test]
+fn show_and_export_refuse_what_is_spoiled() {
+    let program = Program::new();
+    program.run(&["--until", "pack"]);
+    let path = program.latest("pack-drop").join(BODY);
+    let good = fs::read(&path).unwrap();
+    let other = fs::read(program.latest("pack-pool").join(BODY)).unwrap();
+    for (name, bytes) in spoiled(&good, &other) {
+        let file = program.path("spoiled.checkpoint");
+        fs::write(&file, bytes).unwrap();
+        for arguments in [
+            vec!["show", "spoiled.checkpoint"],
+            vec!["export", "spoiled.checkpoint", "--to", "csv"],
+        ] {
+            let ended = program.call(&arguments);
+            ended.no_panic();
+            let fine = name == "another checkpoint";
+            assert_eq!(ended.code == Some(0), fine, "{name}: {}", ended.err);
+            assert!(
+                fine || ended.err.contains("spoiled.checkpoint"),
+                "{name}: {}",
+                ended.err
+            );
+        }
+    }
+}
+
+#[test]
+fn wrong_arguments_and_files_end_with_code_2() {
+    let program = Program::new();
+    program
+        .call(&["run", "tiny.toml", "--set", "impact.emd=1 s"])
+        .badly(2, &["impact.end"]);
+    program
+        .call(&["run", "tiny.toml", "--until", "impakt"])
+        .badly(2, &["impakt", "impact"]);
+    program
+        .call(&["run", "missing.toml"])
+        .badly(2, &["missing.toml"]);
+    program
+        .call(&["run", "--threads", "0"])
+        .badly(2, &["threads"]);
+    program.call(&["gc", "--forget", "nobody"]).well();
+    program.run(&["--until", "pack"]);
+    program
+        .call(&["gc", "--forget", "nobody"])
+        .badly(2, &["nobody"]);
+    program
+        .call(&["show", "tiny.toml"])
+        .badly(2, &["tiny.toml"]);
+}
+
+#[test]
+fn a_store_that_cannot_be_a_folder_is_an_error() {
+    let program = Program::new();
+    fs::write(program.path("file"), "").unwrap();
+    let ended = program.call(&["run", "tiny.toml", "--artifacts", "file/artifacts"]);
+    ended.badly(5, &["file/artifacts"]);
+}
+
+#[cfg(target_os = "linux")]
+mod disk {
+    use super::*;
+
+    /// A file system mounted for one test; `None` where that is not allowed.
+    struct Mount(PathBuf);
+
+    impl Mount {
+        fn new(folder: PathBuf, arguments: &[&str]) -> Option<Self> {
+            let done = Command::new("mount").args(arguments).arg(&folder).output();
+            done.is_ok_and(|done| done.status.success())
+                .then_some(Mount(folder))
+        }
+    }
+
+    impl Drop for Mount {
+        fn drop(&mut self) {
+            let _ = Command::new("umount").arg("-l").arg(&self.0).status();
+        }
+    }
+
+    /// Files of at most `kilobytes`: writes beyond fail as on a full disk, for everybody.
+    fn limited(program: &Program, kilobytes: u32, arguments: &str) -> Ended {
+        let binary = env!("CARGO_BIN_EXE_coronet");
+        // Without the signal, the write itself fails.
+        let script = format!("trap '' XFSZ; ulimit -f {kilobytes}; exec {binary} {arguments}");
+        let mut command = Command::new("bash");
+        command
+            .current_dir(program.folder.path())
+            .arg("-c")
+            .arg(script);
+        command.output().unwrap().into()
+    }
+
+    #[test]
+    fn a_full_disk_is_an_error_that_loses_nothing() {
+        let program = Program::new();
+        let digests = members(&program.run(&["--until", "relax"]), "digest");
+        let scene = "run tiny.toml --set frames.interval='0.02 ms'";
+        let ended = limited(&program, 40, scene);
+        ended.badly(5, &["artifacts/impact"]);
+        program.call(&["verify"]).well();
+        let again = program.run(&["--until", "relax"]);
+        assert_eq!(members(&again, "digest"), digests);
+        let arguments = [
+            "run",
+            "tiny.toml",
+            "--json",
+            "--set",
+            "frames.interval=0.02 ms",
+        ];
+        let objects = program.call(&arguments).well().objects();
+        let fresh = Program::new();
+        let expected = fresh.run(&["--set", "frames.interval=0.02 ms"]);
+        assert_eq!(program.fingerprint(&objects), fresh.fingerprint(&expected));
+    }
+
+    #[test]
+    fn a_full_file_system_is_an_error_that_loses_nothing() {
+        let program = Program::new();
+        let folder = program.path("artifacts");
+        fs::create_dir(&folder).unwrap();
+        let Some(_mount) = Mount::new(folder.clone(), &["-t", "tmpfs", "-o", "size=400k", "tmpfs"])
+        else {
+            eprintln!("no right to mount: only the limit on file sizes is tested");
+            return;
+        };
+        let digests = members(&program.run(&["--until", "pack"]), "digest");
+        fs::write(folder.join("filler"), vec![0; 300 << 10]).unwrap();
+        let ended = program.call(&["run", "tiny.toml", "--set", "frames.interval=0.02 ms"]);
+        ended.badly(5, &["artifacts", "No space left"]);
+        fs::remove_file(folder.join("filler")).unwrap();
+        let found = members(&program.run(&["--until", "relax"]), "digest");
+        for (job, digest) in digests {
+            assert_eq!(found[&job], digest);
+        }
+        program.call(&["verify"]).well();
+    }
+
+    #[test]
+    fn a_read_only_store_serves_what_it_has_and_refuses_the_rest() {
+        let program = Program::new();
+        program.run(&[]);
+        let folder = program.path("artifacts");
+        let source = folder.display().to_string();
+        let Some(_bind) = Mount::new(folder.clone(), &["--bind", &source]) else {
+            eprintln!("no right to mount");
+            return;
+        };
+        let remount = Command::new("mount")
+            .args(["-o", "remount,ro,bind"])
+            .arg(&folder)
+            .status();
+        assert!(remount.unwrap().success());
+        let statuses = members(&program.run(&[]), "status");
+        assert!(
+            statuses.values().all(|status| status == "fresh"),
+            "{statuses:?}"
+        );
+        let ended = program.call(&["run", "tiny.toml", "--set", "impact.end=5 ms"]);
+        ended.badly(5, &["Read-only file system"]);
+        program.call(&["verify"]).well();
+        program.call(&["gc", "--dry-run"]).well();
+        program
+            .call(&["gc", "--forget", "tiny"])
+            .badly(5, &["Read-only"]);
+        assert!(program.latest("impact").join(STATE).exists());
+    }
+}
+
+#[test]
+fn two_runs_at_once_share_one_store() {
+    let alone = Program::new();
+    let expected = alone.fingerprint(&alone.run(&[]));
+    let program = Program::new();
+    let arguments = ["run", "tiny.toml", "--json"];
+    let children: Vec<_> = (0..2).map(|_| program.start(&arguments)).collect();
+    let ended: Vec<_> = children
+        .into_iter()
+        .map(|child| Ended::from(child.wait_with_output().unwrap()))
+        .collect();
+    assert!(
+        ended
+            .iter()
+            .any(|ended| ended.err.contains("waiting for process"))
+    );
+    let mut made = 0;
+    for ended in ended {
+        let objects = ended.well().objects();
+        assert_eq!(program.fingerprint(&objects), expected);
+        made += members(&objects, "status")
+            .values()
+            .filter(|status| *status == "ran")
+            .count();
+    }
+    assert_eq!(made, 7, "each result is made once");
+}
+
+#[test]
+fn a_clean_up_keeps_what_the_newest_runs_reach() {
+    let program = Program::new();
+    program.run(&[]);
+    let old = program.latest("impact");
+    program.run(&["--set", "body.drop.velocity=1.2 m/s"]);
+    fs::write(
+        program.path("other.toml"),
+        TINY.replace("1 m/s\"\ncolour", "1.4 m/s\"\ncolour"),
+    )
+    .unwrap();
+    program.call(&["run", "other.toml"]).well();
+    let dry = program
+        .call(&["gc", "--dry-run", "--json"])
+        .well()
+        .objects();
+    let removed: Vec<_> = dry
+        .iter()
+        .filter(|object| !object["removed"].is_null())
+        .collect();
+    assert_eq!(removed.len(), 2, "{dry:?}");
+    assert!(old.exists());
+    program.call(&["gc"]).well();
+    assert!(!old.exists());
+    for (file, set) in [
+        ("tiny.toml", "body.drop.velocity=1.2 m/s"),
+        ("other.toml", "title=A tiny drop"),
+    ] {
+        let arguments = ["run", file, "--json", "--set", set];
+        let statuses = members(&program.call(&arguments).well().objects(), "status");
+        assert!(
+            statuses.values().all(|status| status == "fresh"),
+            "{file}: {statuses:?}"
+        );
+    }
+    program.call(&["gc", "--forget", "other"]).well();
+    program.call(&["verify"]).well();
+    let statuses = members(
+        &program.run(&["--set", "body.drop.velocity=1.2 m/s"]),
+        "status",
+    );
+    assert!(
+        statuses.values().all(|status| status == "fresh"),
+        "{statuses:?}"
+    );
+}

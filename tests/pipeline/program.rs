@@ -1,0 +1,165 @@
+//! The program under test, in a folder of its own.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The scene of these tests.
+pub const TINY: &str = include_str!("tiny.toml");
+
+/// A folder with a pipeline file and a store, and the program to run there.
+pub struct Program {
+    pub folder: TempDir,
+}
+
+/// What a run ended with.
+pub struct Ended {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+impl Ended {
+    /// The JSON objects of standard output.
+    pub fn objects(&self) -> Vec<Value> {
+        let parse = |line: &str| serde_json::from_str(line).expect(line);
+        self.out.lines().map(parse).collect()
+    }
+
+    /// Fails unless the program ended well.
+    pub fn well(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}{}", self.out, self.err);
+        self
+    }
+
+    /// Fails unless the program ended with `code` and an explanation that names all of `words`,
+    /// without a panic.
+    pub fn badly(&self, code: i32, words: &[&str]) {
+        assert_eq!(self.code, Some(code), "{}{}", self.out, self.err);
+        self.no_panic();
+        for word in words {
+            assert!(self.err.contains(word), "no {word:?} in: {}", self.err);
+        }
+    }
+
+    pub fn no_panic(&self) {
+        assert!(!self.err.contains("panicked"), "{}", self.err);
+    }
+}
+
+impl From<Output> for Ended {
+    fn from(output: Output) -> Self {
+        Ended {
+            code: output.status.code(),
+            out: String::from_utf8_lossy(&output.stdout).into_owned(),
+            err: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+}
+
+impl Program {
+    /// With [`TINY`] as `tiny.toml`.
+    pub fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("tiny.toml"), TINY).unwrap();
+        Program { folder }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_coronet"));
+        command.current_dir(self.folder.path()).args(arguments);
+        command
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    pub fn call(&self, arguments: &[&str]) -> Ended {
+        self.command(arguments).output().unwrap().into()
+    }
+
+    pub fn start(&self, arguments: &[&str]) -> Child {
+        self.command(arguments).spawn().unwrap()
+    }
+
+    /// `coronet run tiny.toml --json` with more arguments; must end well.
+    pub fn run(&self, more: &[&str]) -> Vec<Value> {
+        let arguments = [&["run", "tiny.toml", "--json"], more].concat();
+        self.call(&arguments).well().objects()
+    }
+
+    /// `coronet plan tiny.toml --json` with more arguments.
+    pub fn plan(&self, more: &[&str]) -> Vec<Value> {
+        let arguments = [&["plan", "tiny.toml", "--json"], more].concat();
+        self.call(&arguments).well().objects()
+    }
+
+    /// Folder of the newest result of that name: `impact`, `pack-drop`.
+    pub fn latest(&self, name: &str) -> PathBuf {
+        let link = self.path("artifacts/latest/tiny").join(name);
+        link.canonicalize()
+            .unwrap_or_else(|error| panic!("{}: {error}", link.display()))
+    }
+}
+
+/// `relax drop` or `impact`, from an object of a run or a plan.
+pub fn label(object: &Value) -> String {
+    let part = |name: &str| object[name].as_str().unwrap_or_default();
+    format!("{} {}", part("stage"), part("body"))
+        .trim()
+        .to_string()
+}
+
+/// One member of each job's object, by label; the last object of a job counts.
+pub fn members(objects: &[Value], member: &str) -> BTreeMap<String, String> {
+    let jobs = objects.iter().filter(|object| object["stage"].is_string());
+    let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_string);
+    jobs.map(|object| (label(object), text(&object[member])))
+        .collect()
+}
+
+/// What must not depend on kills, threads or detours: digest of every result, of state, frames and
+/// of the measures.
+pub fn fingerprint(objects: &[Value]) -> BTreeMap<String, String> {
+    let mut all = members(objects, "digest");
+    let summary = objects.last().expect("a run prints a summary");
+    for name in ["state", "frames", "measures"] {
+        let path = summary[name]
+            .as_str()
+            .unwrap_or_else(|| panic!("no {name}: {summary}"));
+        all.insert(name.to_string(), content(Path::new(path)));
+    }
+    all
+}
+
+/// Digest of what a file holds. Paths in the program's output are relative to its folder, so the
+/// caller resolves them, see [`Program::fingerprint`].
+fn content(path: &Path) -> String {
+    let digest = coronet::pipeline::store::content(path);
+    digest
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+        .to_string()
+}
+
+impl Program {
+    /// [`fingerprint`] of a run in this folder.
+    pub fn fingerprint(&self, objects: &[Value]) -> BTreeMap<String, String> {
+        let mut objects = objects.to_vec();
+        let summary = objects.last_mut().expect("a run prints a summary");
+        for name in ["state", "frames", "measures"] {
+            if let Some(path) = summary[name].as_str() {
+                summary[name] = Value::from(self.path(path).display().to_string());
+            }
+        }
+        fingerprint(&objects)
+    }
+}

@@ -1,0 +1,146 @@
+//! Kills, threads, and other ends: the result is the same, bit for bit.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::time::Duration;
+
+use crate::program::{Program, label, members};
+
+/// Kills over the test.
+const KILLS: usize = 20;
+
+/// Delays that look random and are the same in every run (a 64-bit linear congruential generator,
+/// Knuth's MMIX constants).
+struct Delays(u64);
+
+impl Delays {
+    /// Between `low` and `high`.
+    fn next(&mut self, low: Duration, high: Duration) -> Duration {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        let part = (self.0 >> 11) as f64 / (1u64 << 53) as f64;
+        low + (high - low).mul_f64(part)
+    }
+}
+
+#[test]
+fn killed_runs_end_as_undisturbed_ones() {
+    let undisturbed = Program::new();
+    let expected = undisturbed.fingerprint(&undisturbed.run(&[]));
+    let killed = Program::new();
+    let mut delays = Delays(1);
+    let mut hit = BTreeSet::new();
+    let mut resumed = false;
+    let mut kills = 0;
+    while kills < KILLS {
+        let mut child = killed.start(&["run", "tiny.toml", "--json"]);
+        std::thread::sleep(delays.next(Duration::from_millis(2), Duration::from_millis(250)));
+        if child.try_wait().unwrap().is_some() {
+            // It had ended already: compare, then once more from nothing.
+            let objects = killed.run(&[]);
+            assert_eq!(
+                killed.fingerprint(&objects),
+                expected,
+                "after {kills} kills"
+            );
+            fs::remove_dir_all(killed.path("artifacts")).unwrap();
+            continue;
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        kills += 1;
+        let plan = killed.plan(&[]);
+        if let Some(next) = plan.iter().find(|job| job["status"] != "fresh") {
+            hit.insert(next["stage"].as_str().unwrap().to_string());
+            resumed |= next["status"] == "resumes";
+        }
+    }
+    let objects = killed.run(&[]);
+    assert_eq!(killed.fingerprint(&objects), expected);
+    assert!(hit.len() >= 3, "kills hit only {hit:?}");
+    assert!(resumed, "no kill left a checkpoint in flight");
+    killed.call(&["verify"]).well();
+    let folder = killed.latest("impact");
+    assert!(!folder.join("work").exists());
+}
+
+#[test]
+fn threads_do_not_change_results() {
+    let expected = {
+        let program = Program::new();
+        program.fingerprint(&program.run(&["--threads", "1"]))
+    };
+    for threads in ["2", "4"] {
+        let program = Program::new();
+        let found = program.fingerprint(&program.run(&["--threads", threads]));
+        assert_eq!(found, expected, "{threads} threads");
+    }
+}
+
+#[test]
+fn another_end_continues_and_equals_a_run_from_the_start() {
+    let ends = [
+        "impact.end=2.3 ms",
+        "impact.end=5.1 ms",
+        "impact.end=3.7 ms",
+    ];
+    let from_start: Vec<_> = ends
+        .iter()
+        .map(|end| {
+            let program = Program::new();
+            program.fingerprint(&program.run(&["--set", end]))
+        })
+        .collect();
+    let program = Program::new();
+    for (index, end) in ends.iter().enumerate() {
+        let objects = program.run(&["--set", end]);
+        assert_eq!(program.fingerprint(&objects), from_start[index], "{end}");
+        // The longer one continues; the shorter one starts from a checkpoint on the way.
+        let status = &members(&objects, "status")["impact"];
+        assert_eq!(status, if index == 0 { "ran" } else { "resumed" }, "{end}");
+    }
+}
+
+#[test]
+fn a_signal_stops_after_a_checkpoint_and_the_same_command_goes_on() {
+    let undisturbed = Program::new();
+    let expected = undisturbed.fingerprint(&undisturbed.run(&[]));
+    let program = Program::new();
+    program.run(&["--until", "calibrate"]);
+    let child = program.start(&["run", "tiny.toml", "--json"]);
+    std::thread::sleep(Duration::from_millis(250));
+    let pid = i32::try_from(child.id()).unwrap();
+    // SAFETY: sends a signal to a child that was not waited for, so the number is still its own.
+    assert_eq!(unsafe { libc::kill(pid, libc::SIGINT) }, 0);
+    let ended = crate::program::Ended::from(child.wait_with_output().unwrap());
+    ended.badly(130, &["the same command goes on"]);
+    let plan = program.plan(&[]);
+    let next = plan.iter().find(|job| job["status"] != "fresh").unwrap();
+    assert_eq!(
+        (label(next).as_str(), next["status"].as_str()),
+        ("impact", Some("resumes"))
+    );
+    let objects = program.run(&[]);
+    assert_eq!(members(&objects, "status")["impact"], "resumed");
+    assert_eq!(program.fingerprint(&objects), expected);
+}
+
+#[test]
+fn a_second_run_is_fresh_and_quick() {
+    let program = Program::new();
+    program.run(&[]);
+    let start = std::time::Instant::now();
+    let objects = program.run(&[]);
+    assert!(
+        start.elapsed() < Duration::from_secs(1),
+        "{:?}",
+        start.elapsed()
+    );
+    let statuses = members(&objects, "status");
+    assert!(
+        statuses.values().all(|status| status == "fresh"),
+        "{statuses:?}"
+    );
+}

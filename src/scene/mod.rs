@@ -15,6 +15,7 @@ pub mod numbers;
 pub mod preset;
 pub mod quantity;
 mod resolve;
+pub mod schema;
 mod shape;
 mod tree;
 

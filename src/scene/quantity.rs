@@ -119,6 +119,12 @@ impl Unit {
         }
     }
 
+    /// As in "a unit of length".
+    fn noun(self) -> &'static str {
+        let name = self.name();
+        name.split_once(' ').map_or(name, |(_, noun)| noun)
+    }
+
     /// A value with a unit, as an example of what may be written.
     pub fn example(self) -> &'static str {
         match self {
@@ -160,7 +166,7 @@ pub enum QuantityError {
         is: Unit,
         wanted: Unit,
     },
-    #[error("`{unit}` is no known unit of {}", wanted.name().trim_start_matches("a ").trim_start_matches("an "))]
+    #[error("`{unit}` is no known unit of {}", wanted.noun())]
     UnknownUnit { unit: String, wanted: Unit },
     #[error("is not finite")]
     NotFinite,

@@ -17,3 +17,4 @@ mod scene_file;
 mod scene_key;
 mod scene_number;
 mod scene_quantity;
+mod scene_schema;

@@ -91,93 +91,96 @@ fn unknown_keys_name_the_nearest_known_one() {
     }
 }
 
+/// A text of `SMALL`, what is put in its place, and parts of the message.
+const WRONG: &[(&str, &str, &[&str])] = &[
+    (
+        "\"1.5 m/s\"",
+        "\"1.5 m\"",
+        &["16:12", "body.drop.velocity", "a length", "m/s"],
+    ),
+    (
+        "\"1.5 m/s\"",
+        "\"1.5\"",
+        &["no unit", "a speed", "3.13 m/s"],
+    ),
+    (
+        "\"1.5 m/s\"",
+        "\"fast\"",
+        &["\"fast\"", "does not start with a number"],
+    ),
+    ("\"1.5 m/s\"", "true", &["16:12", "true", "write a speed"]),
+    (
+        "\"1.5 m/s\"",
+        "[0, 1]",
+        &["2 components", "3-D", "x, y and z"],
+    ),
+    (
+        "\"1.5 m/s\"",
+        "[0, 0, \"1 s\"]",
+        &["body.drop.velocity[2]", "a time"],
+    ),
+    (
+        "\"0.4 mm\"\n[relax]",
+        "\"-0.4 mm\"\n[relax]",
+        &["pack.spacing", "above zero"],
+    ),
+    (
+        "\"0.4 mm\"\n[relax]",
+        "nan\n[relax]",
+        &["pack.spacing", "above zero"],
+    ),
+    ("\"5 ms\"", "{ a = 1 }", &["impact.end", "a table", "40 ms"]),
+    (
+        "\"8 mm\", \"8 mm\", \"10 mm\"",
+        "\"8 mm\"",
+        &["box.size", "1 entries"],
+    ),
+    (
+        "end = \"5 ms\"\n",
+        "",
+        &["20:1", "impact.end", "missing", "end = \"40 ms\""],
+    ),
+    (
+        "[relax]",
+        "[relax]\ndamping = \"-1 1/s\"",
+        &["relax.damping", "zero or above"],
+    ),
+    (
+        "[relax]",
+        "[method]\npreset = \"papre\"",
+        &["did you mean \"paper\""],
+    ),
+    (
+        "[relax]",
+        "[method]\nname = 3",
+        &["method.name", "write one of \"wcsph\""],
+    ),
+    ("[relax]", "seed = 1.5", &["pack.seed", "whole number"]),
+    (
+        "[relax]",
+        "[method.wcsph]\nsmoothing = 9",
+        &["between 1 and 2.5"],
+    ),
+    (
+        "[relax]",
+        "[method.wcsph]\ntime_stepping = {}",
+        &["exactly one of fixed, adaptive"],
+    ),
+    (
+        "velocity =",
+        "colour = \"red\"\nvelocity =",
+        &["16:10", "is no colour", "#1f77b4"],
+    ),
+    (
+        "[body.drop]",
+        "[body.Drop]",
+        &["14:7", "is no name", "lower-case"],
+    ),
+];
+
 #[test]
 fn wrong_values_say_where_what_and_how() {
-    for (from, to, parts) in [
-        (
-            "\"1.5 m/s\"",
-            "\"1.5 m\"",
-            &["16:12", "body.drop.velocity", "a length", "m/s"][..],
-        ),
-        (
-            "\"1.5 m/s\"",
-            "\"1.5\"",
-            &["no unit", "a speed", "3.13 m/s"],
-        ),
-        (
-            "\"1.5 m/s\"",
-            "\"fast\"",
-            &["\"fast\"", "does not start with a number"],
-        ),
-        ("\"1.5 m/s\"", "true", &["16:12", "true", "write a speed"]),
-        (
-            "\"1.5 m/s\"",
-            "[0, 1]",
-            &["2 components", "3-D", "x, y and z"],
-        ),
-        (
-            "\"1.5 m/s\"",
-            "[0, 0, \"1 s\"]",
-            &["body.drop.velocity[2]", "a time"],
-        ),
-        (
-            "\"0.4 mm\"\n[relax]",
-            "\"-0.4 mm\"\n[relax]",
-            &["pack.spacing", "above zero"],
-        ),
-        (
-            "\"0.4 mm\"\n[relax]",
-            "nan\n[relax]",
-            &["pack.spacing", "above zero"],
-        ),
-        ("\"5 ms\"", "{ a = 1 }", &["impact.end", "a table", "40 ms"]),
-        (
-            "\"8 mm\", \"8 mm\", \"10 mm\"",
-            "\"8 mm\"",
-            &["box.size", "1 entries"],
-        ),
-        (
-            "end = \"5 ms\"\n",
-            "",
-            &["20:1", "impact.end", "missing", "end = \"40 ms\""],
-        ),
-        (
-            "[relax]",
-            "[relax]\ndamping = \"-1 1/s\"",
-            &["relax.damping", "zero or above"],
-        ),
-        (
-            "[relax]",
-            "[method]\npreset = \"papre\"",
-            &["did you mean \"paper\""],
-        ),
-        (
-            "[relax]",
-            "[method]\nname = 3",
-            &["method.name", "write one of \"wcsph\""],
-        ),
-        ("[relax]", "seed = 1.5", &["pack.seed", "whole number"]),
-        (
-            "[relax]",
-            "[method.wcsph]\nsmoothing = 9",
-            &["between 1 and 2.5"],
-        ),
-        (
-            "[relax]",
-            "[method.wcsph]\ntime_stepping = {}",
-            &["exactly one of fixed, adaptive"],
-        ),
-        (
-            "velocity =",
-            "colour = \"red\"\nvelocity =",
-            &["15:10", "is no colour", "#1f77b4"],
-        ),
-        (
-            "[body.drop]",
-            "[body.Drop]",
-            &["14:7", "is no name", "lower-case"],
-        ),
-    ] {
+    for (from, to, parts) in WRONG {
         holds(&edited(from, to).to_string(), parts);
     }
 }
@@ -235,6 +238,10 @@ fn scenes_that_make_no_sense_are_refused() {
     holds(&edit(&both), &["beside `centre`"]);
     let low = "block = { low = [0, 0, 0.004], high = [0.001, 0.001, 0.004] }";
     holds(&edit(low), &["body.drop.block.high", "not above `low`"]);
+}
+
+#[test]
+fn motions_and_spacings_that_make_no_sense_are_refused() {
     holds(
         &edited(
             "velocity = \"1.5 m/s\"",

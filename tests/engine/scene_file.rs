@@ -44,7 +44,7 @@ fn settings(loaded: &Loaded) -> Wcsph {
 }
 
 /// Every scene file that is shipped.
-fn shipped() -> Vec<PathBuf> {
+pub fn shipped() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = vec![root.join("pipeline.toml")];
     let mut folders = vec![root.join("scenes")];

@@ -99,9 +99,10 @@ pub fn functions(text: &str) -> Vec<(String, usize, usize)> {
 
 #[test]
 fn functions_are_found_and_measured() {
-    let code = "pub(super) fn a<T>(\n    x: T,\n) {\n    if x {\n    }\n}\n\nfn b() {\n}\n\nfn c(\n) -> u8;\n";
+    let first = "pub(super) fn a<T>(\n    x: T,\n) {\n    if x {\n    }\n}\n\n";
+    let code = format!("{first}fn b() {{\n}}\n\nfn c(\n) -> u8;\n");
     let expected = [("a".to_string(), 1, 6), ("b".to_string(), 8, 2)];
-    assert_eq!(functions(code), expected);
+    assert_eq!(functions(&code), expected);
 }
 
 /// Lines of the fenced blocks of the README.

@@ -11,3 +11,8 @@ pub mod pool;
 pub mod drop;
 pub mod gauge;
 pub mod series;
+pub mod canvas;
+pub mod letter;
+pub mod plot;
+pub mod section;
+pub mod view;

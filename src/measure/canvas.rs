@@ -1,0 +1,197 @@
+//! A picture: pixels, soft-edged strokes, lettering, PNG.
+
+use std::io::Write;
+
+/// Red, green, blue.
+pub type Colour = [u8; 3];
+
+pub const WHITE: Colour = [255, 255, 255];
+pub const INK: Colour = [38, 44, 52];
+pub const FAINT: Colour = [196, 202, 210];
+
+/// Rows of pixels from the top.
+#[derive(Clone)]
+pub struct Canvas {
+    pub width: usize,
+    pub height: usize,
+    pixels: Vec<Colour>,
+}
+
+/// Where a text stands relative to its point.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Anchor {
+    Left,
+    Middle,
+    Right,
+}
+
+impl Canvas {
+    pub fn new(width: usize, height: usize, colour: Colour) -> Canvas {
+        Canvas {
+            width,
+            height,
+            pixels: vec![colour; width * height],
+        }
+    }
+
+    pub fn get(&self, x: usize, y: usize) -> Colour {
+        self.pixels[y * self.width + x]
+    }
+
+    pub fn set(&mut self, x: usize, y: usize, colour: Colour) {
+        self.pixels[y * self.width + x] = colour;
+    }
+
+    /// Mixes a colour in; nothing outside the picture.
+    pub fn blend(&mut self, x: i64, y: i64, colour: Colour, part: f32) {
+        if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 || part <= 0.0 {
+            return;
+        }
+        let pixel = &mut self.pixels[y as usize * self.width + x as usize];
+        for (old, new) in pixel.iter_mut().zip(colour) {
+            let mixed = f32::from(*old) + part.min(1.0) * (f32::from(new) - f32::from(*old));
+            *old = mixed.round() as u8;
+        }
+    }
+
+    pub fn rectangle(&mut self, low: [f32; 2], high: [f32; 2], colour: Colour) {
+        for y in low[1].round() as i64..high[1].round() as i64 {
+            for x in low[0].round() as i64..high[0].round() as i64 {
+                self.blend(x, y, colour, 1.0);
+            }
+        }
+    }
+
+    /// A ball lit from the upper left.
+    pub fn ball(&mut self, at: [f32; 2], radius: f32, colour: Colour) {
+        let reach = radius + 1.0;
+        for y in (at[1] - reach).floor() as i64..=(at[1] + reach).ceil() as i64 {
+            for x in (at[0] - reach).floor() as i64..=(at[0] + reach).ceil() as i64 {
+                let (dx, dy) = (x as f32 + 0.5 - at[0], y as f32 + 0.5 - at[1]);
+                let distance = dx.hypot(dy);
+                let part = (radius + 0.5 - distance).clamp(0.0, 1.0);
+                if part > 0.0 {
+                    let q = (distance / radius).min(1.0);
+                    let up = (1.0 - q * q).sqrt();
+                    let light = 0.66 + 0.34 * up - 0.1 * (dx + dy) / radius;
+                    self.blend(x, y, shade(colour, light), part);
+                }
+            }
+        }
+    }
+
+    pub fn line(&mut self, a: [f32; 2], b: [f32; 2], width: f32, colour: Colour) {
+        let reach = 0.5 * width + 1.0;
+        let low = [0, 1].map(|i| (a[i].min(b[i]) - reach).floor() as i64);
+        let high = [0, 1].map(|i| (a[i].max(b[i]) + reach).ceil() as i64);
+        let d = [b[0] - a[0], b[1] - a[1]];
+        let square = d[0] * d[0] + d[1] * d[1];
+        for y in low[1]..=high[1] {
+            for x in low[0]..=high[0] {
+                let p = [x as f32 + 0.5 - a[0], y as f32 + 0.5 - a[1]];
+                let along = if square > 0.0 {
+                    ((p[0] * d[0] + p[1] * d[1]) / square).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                let distance = (p[0] - along * d[0]).hypot(p[1] - along * d[1]);
+                self.blend(x, y, colour, (0.5 + 0.5 * width - distance).clamp(0.0, 1.0));
+            }
+        }
+    }
+
+    /// Arrow from `a` to `b`, pixels.
+    pub fn arrow(&mut self, a: [f32; 2], b: [f32; 2], width: f32, colour: Colour) {
+        let d = [b[0] - a[0], b[1] - a[1]];
+        let length = d[0].hypot(d[1]);
+        if length < 1.0 {
+            return;
+        }
+        self.line(a, b, width, colour);
+        let head = (0.38 * length).clamp(2.0, 9.0);
+        let u = [d[0] / length, d[1] / length];
+        for side in [-0.5, 0.5] {
+            let tail = [
+                b[0] - head * (u[0] + side * u[1]),
+                b[1] - head * (u[1] - side * u[0]),
+            ];
+            self.line(tail, b, width, colour);
+        }
+    }
+
+    /// Writes `text` with capitals of `size` pixels; `at` is on the base line.
+    pub fn text(&mut self, at: [f32; 2], size: f32, text: &str, anchor: Anchor, colour: Colour) {
+        let unit = size / 10.0;
+        let length = super::letter::length(text) * unit;
+        let mut x = match anchor {
+            Anchor::Left => at[0],
+            Anchor::Middle => at[0] - 0.5 * length,
+            Anchor::Right => at[0] - length,
+        };
+        for letter in text.chars() {
+            let (strokes, advance) = super::letter::strokes(letter);
+            for stroke in strokes {
+                let place = |p: [f32; 2]| [x + unit * p[0], at[1] - unit * p[1]];
+                for pair in stroke.windows(2) {
+                    self.line(place(pair[0]), place(pair[1]), (0.14 * size).max(1.2), colour);
+                }
+            }
+            x += advance * unit;
+        }
+    }
+
+    /// Copies another picture in, its upper left corner at (x, y); what sticks out is cut.
+    pub fn paste(&mut self, x: usize, y: usize, other: &Canvas) {
+        for row in 0..other.height.min(self.height.saturating_sub(y)) {
+            for column in 0..other.width.min(self.width.saturating_sub(x)) {
+                self.set(x + column, y + row, other.get(column, row));
+            }
+        }
+    }
+
+    /// Rows `top .. bottom`.
+    pub fn crop(&self, top: usize, bottom: usize) -> Canvas {
+        Canvas {
+            width: self.width,
+            height: bottom - top,
+            pixels: self.pixels[top * self.width..bottom * self.width].to_vec(),
+        }
+    }
+
+    /// Half the size, each pixel the mean of four.
+    pub fn halved(&self) -> Canvas {
+        let mut half = Canvas::new(self.width / 2, self.height / 2, WHITE);
+        for y in 0..half.height {
+            for x in 0..half.width {
+                let mut sum = [0u16; 3];
+                for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                    let pixel = self.get(2 * x + dx, 2 * y + dy);
+                    for (total, value) in sum.iter_mut().zip(pixel) {
+                        *total += u16::from(value);
+                    }
+                }
+                half.set(x, y, sum.map(|s| ((s + 2) / 4) as u8));
+            }
+        }
+        half
+    }
+
+    /// The picture as a PNG file.
+    pub fn png(&self) -> Result<Vec<u8>, png::EncodingError> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let mut writer = encoder.write_header()?;
+        let mut stream = writer.stream_writer()?;
+        stream.write_all(self.pixels.as_flattened())?;
+        stream.finish()?;
+        writer.finish()?;
+        Ok(bytes)
+    }
+}
+
+/// A colour times a brightness.
+pub fn shade(colour: Colour, light: f32) -> Colour {
+    colour.map(|c| (f32::from(c) * light).clamp(0.0, 255.0) as u8)
+}

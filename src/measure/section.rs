@@ -1,0 +1,82 @@
+//! A slice through the axis, 1 mm thick, particles coloured by body.
+
+use super::canvas::{Anchor, Canvas, Colour, FAINT, INK, WHITE};
+use crate::particle::Frame;
+use crate::scene::{Dimension, Scene};
+
+/// Thickness of the slice, m (at least one spacing).
+const THICKNESS: f64 = 1e-3;
+/// Width of the picture, pixels.
+const WIDTH: usize = 880;
+
+/// The particles of the slice at one instant.
+pub struct Section {
+    /// Label of the picture.
+    pub label: String,
+    /// x, z in m, body; the farthest first.
+    points: Vec<([f32; 2], u8)>,
+}
+
+impl Section {
+    /// `at`: lateral y of the axis, m.
+    pub fn new(scene: &Scene, frame: &Frame, at: f64, label: String) -> Section {
+        let half = 0.5 * THICKNESS.max(scene.pack.spacing);
+        let flat = scene.dimension == Dimension::Two;
+        let [x, y, z] = &frame.position;
+        let near = |&i: &usize| flat || (f64::from(y[i]) - at).abs() <= half;
+        let mut chosen: Vec<usize> = (0..frame.id.len()).filter(near).collect();
+        chosen.sort_by(|&a, &b| y[b].total_cmp(&y[a]));
+        let points = chosen.into_iter().map(|i| ([x[i], z[i]], frame.body[i])).collect();
+        Section { label, points }
+    }
+
+    /// Height that shows all but the highest thousandth of the particles, m.
+    pub fn top(&self) -> f64 {
+        let mut heights: Vec<f32> = self.points.iter().map(|(p, _)| p[1]).collect();
+        heights.sort_by(f32::total_cmp);
+        let place = heights.len().saturating_sub(1 + heights.len() / 1000);
+        heights.get(place).map_or(0.0, |z| f64::from(*z))
+    }
+
+    /// Draws the slice from the floor to `top`, m, over the whole width of the box.
+    pub fn draw(&self, scene: &Scene, top: f64) -> Canvas {
+        let size = scene.domain.size;
+        let scale = WIDTH as f64 / size[0];
+        let floor = 8.0;
+        let spacing = scene.pack.spacing;
+        let height = (top + 3.0 * spacing) * scale + floor;
+        let height = height.clamp(120.0, 1400.0).round() as usize;
+        let mut canvas = Canvas::new(WIDTH, height, WHITE);
+        let base = height as f64 - floor;
+        let radius = (0.55 * spacing * scale) as f32;
+        for ([x, z], body) in &self.points {
+            let at = [f64::from(*x) * scale, base - f64::from(*z) * scale].map(|c| c as f32);
+            canvas.ball(at, radius, body_colour(scene, *body));
+        }
+        canvas.rectangle([0.0, base as f32], [WIDTH as f32, height as f32], FAINT);
+        canvas.text([14.0, 30.0], 17.0, &self.label, Anchor::Left, INK);
+        draw_scale(&mut canvas, size[0], scale);
+        canvas
+    }
+}
+
+/// A bar of a round length in the upper right corner.
+fn draw_scale(canvas: &mut Canvas, width: f64, scale: f64) {
+    let lengths = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
+    let fits = lengths.iter().rev().find(|l| **l * 1e-3 <= 0.16 * width);
+    let length = fits.copied().unwrap_or(0.1);
+    let right = canvas.width as f32 - 16.0;
+    let left = right - (length * 1e-3 * scale) as f32;
+    canvas.line([left, 38.0], [right, 38.0], 3.0, INK);
+    let middle = 0.5 * (left + right);
+    canvas.text([middle, 28.0], 14.0, &format!("{length} mm"), Anchor::Middle, INK);
+}
+
+/// Colour of a body, or the default of the papers' figures where the scene gives black.
+pub fn body_colour(scene: &Scene, body: u8) -> Colour {
+    let default = [[222, 96, 44], [64, 132, 196], [60, 160, 110], [150, 110, 190]];
+    match scene.bodies.get(usize::from(body)).map(|b| b.colour) {
+        Some(colour) if colour != [0; 3] => colour,
+        _ => default[usize::from(body) % default.len()],
+    }
+}

@@ -1,0 +1,284 @@
+//! Bird's-eye view: the particles as a lit surface.
+//!
+//! Every particle is a ball in a depth buffer; depth and colour are then smoothed over a spacing or
+//! two without crossing edges (bilateral), so that the balls run together into a liquid, and lit
+//! from the smoothed depth (screen-space fluid, van der Laan, Green & Sainz 2009).
+
+use rayon::prelude::*;
+
+use super::canvas::{Canvas, Colour};
+use super::section::body_colour;
+use crate::particle::Frame;
+use crate::scene::{Dimension, Scene};
+
+/// Where the eye is.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    /// Looked at, m.
+    pub target: [f64; 3],
+    /// Distance of the eye, m.
+    pub distance: f64,
+    /// Angle above the horizon and about the vertical, rad.
+    pub elevation: f64,
+    pub azimuth: f64,
+    /// Width and height of the picture, pixels.
+    pub size: [usize; 2],
+    /// Width of the picture in units of the distance.
+    pub aperture: f64,
+}
+
+/// A pixel that shows nothing.
+const NOTHING: f32 = f32::INFINITY;
+
+struct Buffer {
+    width: usize,
+    height: usize,
+    /// Distance along the view, m.
+    depth: Vec<f32>,
+    colour: Vec<[f32; 3]>,
+    /// Metres that a pixel covers at unit distance.
+    pixel: f32,
+}
+
+impl Camera {
+    /// Sees the whole box, from the front and above; `level`: of the pool, m.
+    pub fn whole(scene: &Scene, level: f64, size: [usize; 2]) -> Camera {
+        let lateral = scene.domain.size;
+        let across = lateral[0].max(lateral[1]);
+        Camera {
+            target: [0.5 * lateral[0], 0.5 * lateral[1], level + 0.02 * across],
+            distance: 3.2 * across,
+            elevation: 0.56,
+            azimuth: 0.42,
+            size,
+            aperture: 0.48,
+        }
+    }
+
+    /// Close to the splash at `at`, `span` wide, m.
+    pub fn close(at: [f64; 3], span: f64, size: [usize; 2]) -> Camera {
+        Camera {
+            target: at,
+            distance: 3.0 * span,
+            elevation: 0.50,
+            azimuth: 0.42,
+            size,
+            aperture: 1.0 / 3.0,
+        }
+    }
+
+    /// Unit vectors to the right, up and away.
+    fn frame(&self) -> [[f64; 3]; 3] {
+        let (se, ce) = self.elevation.sin_cos();
+        let (sa, ca) = self.azimuth.sin_cos();
+        [[ca, sa, 0.0], [-sa * se, ca * se, ce], [-sa * ce, ca * ce, -se]]
+    }
+}
+
+/// Draws a frame. In 2-D there is no such view: the caller shows the section alone.
+pub fn draw(scene: &Scene, frame: &Frame, camera: &Camera) -> Canvas {
+    debug_assert!(scene.dimension == Dimension::Three);
+    let mut buffer = splat(scene, frame, camera);
+    let spacing = scene.pack.spacing as f32;
+    for pass in 0..4 {
+        buffer = buffer.smoothed(spacing, pass % 2 == 0);
+    }
+    buffer.lit(spacing)
+}
+
+fn splat(scene: &Scene, frame: &Frame, camera: &Camera) -> Buffer {
+    let [width, height] = camera.size;
+    let [right, up, away] = camera.frame();
+    let pixel = camera.aperture / width as f64;
+    let mut buffer = Buffer {
+        width,
+        height,
+        depth: vec![NOTHING; width * height],
+        colour: vec![[0.0; 3]; width * height],
+        pixel: pixel as f32,
+    };
+    let colours: Vec<[f32; 3]> =
+        (0..=255).map(|b| body_colour(scene, b).map(f32::from)).collect();
+    let radius = 0.72 * scene.pack.spacing;
+    for i in 0..frame.id.len() {
+        let d = [0, 1, 2].map(|a| f64::from(frame.position[a][i]) - camera.target[a]);
+        let along = |v: [f64; 3]| d[0] * v[0] + d[1] * v[1] + d[2] * v[2];
+        let depth = camera.distance + along(away);
+        if depth <= 2.0 * radius || !depth.is_finite() {
+            continue;
+        }
+        let x = 0.5 * width as f64 + along(right) / (depth * pixel);
+        let y = 0.5 * height as f64 - along(up) / (depth * pixel);
+        let ball = [x, y, radius / (depth * pixel)].map(|c| c as f32);
+        let colour = colours[usize::from(frame.body[i])];
+        buffer.put(ball, depth as f32, radius as f32, colour);
+    }
+    buffer
+}
+
+impl Buffer {
+    /// A ball: centre and radius in pixels, distance and radius in m.
+    fn put(&mut self, ball: [f32; 3], depth: f32, radius: f32, colour: [f32; 3]) {
+        let [x, y, r] = ball;
+        let columns = (x - r).max(0.0) as usize..((x + r).max(-1.0) + 1.0) as usize;
+        for row in (y - r).max(0.0) as usize..(((y + r).max(-1.0) + 1.0) as usize).min(self.height)
+        {
+            for column in columns.start..columns.end.min(self.width) {
+                let dx = (column as f32 + 0.5 - x) / r;
+                let dy = (row as f32 + 0.5 - y) / r;
+                let q = dx * dx + dy * dy;
+                let place = row * self.width + column;
+                let front = depth - radius * (1.0 - q.min(1.0)).sqrt();
+                if q < 1.0 && front < self.depth[place] {
+                    self.depth[place] = front;
+                    self.colour[place] = colour;
+                }
+            }
+        }
+    }
+
+    /// Bilateral means of depth and colour along rows or columns.
+    fn smoothed(&self, spacing: f32, along_row: bool) -> Buffer {
+        let (width, height) = (self.width, self.height);
+        let step = if along_row { 1 } else { width };
+        let near = self.depth.iter().copied().fold(NOTHING, f32::min);
+        let reach = ((1.6 * spacing) / (near * self.pixel)).clamp(1.0, 24.0) as usize;
+        let rows: Vec<Vec<(f32, [f32; 3])>> = (0..height)
+            .into_par_iter()
+            .map(|row| {
+                let pixel = |column: usize| {
+                    let here = row * width + column;
+                    let (at, end) = if along_row { (column, width) } else { (row, height) };
+                    let low = here - at.min(reach) * step;
+                    let count = at.min(reach) + (end - at).min(reach + 1);
+                    self.mean(here, (low, count, step), spacing, reach as f32)
+                };
+                (0..width).map(pixel).collect()
+            })
+            .collect();
+        let (depth, colour) = rows.into_iter().flatten().unzip();
+        Buffer { depth, colour, ..*self }
+    }
+
+    fn mean(
+        &self,
+        here: usize,
+        (low, count, step): (usize, usize, usize),
+        spacing: f32,
+        reach: f32,
+    ) -> (f32, [f32; 3]) {
+        let centre = self.depth[here];
+        if centre == NOTHING {
+            return (NOTHING, [0.0; 3]);
+        }
+        let (mut weight, mut depth, mut colour) = (0.0, 0.0, [0.0; 3]);
+        for n in 0..count {
+            let place = low + n * step;
+            let away = (self.depth[place] - centre) / (1.5 * spacing);
+            if away.abs() < 1.0 {
+                let t = (place as f32 - here as f32) / (step as f32 * (reach + 1.0));
+                let w = (1.0 - t * t) * (1.0 - away * away).powi(2);
+                weight += w;
+                depth += w * self.depth[place];
+                for (sum, c) in colour.iter_mut().zip(self.colour[place]) {
+                    *sum += w * c;
+                }
+            }
+        }
+        (depth / weight, colour.map(|c| c / weight))
+    }
+
+    /// Lambert light from the upper left, a soft highlight, and darker hollows.
+    fn lit(&self, spacing: f32) -> Canvas {
+        let (width, height) = (self.width, self.height);
+        let mut canvas = Canvas::new(width, height, [0; 3]);
+        for row in 0..height {
+            for column in 0..width {
+                let place = row * width + column;
+                let colour = if self.depth[place] == NOTHING {
+                    sky(row as f32 / height as f32)
+                } else {
+                    self.shaded(column, row, spacing)
+                };
+                canvas.set(column, row, colour);
+            }
+        }
+        canvas
+    }
+
+    fn shaded(&self, column: usize, row: usize, spacing: f32) -> Colour {
+        let place = row * self.width + column;
+        let depth = self.depth[place];
+        let metre = depth * self.pixel;
+        // The smaller of the two one-sided slopes: edges keep the slope of their own side.
+        let slope = |before: Option<usize>, after: Option<usize>| {
+            let one = |other: Option<usize>, sign: f32| {
+                let there = other.map(|p| self.depth[p]).filter(|d| *d < NOTHING);
+                there.map(|d| sign * (d - depth) / metre)
+            };
+            match (one(before, -1.0), one(after, 1.0)) {
+                (Some(a), Some(b)) if a.abs() < b.abs() => a,
+                (_, Some(b)) => b,
+                (Some(a), None) => a,
+                (None, None) => 0.0,
+            }
+        };
+        let left = (column > 0).then(|| place - 1);
+        let right = (column + 1 < self.width).then_some(place + 1);
+        let above = (row > 0).then(|| place - self.width);
+        let below = (row + 1 < self.height).then_some(place + self.width);
+        let normal = unit([slope(left, right), slope(above, below), 1.0]);
+        // To the viewer is +z, right is +x, down is +y; depth grows away from the viewer.
+        let light = unit([-0.45, -0.75, 0.62]);
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let lambert = dot(normal, light).max(0.0);
+        let half = unit([light[0], light[1], light[2] + 1.0]);
+        let gloss = dot(normal, half).max(0.0).powi(60);
+        let rim = (1.0 - normal[2]).powi(3);
+        let hollow = self.hollow(column, row, spacing);
+        let colour = self.colour[place];
+        let bright = (0.40 + 0.66 * lambert) * hollow;
+        std::array::from_fn(|c| {
+            let lit = colour[c] * bright + 70.0 * gloss + 34.0 * rim * hollow;
+            lit.clamp(0.0, 255.0) as u8
+        })
+    }
+
+    /// 1 in the open, less where the surroundings stand nearer to the eye.
+    fn hollow(&self, column: usize, row: usize, spacing: f32) -> f32 {
+        let here = self.depth[row * self.width + column];
+        let reach = (4.0 * spacing / (here * self.pixel)).max(2.0) as i64;
+        let mut dark = 0.0;
+        for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
+            let (x, y) = (column as i64 + dx * reach, row as i64 + dy * reach);
+            if x >= 0 && y >= 0 && x < self.width as i64 && y < self.height as i64 {
+                let there = self.depth[y as usize * self.width + x as usize];
+                dark += ((here - there) / (8.0 * spacing)).clamp(0.0, 1.0);
+            }
+        }
+        1.0 - 0.30 * dark / 4.0
+    }
+}
+
+fn unit(v: [f32; 3]) -> [f32; 3] {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    v.map(|c| c / length)
+}
+
+/// Background, from the top down.
+fn sky(part: f32) -> Colour {
+    let (top, bottom) = ([226.0, 233.0, 241.0], [250.0, 251.0, 253.0]);
+    std::array::from_fn(|c| (top[c] + part * (bottom[c] - top[c])) as u8)
+}
+
+/// One wide picture of a splash, for a title page: PNG.
+pub fn picture(
+    scene: &Scene,
+    frame: &Frame,
+    at: [f64; 3],
+    size: [usize; 2],
+) -> Result<Vec<u8>, png::EncodingError> {
+    let span = 0.8 * scene.domain.size[0];
+    let camera = Camera::close(at, span, size.map(|s| 2 * s));
+    draw(scene, frame, &camera).halved().png()
+}

@@ -133,7 +133,12 @@ impl Canvas {
             for stroke in strokes {
                 let place = |p: [f32; 2]| [x + unit * p[0], at[1] - unit * p[1]];
                 for pair in stroke.windows(2) {
-                    self.line(place(pair[0]), place(pair[1]), (0.14 * size).max(1.2), colour);
+                    self.line(
+                        place(pair[0]),
+                        place(pair[1]),
+                        (0.14 * size).max(1.2),
+                        colour,
+                    );
                 }
             }
             x += advance * unit;

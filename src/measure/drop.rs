@@ -1,8 +1,8 @@
 //! Shape, spread and front of liquid that is not a pool.
 //!
 //! Shape: semi-axes of the ellipsoid that has the body's second moments,
-//! `a = √((d + 2) (⟨x²⟩ + s0²/12))`: each particle stands for a cube of side s0. The amplitude of the
-//! n = 2 oscillation follows from `r = R (1 + ε P2)` in 3-D, `r = R (1 + ε cos 2θ)` in 2-D.
+//! `a = √((d + 2) (⟨x²⟩ + s0²/12))`: each particle stands for a cube of side s0. The amplitude of
+//! the n = 2 oscillation follows from `r = R (1 + ε P2)` in 3-D, `r = R (1 + ε cos 2θ)` in 2-D.
 //!
 //! Spread on a dry wall: diameter of the wetted area over the drop's. Front: dam break.
 

@@ -153,7 +153,11 @@ impl Gauge {
             }
             self.level = level;
         }
-        if !frame.scalars.iter().any(|(name, _)| name == "speed_max_m_s") {
+        if !frame
+            .scalars
+            .iter()
+            .any(|(name, _)| name == "speed_max_m_s")
+        {
             row.put("speed_max_m_s", speed_max(frame));
         }
         self.measure_energy(frame, area, &mut row);

@@ -36,15 +36,15 @@ const GLYPHS: &[(char, &str)] = &[
     ('o', "~3b6b64040b3b"),
     ('p', "0b00 ~3b6b64040b3b"),
     ('r', "0b04 ~080b4b5a"),
-    ('s', "~6a6b0b086764 0405"),
+    ('s', "~6a6b0b0868640405"),
     ('t', "2e26 ~262454 0b5b"),
     ('u', "0b07 ~07046467 6b64"),
     ('v', "0b346b"),
     ('x', "0b64 046b"),
     ('y', "0b34 6b10"),
     ('z', "0b6b0464"),
-    ('J', "~6e6604 06"),
-    ('P', "040e 0e4e ~4e8e8848 4808"),
+    ('J', "~6e660406"),
+    ('P', "040e 0e4e ~4e8e8949 4909"),
 ];
 
 /// Whether the letter can be drawn.
@@ -64,7 +64,9 @@ pub fn strokes(letter: char) -> (Vec<Vec<[f32; 2]>>, f32) {
 
 /// Length of a text in the units of [`strokes`].
 pub fn length(text: &str) -> f32 {
-    text.chars().map(|c| strokes(c).1).fold(0.0, |sum, a| sum + a)
+    text.chars()
+        .map(|c| strokes(c).1)
+        .fold(0.0, |sum, a| sum + a)
 }
 
 fn stroke(code: &str) -> Vec<[f32; 2]> {

@@ -16,3 +16,8 @@ pub mod letter;
 pub mod plot;
 pub mod section;
 pub mod view;
+pub mod field;
+pub mod summary;
+pub mod figure;
+pub mod report;
+pub mod post;

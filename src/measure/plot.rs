@@ -42,7 +42,7 @@ pub const PALETTE: [[u8; 3]; 6] = [
 /// Greys for reference curves.
 pub const REFERENCE: [[u8; 3]; 3] = [[40, 40, 40], [130, 130, 130], [90, 110, 130]];
 
-const SIZE: (u32, u32) = (720, 430);
+const SIZE: (u32, u32) = (640, 400);
 const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', Helvetica, Arial, sans-serif";
 const TEXT: RGBColor = RGBColor(45, 50, 58);
 
@@ -113,11 +113,11 @@ impl Plot {
                 .configure_mesh()
                 .x_desc(self.x.clone())
                 .y_desc(self.y.clone())
-                .x_labels(9)
+                .x_labels(8)
                 .y_labels(8)
                 .x_label_formatter(&|v| number(*v, dx))
                 .y_label_formatter(&|v| number(*v, dy))
-                .label_style((FONT, 14).into_font().color(&TEXT))
+                .label_style((FONT, 15).into_font().color(&TEXT))
                 .axis_desc_style((FONT, 15).into_font().color(&TEXT))
                 .axis_style(RGBColor(120, 126, 134))
                 .bold_line_style(RGBColor(226, 229, 233))
@@ -144,7 +144,7 @@ impl Plot {
         &self,
         root: &DrawingArea<SVGBackend, plotters::coord::Shift>,
     ) -> Result<(), Failure> {
-        let font = (FONT, 14).into_font().color(&TEXT);
+        let font = (FONT, 15).into_font().color(&TEXT);
         let mut x = 18;
         for curve in self.curves.iter().filter(|c| !pieces(&c.points).is_empty()) {
             let dashes: &[(i32, i32)] = match curve.line {
@@ -156,7 +156,7 @@ impl Plot {
                 root.draw(&PathElement::new(sample, style(curve)))?;
             }
             root.draw(&Text::new(curve.label.clone(), (x + 32, 42), font.clone()))?;
-            x += 54 + (7.4 * curve.label.chars().count() as f64) as i32;
+            x += 54 + (7.8 * curve.label.chars().count() as f64) as i32;
         }
         Ok(())
     }
@@ -164,8 +164,7 @@ impl Plot {
 
 fn style(curve: &Curve) -> ShapeStyle {
     let [r, g, b] = curve.colour;
-    let width = if curve.line == Line::Solid { 2 } else { 2 };
-    RGBColor(r, g, b).stroke_width(width)
+    RGBColor(r, g, b).stroke_width(2)
 }
 
 /// Runs of points without blanks.
@@ -180,7 +179,11 @@ fn pieces(points: &[[f64; 2]]) -> Vec<Vec<(f64, f64)>> {
 fn number(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     // No "-0".
-    if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
+    if text
+        .trim_start_matches('-')
+        .chars()
+        .all(|c| c == '0' || c == '.')
+    {
         text.trim_start_matches('-').to_owned()
     } else {
         text.replace('-', "\u{2212}")

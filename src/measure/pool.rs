@@ -6,8 +6,8 @@
 //! * `axis_level`: the lowest exterior gas within r ≤ 1.5 s0; below the level it is the crater's
 //!   floor and `crater_depth = −axis_level`. `crater_depth_mean`: the same, averaged over azimuth
 //!   (all columns within r ≤ 1.5 s0).
-//! * `crater_diameter`: 2 √(A/π), A the area at z = 0 inside the outer edge of the gas that encloses
-//!   the axis (2-D: the width).
+//! * `crater_diameter`: 2 √(A/π), A the area at z = 0 inside the outer edge of the gas that
+//!   encloses the axis (2-D: the width).
 //! * `crown_height`: the highest point of the largest connected liquid at r > d: no mist.
 //!   `jet_height`: the same at r ≤ d. `highest_particle`: of any particle, mist and all.
 //! * `far_level`: mean level of the outermost tenth of the box; a crater in a small box lifts it.
@@ -139,8 +139,8 @@ enum Cell {
 
 /// Diameter of the crater at the initial level, m; `None` if no gas there encloses the axis.
 ///
-/// Gas patches of the plane that touch the far field are troughs of waves, and those under which the
-/// surface lies less than s0 deep are ripples: neither is a crater. Of the rest the largest counts
+/// Gas patches of the plane that touch the far field are troughs of waves, and those under which
+/// the surface lies less than s0 deep are ripples: neither is a crater. Of the rest the largest counts
 /// (in 2-D, where a jet cuts a crater in two, all), with all that it encloses.
 fn crater_diameter(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Option<f64> {
     let raster = region.raster;

@@ -26,7 +26,10 @@ impl Section {
         let near = |&i: &usize| flat || (f64::from(y[i]) - at).abs() <= half;
         let mut chosen: Vec<usize> = (0..frame.id.len()).filter(near).collect();
         chosen.sort_by(|&a, &b| y[b].total_cmp(&y[a]));
-        let points = chosen.into_iter().map(|i| ([x[i], z[i]], frame.body[i])).collect();
+        let points = chosen
+            .into_iter()
+            .map(|i| ([x[i], z[i]], frame.body[i]))
+            .collect();
         Section { label, points }
     }
 
@@ -62,19 +65,32 @@ impl Section {
 
 /// A bar of a round length in the upper right corner.
 fn draw_scale(canvas: &mut Canvas, width: f64, scale: f64) {
-    let lengths = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
+    let lengths = [
+        0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0,
+    ];
     let fits = lengths.iter().rev().find(|l| **l * 1e-3 <= 0.16 * width);
     let length = fits.copied().unwrap_or(0.1);
     let right = canvas.width as f32 - 16.0;
     let left = right - (length * 1e-3 * scale) as f32;
     canvas.line([left, 38.0], [right, 38.0], 3.0, INK);
     let middle = 0.5 * (left + right);
-    canvas.text([middle, 28.0], 14.0, &format!("{length} mm"), Anchor::Middle, INK);
+    canvas.text(
+        [middle, 28.0],
+        14.0,
+        &format!("{length} mm"),
+        Anchor::Middle,
+        INK,
+    );
 }
 
 /// Colour of a body, or the default of the papers' figures where the scene gives black.
 pub fn body_colour(scene: &Scene, body: u8) -> Colour {
-    let default = [[222, 96, 44], [64, 132, 196], [60, 160, 110], [150, 110, 190]];
+    let default = [
+        [222, 96, 44],
+        [64, 132, 196],
+        [60, 160, 110],
+        [150, 110, 190],
+    ];
     match scene.bodies.get(usize::from(body)).map(|b| b.colour) {
         Some(colour) if colour != [0; 3] => colour,
         _ => default[usize::from(body) % default.len()],

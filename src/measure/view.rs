@@ -46,12 +46,12 @@ impl Camera {
         let lateral = scene.domain.size;
         let across = lateral[0].max(lateral[1]);
         Camera {
-            target: [0.5 * lateral[0], 0.5 * lateral[1], level + 0.02 * across],
+            target: [0.5 * lateral[0], 0.5 * lateral[1], level + 0.04 * across],
             distance: 3.2 * across,
             elevation: 0.56,
             azimuth: 0.42,
             size,
-            aperture: 0.48,
+            aperture: 0.49,
         }
     }
 
@@ -71,7 +71,11 @@ impl Camera {
     fn frame(&self) -> [[f64; 3]; 3] {
         let (se, ce) = self.elevation.sin_cos();
         let (sa, ca) = self.azimuth.sin_cos();
-        [[ca, sa, 0.0], [-sa * se, ca * se, ce], [-sa * ce, ca * ce, -se]]
+        [
+            [ca, sa, 0.0],
+            [-sa * se, ca * se, ce],
+            [-sa * ce, ca * ce, -se],
+        ]
     }
 }
 
@@ -80,7 +84,7 @@ pub fn draw(scene: &Scene, frame: &Frame, camera: &Camera) -> Canvas {
     debug_assert!(scene.dimension == Dimension::Three);
     let mut buffer = splat(scene, frame, camera);
     let spacing = scene.pack.spacing as f32;
-    for pass in 0..4 {
+    for pass in 0..6 {
         buffer = buffer.smoothed(spacing, pass % 2 == 0);
     }
     buffer.lit(spacing)
@@ -97,8 +101,9 @@ fn splat(scene: &Scene, frame: &Frame, camera: &Camera) -> Buffer {
         colour: vec![[0.0; 3]; width * height],
         pixel: pixel as f32,
     };
-    let colours: Vec<[f32; 3]> =
-        (0..=255).map(|b| body_colour(scene, b).map(f32::from)).collect();
+    let colours: Vec<[f32; 3]> = (0..=255)
+        .map(|b| body_colour(scene, b).map(f32::from))
+        .collect();
     let radius = 0.72 * scene.pack.spacing;
     for i in 0..frame.id.len() {
         let d = [0, 1, 2].map(|a| f64::from(frame.position[a][i]) - camera.target[a]);
@@ -142,13 +147,17 @@ impl Buffer {
         let (width, height) = (self.width, self.height);
         let step = if along_row { 1 } else { width };
         let near = self.depth.iter().copied().fold(NOTHING, f32::min);
-        let reach = ((1.6 * spacing) / (near * self.pixel)).clamp(1.0, 24.0) as usize;
+        let reach = ((2.2 * spacing) / (near * self.pixel)).clamp(1.0, 32.0) as usize;
         let rows: Vec<Vec<(f32, [f32; 3])>> = (0..height)
             .into_par_iter()
             .map(|row| {
                 let pixel = |column: usize| {
                     let here = row * width + column;
-                    let (at, end) = if along_row { (column, width) } else { (row, height) };
+                    let (at, end) = if along_row {
+                        (column, width)
+                    } else {
+                        (row, height)
+                    };
                     let low = here - at.min(reach) * step;
                     let count = at.min(reach) + (end - at).min(reach + 1);
                     self.mean(here, (low, count, step), spacing, reach as f32)
@@ -157,7 +166,11 @@ impl Buffer {
             })
             .collect();
         let (depth, colour) = rows.into_iter().flatten().unzip();
-        Buffer { depth, colour, ..*self }
+        Buffer {
+            depth,
+            colour,
+            ..*self
+        }
     }
 
     fn mean(
@@ -174,7 +187,7 @@ impl Buffer {
         let (mut weight, mut depth, mut colour) = (0.0, 0.0, [0.0; 3]);
         for n in 0..count {
             let place = low + n * step;
-            let away = (self.depth[place] - centre) / (1.5 * spacing);
+            let away = (self.depth[place] - centre) / (3.0 * spacing);
             if away.abs() < 1.0 {
                 let t = (place as f32 - here as f32) / (step as f32 * (reach + 1.0));
                 let w = (1.0 - t * t) * (1.0 - away * away).powi(2);
@@ -233,13 +246,13 @@ impl Buffer {
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let lambert = dot(normal, light).max(0.0);
         let half = unit([light[0], light[1], light[2] + 1.0]);
-        let gloss = dot(normal, half).max(0.0).powi(60);
+        let gloss = dot(normal, half).max(0.0).powi(40);
         let rim = (1.0 - normal[2]).powi(3);
         let hollow = self.hollow(column, row, spacing);
         let colour = self.colour[place];
         let bright = (0.40 + 0.66 * lambert) * hollow;
         std::array::from_fn(|c| {
-            let lit = colour[c] * bright + 70.0 * gloss + 34.0 * rim * hollow;
+            let lit = colour[c] * bright + 52.0 * gloss + 34.0 * rim * hollow;
             lit.clamp(0.0, 255.0) as u8
         })
     }
@@ -249,7 +262,16 @@ impl Buffer {
         let here = self.depth[row * self.width + column];
         let reach = (4.0 * spacing / (here * self.pixel)).max(2.0) as i64;
         let mut dark = 0.0;
-        for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
+        for (dx, dy) in [
+            (1, 0),
+            (-1, 0),
+            (0, 1),
+            (0, -1),
+            (1, 1),
+            (-1, 1),
+            (1, -1),
+            (-1, -1),
+        ] {
             let (x, y) = (column as i64 + dx * reach, row as i64 + dy * reach);
             if x >= 0 && y >= 0 && x < self.width as i64 && y < self.height as i64 {
                 let there = self.depth[y as usize * self.width + x as usize];
@@ -281,4 +303,23 @@ pub fn picture(
     let span = 0.8 * scene.domain.size[0];
     let camera = Camera::close(at, span, size.map(|s| 2 * s));
     draw(scene, frame, &camera).halved().png()
+}
+
+/// Rows of pixels in which any of the pictures shows more than background, with a margin.
+pub fn rows_used(pictures: &[&Canvas]) -> std::ops::Range<usize> {
+    let Some(first) = pictures.first() else {
+        return 0..0;
+    };
+    let plain = |row: usize| {
+        pictures
+            .iter()
+            .all(|p| (1..p.width).all(|x| p.get(x, row) == p.get(0, row)))
+    };
+    let used = |row: &usize| !plain(*row);
+    let low = (0..first.height).find(used).unwrap_or(0);
+    let high = (0..first.height)
+        .rev()
+        .find(used)
+        .map_or(first.height, |row| row + 1);
+    low.saturating_sub(16)..(high + 16).min(first.height)
 }

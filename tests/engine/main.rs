@@ -2,6 +2,7 @@
 
 mod measure_drop;
 mod measure_pool;
+mod measure_post;
 mod measure_series;
 mod measure_splash;
 mod pack_lattice;

@@ -1,0 +1,230 @@
+//! Which plots a scene gets, with the reference curves in them.
+
+use super::gauge::Kind;
+use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
+use super::series::Series;
+use super::summary;
+use crate::scene::{Dimension, Scene};
+
+/// A run, and what it is compared with.
+pub struct Figures<'a> {
+    pub scene: &'a Scene,
+    pub kind: Kind,
+    pub series: &'a Series,
+    /// Label and table.
+    pub references: &'a [(String, Series)],
+    /// Time of contact, s: plots and references count from it.
+    pub shift: f64,
+}
+
+impl Figures<'_> {
+    /// The plots that have something to show.
+    pub fn plots(&self) -> Vec<Plot> {
+        let mm = 1e3;
+        let mut plots = match self.kind {
+            Kind::Pool(_) => vec![
+                self.plot(
+                    "Crater depth",
+                    "depth (mm)",
+                    mm,
+                    &[
+                        ("crater_depth_m", "from the initial level"),
+                        ("crater_depth_far_m", "from the far level"),
+                    ],
+                ),
+                self.plot(
+                    "Crater diameter",
+                    "diameter at the initial level (mm)",
+                    mm,
+                    &[("crater_diameter_m", "this run")],
+                ),
+                self.plot(
+                    "Crown and jet height",
+                    "height (mm)",
+                    mm,
+                    &[("crown_height_m", "crown"), ("jet_height_m", "jet")],
+                ),
+            ],
+            Kind::Wall(_) => vec![
+                self.plot(
+                    "Spread factor",
+                    "diameter / drop diameter",
+                    1.0,
+                    &[
+                        ("spread_factor", "wetted"),
+                        ("max_diameter_factor", "at any height"),
+                    ],
+                ),
+                self.plot(
+                    "Apex height",
+                    "height (mm)",
+                    mm,
+                    &[("apex_height_m", "this run")],
+                ),
+            ],
+            Kind::Shape => {
+                let amplitude = [("amplitude", "this run")];
+                let mut plot = self.plot("Oscillation", "amplitude / radius", 1.0, &amplitude);
+                plot.from_zero = false;
+                let aspect = [("aspect_ratio", "this run")];
+                let mut ratio = self.plot("Aspect ratio", "height / width", 1.0, &aspect);
+                ratio.from_zero = false;
+                vec![plot, ratio]
+            }
+            Kind::Front => vec![self.plot(
+                "Front and column",
+                "position (mm)",
+                mm,
+                &[("front_m", "front"), ("column_height_m", "column")],
+            )],
+            Kind::Level => {
+                let level = [("surface_level_m", "this run")];
+                let mut plot = self.plot("Level", "level (mm)", mm, &level);
+                plot.from_zero = false;
+                vec![plot]
+            }
+            Kind::Bulk => {
+                let speed = [("speed_max_m_s", "this run")];
+                vec![self.plot("Highest speed", "speed (m/s)", 1.0, &speed)]
+            }
+        };
+        plots.push(self.energy());
+        plots.retain(Plot::has_points);
+        plots
+    }
+
+    fn is_from_contact(&self) -> bool {
+        matches!(self.kind, Kind::Pool(_) | Kind::Wall(_))
+    }
+
+    /// Label of the time axis.
+    pub fn time_label(&self) -> &'static str {
+        if self.is_from_contact() {
+            "time after contact (ms)"
+        } else {
+            "time (ms)"
+        }
+    }
+
+    fn plot(&self, title: &str, y: &str, factor: f64, columns: &[(&str, &str)]) -> Plot {
+        let mut curves = Vec::new();
+        for (n, (column, label)) in columns.iter().enumerate() {
+            if let Some(values) = self.series.column(column) {
+                let line = if n == 0 || !column.contains("_far_") {
+                    Line::Solid
+                } else {
+                    Line::Dashed
+                };
+                curves.push(Curve {
+                    label: (*label).to_owned(),
+                    points: self.points(self.series, values, factor, self.shift),
+                    line,
+                    colour: PALETTE[n % PALETTE.len()],
+                });
+            }
+        }
+        let several = columns.len() > 1;
+        for (column, label) in columns {
+            self.add_references(column, several.then_some(*label), factor, &mut curves);
+        }
+        Plot {
+            title: title.to_owned(),
+            x: self.time_label().to_owned(),
+            y: y.to_owned(),
+            curves,
+            from_zero: true,
+        }
+    }
+
+    fn add_references(
+        &self,
+        column: &str,
+        what: Option<&str>,
+        factor: f64,
+        curves: &mut Vec<Curve>,
+    ) {
+        for (n, (label, reference)) in self.references.iter().enumerate() {
+            let Some(values) = reference.column(column).filter(|_| reference.has(column)) else {
+                continue;
+            };
+            let end = self.series.time().last().copied().unwrap_or(0.0) - self.shift;
+            let mut points = self.points(reference, values, factor, 0.0);
+            points.retain(|p| p[0] <= 1.05e3 * end);
+            let label = match what {
+                Some(what) if column != "crater_depth_m" => format!("{label}: {what}"),
+                _ => label.clone(),
+            };
+            let colour = REFERENCE[n % REFERENCE.len()];
+            curves.push(Curve {
+                label,
+                points,
+                line: Line::Dashed,
+                colour,
+            });
+        }
+    }
+
+    fn points(&self, table: &Series, values: &[f64], factor: f64, shift: f64) -> Vec<[f64; 2]> {
+        let pairs = table.time().iter().zip(values);
+        pairs
+            .map(|(t, v)| [1e3 * (t - shift), factor * v])
+            .collect()
+    }
+
+    /// Energies from those of the first frame; kinetic from zero.
+    fn energy(&self) -> Plot {
+        let from_first = |name: &str| {
+            self.series
+                .column(name)
+                .map(|e| e.iter().map(|v| v - e[0]).collect::<Vec<f64>>())
+        };
+        let kinetic = self.series.column("kinetic_energy_J").map(<[f64]>::to_vec);
+        let parts = [
+            ("kinetic", kinetic),
+            ("potential", from_first("potential_energy_J")),
+            ("surface", from_first("surface_energy_J")),
+            ("sum", summary::total_energy(self.series)),
+        ];
+        let known = parts.iter().filter_map(|(_, e)| e.as_ref()).flatten();
+        let largest = known.fold(
+            0.0f64,
+            |m, e| if e.is_finite() { m.max(e.abs()) } else { m },
+        );
+        let per = if self.scene.dimension == Dimension::Two {
+            "/m"
+        } else {
+            ""
+        };
+        let (factor, unit) = match largest {
+            e if e >= 1.0 => (1.0, "J"),
+            e if e >= 1e-3 => (1e3, "mJ"),
+            e if e >= 1e-6 => (1e6, "µJ"),
+            _ => (1e9, "nJ"),
+        };
+        let curve = |(n, (label, energy)): (usize, (&str, Option<Vec<f64>>))| {
+            energy
+                .filter(|e| e.iter().any(|v| *v != 0.0))
+                .map(|e| Curve {
+                    label: label.to_owned(),
+                    points: self.points(self.series, &e, factor, self.shift),
+                    line: if label == "sum" {
+                        Line::Dashed
+                    } else {
+                        Line::Solid
+                    },
+                    colour: if label == "sum" {
+                        REFERENCE[0]
+                    } else {
+                        PALETTE[n]
+                    },
+                })
+        };
+        Plot {
+            title: "Energy budget".to_owned(),
+            x: self.time_label().to_owned(),
+            y: format!("energy from the start ({unit}{per})"),
+            curves: parts.into_iter().enumerate().filter_map(curve).collect(),
+            from_zero: true,
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! From the frames of a run, in their order, to everything that is reported.
+//!
+//! Writes into one folder: `measures.csv`, `plots/*.svg`, `panels/*.png` (section, view and
+//! the sheet of all), `fields/*.png`, `report.html`. One frame is held at a time.
+
+use std::path::{Path, PathBuf};
+
+use super::canvas::{Canvas, WHITE};
+use super::field::Field;
+use super::figure::Figures;
+use super::gauge::{Gauge, Kind, contact_time, pool_depth};
+use super::pool::Axis;
+use super::report::Report;
+use super::section::Section;
+use super::series::{Norm, Series, SeriesError, compare};
+use super::summary;
+use super::view::{self, Camera};
+use crate::particle::Frame;
+use crate::scene::{Dimension, Scene, numbers};
+
+/// What can go wrong after the run.
+#[derive(Debug, thiserror::Error)]
+pub enum PostError {
+    #[error(transparent)]
+    Series(#[from] SeriesError),
+    #[error("cannot write {path}: {source}")]
+    Write {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    #[error("cannot draw {what}: {problem}")]
+    Draw { what: String, problem: String },
+    #[error("frame at {now} s comes after the one at {before} s; give frames in their order")]
+    Order { before: f64, now: f64 },
+    #[error("no frame to measure; the log is empty")]
+    Empty,
+}
+
+/// What was made.
+#[derive(Debug)]
+pub struct PostReport {
+    pub series: Series,
+    /// Key results, as in the report.
+    pub results: Vec<(String, String)>,
+    pub norms: Vec<Norm>,
+    /// Files, relative to the folder; `measures.csv` first, `report.html` last.
+    pub files: Vec<PathBuf>,
+}
+
+/// Takes frames, then reports.
+pub struct Post {
+    scene: Scene,
+    out: PathBuf,
+    gauge: Gauge,
+    series: Series,
+    references: Vec<(String, Series)>,
+    axis: Axis,
+    /// Time of contact, s.
+    shift: f64,
+    panels: Instants,
+    fields: Instants,
+    sections: Vec<(Section, Option<Canvas>)>,
+    averages: Vec<Field>,
+    files: Vec<PathBuf>,
+}
+
+/// Instants that are still to come, s, rising.
+struct Instants {
+    left: Vec<f64>,
+    half: f64,
+}
+
+impl Instants {
+    fn new(wanted: &[f64], interval: f64) -> Instants {
+        let mut left = wanted.to_vec();
+        left.sort_by(|a, b| b.total_cmp(a));
+        Instants {
+            left,
+            half: 0.5 * interval,
+        }
+    }
+
+    /// Whether the frame at `time` is the nearest to an instant; each frame serves once.
+    fn take(&mut self, time: f64) -> bool {
+        let before = self.left.len();
+        while self.left.last().is_some_and(|t| *t <= time + self.half) {
+            self.left.pop();
+        }
+        self.left.len() < before
+    }
+}
+
+impl Post {
+    /// `base`: folder that the paths of references are relative to (that of the pipeline file);
+    /// `out`: existing folder to write to. Reads the references.
+    pub fn new(scene: &Scene, base: &Path, out: &Path) -> Result<Post, PostError> {
+        let mut references = Vec::new();
+        for reference in &scene.post.references {
+            let table = Series::read(&base.join(&reference.path))?;
+            references.push((reference.label.clone(), table));
+        }
+        let gauge = Gauge::new(scene);
+        let axis = match gauge.kind {
+            Kind::Pool(axis) | Kind::Wall(axis) => axis,
+            _ => Axis {
+                at: [0.5 * scene.domain.size[0], 0.5 * scene.domain.size[1]],
+                diameter: 0.0,
+            },
+        };
+        let interval = scene.frames.interval;
+        Ok(Post {
+            scene: scene.clone(),
+            out: out.to_owned(),
+            gauge,
+            series: Series::default(),
+            references,
+            axis,
+            shift: contact_time(scene),
+            panels: Instants::new(&scene.post.panels, interval),
+            fields: Instants::new(&scene.post.fields, interval),
+            sections: Vec::new(),
+            averages: Vec::new(),
+            files: vec![PathBuf::from("measures.csv")],
+        })
+    }
+
+    /// Measures a frame and keeps what the pictures need of it.
+    pub fn frame(&mut self, frame: &Frame) -> Result<(), PostError> {
+        if let Some(&before) = self.series.time().last()
+            && frame.time <= before
+        {
+            return Err(PostError::Order {
+                before,
+                now: frame.time,
+            });
+        }
+        let row = self.gauge.measure(frame);
+        self.series.push(&row);
+        let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
+        if self.panels.take(frame.time) {
+            let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
+            let view = (self.scene.dimension == Dimension::Three).then(|| {
+                let camera = Camera::whole(&self.scene, pool_depth(&self.scene), VIEW);
+                view::draw(&self.scene, frame, &camera).halved()
+            });
+            self.sections.push((section, view));
+        }
+        if self.fields.take(frame.time) {
+            self.averages
+                .push(Field::new(&self.scene, frame, &self.axis, label));
+        }
+        Ok(())
+    }
+
+    /// Writes everything. `provenance`: name and value, shown as given.
+    pub fn finish(mut self, provenance: &[(String, String)]) -> Result<PostReport, PostError> {
+        if self.series.is_empty() {
+            return Err(PostError::Empty);
+        }
+        self.blank_early_jet();
+        self.series.write(&self.out.join("measures.csv"))?;
+        let mut report = Report {
+            title: match self.scene.title.as_str() {
+                "" => self.scene.name.clone(),
+                title => title.to_owned(),
+            },
+            scene: self.scene.name.clone(),
+            provenance: provenance.to_vec(),
+            ..Report::default()
+        };
+        self.draw_plots(&mut report)?;
+        self.draw_panels(&mut report)?;
+        self.draw_fields(&mut report)?;
+        let norms = self.norms();
+        report.norms = norms.iter().map(norm_cells).collect();
+        report.results = summary::of(&self.scene, self.gauge.kind, &self.series, self.shift);
+        report.numbers = numbers::of(&self.scene)
+            .groups
+            .into_iter()
+            .map(|(title, rows)| {
+                (
+                    title,
+                    rows.into_iter()
+                        .map(|r| [r.name, r.text, r.definition])
+                        .collect(),
+                )
+            })
+            .collect();
+        report.notes = self.notes();
+        self.write("report.html", report.html().as_bytes())?;
+        let (series, files) = (self.series, self.files);
+        Ok(PostReport {
+            series,
+            results: report.results,
+            norms,
+            files,
+        })
+    }
+
+    /// Before the crater is deepest there is no jet: what stands on the axis is the drop.
+    fn blank_early_jet(&mut self) {
+        let deepest = self.series.maximum("crater_depth_m").map(|(_, t)| t);
+        let times = self.series.time().to_vec();
+        if let Some(jet) = self.series.column_mut("jet_height_m") {
+            for (height, time) in jet.iter_mut().zip(times) {
+                if deepest.is_none_or(|t| time < t) {
+                    *height = f64::NAN;
+                }
+            }
+        }
+    }
+
+    fn norms(&self) -> Vec<Norm> {
+        let one =
+            |(label, table): &(String, Series)| compare(&self.series, table, label, self.shift);
+        self.references.iter().flat_map(one).collect()
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(level) = self.gauge.level {
+            notes.push(format!(
+                "Lengths count from the level of the pool in the first frame, {:.3} mm above the \
+                 floor.",
+                1e3 * level
+            ));
+        }
+        if self.shift > 0.0 {
+            notes.push(format!(
+                "Plots and references count time from the contact of the drop, {:.3} ms after the \
+                 start; measures.csv counts from the start.",
+                1e3 * self.shift
+            ));
+        }
+        let missed = [("panel", &self.panels), ("field", &self.fields)];
+        for (what, instants) in missed {
+            for time in instants.left.iter().rev() {
+                notes.push(format!(
+                    "No {what} at {:.1} ms: the run ends before.",
+                    1e3 * time
+                ));
+            }
+        }
+        notes
+    }
+
+    fn draw_plots(&mut self, report: &mut Report) -> Result<(), PostError> {
+        let plots = Figures {
+            scene: &self.scene,
+            kind: self.gauge.kind,
+            series: &self.series,
+            references: &self.references,
+            shift: self.shift,
+        }
+        .plots();
+        for plot in plots {
+            let svg = plot.svg().map_err(|e| PostError::Draw {
+                what: plot.title.clone(),
+                problem: e.to_string(),
+            })?;
+            self.write(&format!("plots/{}", plot.file_name()), svg.as_bytes())?;
+            report.plots.push(svg);
+        }
+        Ok(())
+    }
+
+    /// All panels have one frame: the highest of the sections, the fullest of the views.
+    fn draw_panels(&mut self, report: &mut Report) -> Result<(), PostError> {
+        let sections = std::mem::take(&mut self.sections);
+        let top = sections.iter().map(|(s, _)| s.top()).fold(0.0, f64::max);
+        let views: Vec<&Canvas> = sections
+            .iter()
+            .filter_map(|(_, view)| view.as_ref())
+            .collect();
+        let rows = view::rows_used(&views);
+        let mut sheet = Vec::new();
+        for (n, (section, view)) in sections.iter().enumerate() {
+            let mut pictures = vec![(section.draw(&self.scene, top), "section")];
+            if let Some(view) = view {
+                pictures.push((view.crop(rows.start, rows.end), "view"));
+            }
+            let mut files = Vec::new();
+            for (picture, what) in &pictures {
+                let png = encode(picture, what)?;
+                self.write(&format!("panels/{:02}-{what}.png", n + 1), &png)?;
+                files.push(png);
+            }
+            report.panels.push((section.label.clone(), files));
+            sheet.push(pictures.into_iter().map(|(picture, _)| picture).collect());
+        }
+        if let Some(sheet) = contact_sheet(&sheet) {
+            let png = encode(&sheet, "sheet")?;
+            self.write("panels/sheet.png", &png)?;
+        }
+        Ok(())
+    }
+
+    fn draw_fields(&mut self, report: &mut Report) -> Result<(), PostError> {
+        let fields = std::mem::take(&mut self.averages);
+        let top = fields.iter().map(Field::top).fold(0.0, f64::max);
+        let level = self.gauge.level.unwrap_or(0.0);
+        for (n, field) in fields.iter().enumerate() {
+            let png = encode(&field.draw(top, level), "field")?;
+            self.write(&format!("fields/{:02}.png", n + 1), &png)?;
+            report.fields.push((field.label.clone(), png));
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), PostError> {
+        let path = self.out.join(name);
+        let fail = |source| PostError::Write {
+            path: path.clone(),
+            source,
+        };
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(fail)?;
+        }
+        std::fs::write(&path, bytes).map_err(fail)?;
+        self.files.push(PathBuf::from(name));
+        Ok(())
+    }
+}
+
+/// Size of a view before it is halved.
+const VIEW: [usize; 2] = [1760, 2200];
+
+fn encode(picture: &Canvas, what: &str) -> Result<Vec<u8>, PostError> {
+    picture.png().map_err(|e| PostError::Draw {
+        what: what.to_owned(),
+        problem: e.to_string(),
+    })
+}
+
+fn norm_cells(norm: &Norm) -> [String; 5] {
+    let percent = |part: f64| format!("{:.1} %", 100.0 * part);
+    let span = format!("{:.1}–{:.1} ms", 1e3 * norm.from, 1e3 * norm.to);
+    let (l2, max) = (percent(norm.l2), percent(norm.max));
+    [norm.label.clone(), norm.column.clone(), l2, max, span]
+}
+
+/// Rows of pictures in one, half size.
+fn contact_sheet(rows: &[Vec<Canvas>]) -> Option<Canvas> {
+    let gap = 12;
+    let halves: Vec<Vec<Canvas>> = rows
+        .iter()
+        .map(|row| row.iter().map(Canvas::halved).collect())
+        .collect();
+    let length = |row: &Vec<Canvas>| row.iter().map(|c| c.width + gap).sum::<usize>();
+    let tall = |row: &Vec<Canvas>| row.iter().map(|c| c.height).max().unwrap_or(0);
+    let width = halves.iter().map(length).max()? + gap;
+    let height = halves.iter().map(|row| tall(row) + gap).sum::<usize>() + gap;
+    let mut sheet = Canvas::new(width, height, WHITE);
+    let mut y = gap;
+    for row in &halves {
+        let mut x = gap;
+        for picture in row {
+            sheet.paste(x, y + tall(row) - picture.height, picture);
+            x += picture.width + gap;
+        }
+        y += tall(row) + gap;
+    }
+    Some(sheet)
+}

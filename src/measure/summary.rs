@@ -1,0 +1,288 @@
+//! The few numbers that a run comes down to.
+
+use super::gauge::Kind;
+use super::series::Series;
+use crate::scene::{Dimension, Scene, Shape};
+
+/// Name and value of a result, for a table.
+pub type Line = (String, String);
+
+/// Results of a run; `shift`: time of contact, s.
+pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
+    let mut lines = Vec::new();
+    match kind {
+        Kind::Pool(_) => pool(series, shift, &mut lines),
+        Kind::Wall(_) => {
+            extreme(
+                series,
+                "spread_factor",
+                "largest spread factor",
+                1.0,
+                "",
+                shift,
+                &mut lines,
+            );
+            let name = "max_diameter_factor";
+            extreme(
+                series,
+                name,
+                "largest diameter factor",
+                1.0,
+                "",
+                shift,
+                &mut lines,
+            );
+        }
+        Kind::Shape => shape(scene, series, &mut lines),
+        Kind::Front => {
+            extreme(
+                series,
+                "front_m",
+                "farthest front",
+                1e3,
+                " mm",
+                shift,
+                &mut lines,
+            );
+            extreme(
+                series,
+                "column_height_m",
+                "highest liquid",
+                1e3,
+                " mm",
+                shift,
+                &mut lines,
+            );
+        }
+        Kind::Level => {
+            first_last(series, "surface_level_m", "level", 1e3, "mm", &mut lines);
+            first_last(
+                series,
+                "pressure_max_Pa",
+                "highest pressure",
+                1.0,
+                "Pa",
+                &mut lines,
+            );
+        }
+        Kind::Bulk => first_last(
+            series,
+            "speed_max_m_s",
+            "highest speed",
+            1.0,
+            "m/s",
+            &mut lines,
+        ),
+    }
+    balance(scene, series, &mut lines);
+    lines
+}
+
+fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
+    extreme(
+        series,
+        "crater_depth_m",
+        "largest crater depth",
+        1e3,
+        " mm",
+        shift,
+        lines,
+    );
+    let from_far = "largest depth from the far level";
+    extreme(
+        series,
+        "crater_depth_far_m",
+        from_far,
+        1e3,
+        " mm",
+        shift,
+        lines,
+    );
+    for ms in [5.0, 10.0, 15.0, 20.0, 30.0] {
+        if let Some(diameter) = series.at("crater_diameter_m", shift + 1e-3 * ms) {
+            let name = format!("crater diameter at {ms} ms");
+            lines.push((name, format!("{:.2} mm", 1e3 * diameter)));
+        }
+    }
+    extreme(
+        series,
+        "crown_height_m",
+        "largest crown height",
+        1e3,
+        " mm",
+        shift,
+        lines,
+    );
+    let deepest = series.maximum("crater_depth_m").map_or(0.0, |(_, t)| t);
+    let name = "jet crosses the initial level".to_owned();
+    let crossing = series.rises_through("axis_level_m", 0.0, deepest);
+    let never = || "not within the run".to_owned();
+    lines.push((
+        name,
+        crossing.map_or_else(never, |t| format!("at {:.1} ms", 1e3 * (t - shift))),
+    ));
+    if crossing.is_some() {
+        extreme(
+            series,
+            "jet_height_m",
+            "largest jet height",
+            1e3,
+            " mm",
+            shift,
+            lines,
+        );
+    }
+}
+
+fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
+    first_last(series, "aspect_ratio", "aspect ratio", 1.0, "", lines);
+    if let Some(period) = period(series) {
+        lines.push((
+            "period of the n = 2 oscillation".into(),
+            format!("{:.3} ms", 1e3 * period),
+        ));
+    }
+    if let Some(period) = rayleigh(scene) {
+        let name = "Rayleigh's period for small amplitude".into();
+        lines.push((name, format!("{:.3} ms", 1e3 * period)));
+    }
+}
+
+/// Period of the amplitude about its mean, s: twice the mean time between crossings.
+pub fn period(series: &Series) -> Option<f64> {
+    let (t, a) = (series.time(), series.column("amplitude")?);
+    let mean = a.iter().fold(0.0, |sum, x| sum + x) / a.len() as f64;
+    let crossings: Vec<f64> = (1..t.len())
+        .filter(|&i| (a[i - 1] < mean) != (a[i] < mean))
+        .map(|i| t[i - 1] + (mean - a[i - 1]) / (a[i] - a[i - 1]) * (t[i] - t[i - 1]))
+        .collect();
+    let count = crossings.len();
+    (count >= 2).then(|| 2.0 * (crossings[count - 1] - crossings[0]) / (count - 1) as f64)
+}
+
+/// Rayleigh 1879: ω² = 8 σ/(ρ R³), in 2-D 6 σ/(ρ R³); R of the volume of the only body.
+fn rayleigh(scene: &Scene) -> Option<f64> {
+    let [body] = scene.bodies.as_slice() else {
+        return None;
+    };
+    let (radius, round) = match body.shape {
+        Shape::Sphere { radius, .. } => (radius, true),
+        Shape::Ellipsoid {
+            semi_axes: [a, b, c],
+            ..
+        } => match scene.dimension {
+            Dimension::Three => ((a * b * c).cbrt(), true),
+            Dimension::Two => ((a * c).sqrt(), true),
+        },
+        _ => (1.0, false),
+    };
+    let factor = if scene.dimension == Dimension::Three {
+        8.0
+    } else {
+        6.0
+    };
+    let sigma = scene.effects.tension.filter(|_| round)?;
+    let omega = (factor * sigma / (scene.density * radius.powi(3))).sqrt();
+    Some(2.0 * std::f64::consts::PI / omega)
+}
+
+/// Energy, mass and momentum at the ends of the run.
+fn balance(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
+    let unit = if scene.dimension == Dimension::Two {
+        "J/m"
+    } else {
+        "J"
+    };
+    first_last(
+        series,
+        "kinetic_energy_J",
+        "kinetic energy",
+        1.0,
+        unit,
+        lines,
+    );
+    if let Some(total) = total_energy(series) {
+        let change = total[total.len() - 1] - total[0];
+        let name = "change of kinetic + potential + surface energy".to_owned();
+        lines.push((name, format!("{} {unit}", digits(change))));
+    }
+    let mass = if scene.dimension == Dimension::Two {
+        "kg/m"
+    } else {
+        "kg"
+    };
+    first_last(series, "mass_kg", "mass", 1.0, mass, lines);
+    if let Some(removed) = series.column("mass_removed_kg").and_then(<[f64]>::last) {
+        lines.push((
+            "mass that left the box".into(),
+            format!("{} {mass}", digits(*removed)),
+        ));
+    }
+}
+
+/// Sum of the energies that the table has, from the first frame's potential and surface energy, J.
+pub fn total_energy(series: &Series) -> Option<Vec<f64>> {
+    let kinetic = series.column("kinetic_energy_J")?;
+    let mut total = kinetic.to_vec();
+    for name in ["potential_energy_J", "surface_energy_J"] {
+        if let Some(energy) = series.column(name) {
+            for (sum, e) in total.iter_mut().zip(energy) {
+                *sum += e - energy[0];
+            }
+        }
+    }
+    Some(total)
+}
+
+/// Maximum with its time after contact.
+fn extreme(
+    series: &Series,
+    column: &str,
+    name: &str,
+    factor: f64,
+    unit: &str,
+    shift: f64,
+    lines: &mut Vec<Line>,
+) {
+    if let Some((value, time)) = series.maximum(column) {
+        let at = 1e3 * (time - shift);
+        lines.push((
+            name.to_owned(),
+            format!("{:.2}{unit} at {at:.1} ms", factor * value),
+        ));
+    }
+}
+
+fn first_last(
+    series: &Series,
+    column: &str,
+    name: &str,
+    factor: f64,
+    unit: &str,
+    lines: &mut Vec<Line>,
+) {
+    if let Some([first, .., last]) = series.column(column) {
+        let text = format!(
+            "{} to {} {unit}",
+            digits(factor * first),
+            digits(factor * last)
+        );
+        lines.push((
+            format!("{name}, first to last frame"),
+            text.trim_end().to_owned(),
+        ));
+    }
+}
+
+/// Four significant digits.
+pub fn digits(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (0.01..10_000.0).contains(&size) {
+        let after = (3.0 - size.log10().floor()).max(0.0) as usize;
+        format!("{value:.after$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}

@@ -1,0 +1,319 @@
+//! From frames to files: what `post` writes, and what the pictures show.
+
+use std::path::Path;
+
+use coronet::measure::canvas::{Anchor, Canvas, INK, WHITE};
+use coronet::measure::field::Field;
+use coronet::measure::gauge::Kind;
+use coronet::measure::letter;
+use coronet::measure::plot::{Curve, Line, Plot};
+use coronet::measure::post::{Post, PostError};
+use coronet::measure::report::Report;
+use coronet::measure::section::Section;
+use coronet::measure::view::{self, Camera};
+use coronet::particle::Frame;
+use coronet::scene::{Dimension, Reference, Scene};
+
+use crate::measure_splash::{SIDE, Splash, pool_scene, splash};
+
+/// A crater that deepens by half a millimetre a frame, with a crown; then a jet.
+fn frames(scene: &Scene) -> Vec<Frame> {
+    let shape = |n: usize| match n {
+        0 => Splash::default(),
+        n if n < 9 => {
+            let radius = 2.0 + 0.5 * n as f64;
+            let crown = [radius, radius + 1.6, 0.4 * n as f64];
+            Splash {
+                crater: radius,
+                crown,
+                ..Splash::default()
+            }
+        }
+        _ => Splash {
+            jet: [1.8, 4.0],
+            ..Splash::default()
+        },
+    };
+    let frame = |n: usize| {
+        let mut frame = splash(scene, &shape(n));
+        frame.time = n as f64 * 1e-3;
+        frame.scalars = vec![("kinetic_energy_J".into(), 1e-4 / (n + 1) as f64)];
+        frame
+    };
+    (0..11).map(frame).collect()
+}
+
+fn scene(dimension: Dimension, folder: &Path) -> Scene {
+    let mut scene = pool_scene(dimension, 0.5);
+    scene.frames.interval = 1e-3;
+    scene.post.panels = vec![4e-3, 0.0, 0.5];
+    scene.post.fields = vec![4.4e-3];
+    let mut text = String::from("time_s,crater_depth_m\n");
+    for n in 1..9 {
+        // The frames count from the start, references from the contact 0.1 ms later.
+        let depth = (2.0 + 0.5 * n as f64) * 1e-3;
+        text += &format!("{},{}\n", n as f64 * 1e-3 - 1e-4, 1.1 * depth);
+    }
+    std::fs::write(folder.join("curve.csv"), text).unwrap();
+    scene.post.references = vec![Reference {
+        label: "ten percent <more>".into(),
+        path: "curve.csv".into(),
+    }];
+    scene
+}
+
+#[test]
+fn a_run_becomes_a_table_plots_pictures_and_a_page() {
+    for dimension in [Dimension::Two, Dimension::Three] {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = scene(dimension, folder.path());
+        let out = folder.path().join("out");
+        std::fs::create_dir(&out).unwrap();
+        let mut post = Post::new(&scene, folder.path(), &out).unwrap();
+        for frame in frames(&scene) {
+            post.frame(&frame).unwrap();
+        }
+        let provenance = [("key & digest".to_string(), "<0123>".to_string())];
+        let report = post.finish(&provenance).unwrap();
+        for file in &report.files {
+            assert!(out.join(file).metadata().unwrap().len() > 100, "{file:?}");
+        }
+        assert_eq!(report.series.len(), 11);
+        let norm = &report.norms[0];
+        assert!(
+            (norm.l2 - 0.1 / 1.1).abs() < 0.03 && norm.points == 8,
+            "{norm:?}"
+        );
+        let jet = report.series.column("jet_height_m").unwrap();
+        assert!(
+            jet[..8].iter().all(|h| h.is_nan()) && (jet[9] - 4e-3).abs() < 3e-4,
+            "{jet:?}"
+        );
+        let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+        assert!(page.contains("key &amp; digest") && page.contains("&lt;0123&gt;"));
+        assert!(page.contains("ten percent &lt;more&gt;") && page.contains("500.0 ms"));
+        // Nothing is fetched: no address in what a browser loads by itself.
+        for loads in [
+            "src=\"http",
+            "url(",
+            "<link",
+            "<script",
+            "@import",
+            "src=\"/",
+        ] {
+            assert!(!page.contains(loads), "{loads}");
+        }
+        let pictures = page.matches("data:image/png;base64,").count();
+        assert_eq!(pictures, if dimension == Dimension::Three { 5 } else { 3 });
+        assert!(page.matches("<svg").count() >= 4);
+    }
+}
+
+#[test]
+fn frames_out_of_order_and_an_empty_run_are_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scene(Dimension::Two, folder.path());
+    let post = || Post::new(&scene, folder.path(), folder.path()).unwrap();
+    assert!(matches!(post().finish(&[]), Err(PostError::Empty)));
+    let mut started = post();
+    let all = frames(&scene);
+    started.frame(&all[3]).unwrap();
+    assert!(matches!(
+        started.frame(&all[2]),
+        Err(PostError::Order { .. })
+    ));
+    let mut lost = scene.clone();
+    lost.post.references[0].path = "nowhere.csv".into();
+    let error = Post::new(&lost, folder.path(), folder.path())
+        .err()
+        .unwrap();
+    assert!(error.to_string().contains("nowhere.csv"), "{error}");
+}
+
+fn has(canvas: &Canvas, test: impl Fn([u8; 3]) -> bool) -> usize {
+    let rows = (0..canvas.height).flat_map(|y| (0..canvas.width).map(move |x| (x, y)));
+    rows.filter(|&(x, y)| test(canvas.get(x, y))).count()
+}
+
+fn is_orange(c: [u8; 3]) -> bool {
+    i32::from(c[0]) > i32::from(c[2]) + 60
+}
+
+#[test]
+fn drop_and_pool_have_their_colours_in_section_and_view() {
+    let scene = pool_scene(Dimension::Three, 0.5);
+    let mut frame = splash(
+        &scene,
+        &Splash {
+            jet: [2.0, 4.0],
+            ..Splash::default()
+        },
+    );
+    for i in 0..frame.id.len() {
+        frame.body[i] = u8::from(frame.position[2][i] > 10e-3);
+    }
+    let section = Section::new(&scene, &frame, 12e-3, "t = 1.0 ms".into());
+    assert!(
+        (section.top() - 13.75e-3).abs() < 0.3e-3,
+        "{}",
+        section.top()
+    );
+    let picture = section.draw(&scene, section.top());
+    let scale = 880.0 / SIDE;
+    let jet = has(&picture, is_orange) as f64 / (scale * scale);
+    assert!((jet - 16.0).abs() < 3.0, "the jet covers {jet} mm²");
+    let blue = has(&picture, |c| i32::from(c[2]) > i32::from(c[0]) + 60) as f64 / (scale * scale);
+    assert!(
+        (blue / (SIDE * 10.0) - 0.95).abs() < 0.15,
+        "the pool covers {blue} mm²"
+    );
+    let camera = Camera::whole(&scene, 10e-3, [300, 300]);
+    let view = view::draw(&scene, &frame, &camera);
+    assert!(has(&view, is_orange) > 150);
+    let rows = view::rows_used(&[&view]);
+    assert!(rows.start > 20 && rows.end < 290, "{rows:?}");
+}
+
+#[test]
+fn a_source_flow_averages_to_its_radial_profile() {
+    for dimension in [Dimension::Two, Dimension::Three] {
+        let scene = pool_scene(dimension, 0.5);
+        let Kind::Pool(axis) = Kind::new(&scene) else {
+            panic!("not a pool")
+        };
+        let mut frame = splash(
+            &scene,
+            &Splash {
+                crater: 4.0,
+                ..Splash::default()
+            },
+        );
+        for i in 0..frame.id.len() {
+            let x = [0, 1, 2].map(|a| f64::from(frame.position[a][i]));
+            let y = if dimension == Dimension::Two {
+                0.0
+            } else {
+                x[1] - 12e-3
+            };
+            frame.velocity[0][i] = (100.0 * (x[0] - 12e-3)) as f32;
+            frame.velocity[1][i] = (100.0 * y) as f32;
+            frame.velocity[2][i] = 0.5;
+            frame.pressure[i] = (1100.0 * 9.81 * (10e-3 - x[2])) as f32;
+        }
+        let field = Field::new(&scene, &frame, &axis, "t = 0.0 ms".into());
+        assert!(field.bin(2, 15).is_none(), "the crater is empty");
+        for r in [10, 14, 20] {
+            let bin = field.bin(r, 8).unwrap();
+            let radius = (r as f64 + 0.5) * 0.5e-3;
+            assert!((bin.velocity[0] - 100.0 * radius).abs() < 0.03, "{bin:?}");
+            assert!((bin.velocity[1] - 0.5).abs() < 1e-6);
+            assert!(
+                (bin.pressure - 1100.0 * 9.81 * 5.75e-3).abs() < 1e-2,
+                "{bin:?}"
+            );
+        }
+        let picture = field.draw(field.top(), 10e-3);
+        assert!(has(&picture, |c| c == WHITE) > 1000 && has(&picture, is_blue_green) > 1000);
+    }
+}
+
+fn is_blue_green(c: [u8; 3]) -> bool {
+    i32::from(c[2]) > i32::from(c[0]) + 30
+}
+
+#[test]
+fn every_letter_of_the_labels_can_be_drawn() {
+    for letter in "t = -0123456789.5 ms z (mm) r (mm) p (kPa) 1.5 m/s p (Pa)".chars() {
+        assert!(letter::known(letter), "{letter:?}");
+    }
+    assert!(!letter::known('Q'));
+    let mut canvas = Canvas::new(80, 30, WHITE);
+    canvas.text([40.0, 20.0], 10.0, "10 ms", Anchor::Middle, INK);
+    let dark: Vec<usize> = (0..80)
+        .filter(|&x| (0..30).any(|y| canvas.get(x, y)[0] < 128))
+        .collect();
+    let (left, right) = (dark[0], dark[dark.len() - 1]);
+    assert!(
+        left > 10 && right < 70 && (left + right).abs_diff(79) <= 8,
+        "{left}..{right}"
+    );
+}
+
+#[test]
+fn a_png_reads_back_pixel_by_pixel() {
+    let mut canvas = Canvas::new(7, 5, [1, 2, 3]);
+    canvas.set(6, 4, [250, 0, 9]);
+    let bytes = canvas.png().unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!((info.width, info.height, pixels.len()), (7, 5, 105));
+    assert_eq!(
+        (&pixels[..3], &pixels[102..]),
+        (&[1, 2, 3][..], &[250, 0, 9][..])
+    );
+}
+
+#[test]
+fn a_plot_breaks_at_blanks_and_names_its_axes() {
+    let points = vec![
+        [0.0, 1.0],
+        [1.0, f64::NAN],
+        [2.0, 3.0],
+        [3.0, 2.0],
+        [4.0, 5.0],
+    ];
+    let curve = |line, points| Curve {
+        label: "depth & co".into(),
+        points,
+        line,
+        colour: [9, 8, 7],
+    };
+    let mut plot = Plot {
+        title: "Crater depth".into(),
+        x: "time (ms)".into(),
+        y: "depth (mm)".into(),
+        curves: vec![curve(Line::Solid, points)],
+        from_zero: true,
+    };
+    let svg = plot.svg().unwrap();
+    for text in ["Crater depth", "time (ms)", "depth (mm)", "depth &amp; co"] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // The sample in the legend, and one line for each side of the blank.
+    assert_eq!(svg.matches("<polyline").count(), 3 + count_axes(&plot));
+    plot.curves = vec![curve(Line::Solid, vec![[f64::NAN, 1.0]])];
+    assert!(!plot.has_points());
+    assert_eq!(plot.file_name(), "crater-depth.svg");
+}
+
+/// Lines of an empty plot's axes.
+fn count_axes(plot: &Plot) -> usize {
+    let mut empty = plot.clone();
+    empty.curves.clear();
+    // The same ranges, without a curve in sight of the legend or of the axes.
+    let corner = |p| Curve {
+        label: String::new(),
+        points: vec![p],
+        line: Line::Dashed,
+        colour: [0; 3],
+    };
+    empty.curves = vec![corner([0.0, 1.0]), corner([4.0, 5.0])];
+    let svg = empty.svg().unwrap();
+    // Three dashes for each of the two samples.
+    svg.matches("<polyline").count() - 6
+}
+
+#[test]
+fn a_page_without_pictures_is_whole() {
+    let page = Report {
+        title: "A & B".into(),
+        ..Report::default()
+    }
+    .html();
+    assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
+    assert!(page.contains("<title>A &amp; B</title>"));
+    assert_eq!(page.matches("<div").count(), page.matches("</div>").count());
+}

@@ -1,12 +1,15 @@
 //! `post`: the log of frames -> measures, plots, pictures and the report.
 
-use coronet::pipeline::{Context, Output, Setting, Stage, StageError};
+use std::path::Path;
+
+use coronet::measure::post;
+use coronet::pipeline::{Context, Output, Progress, Setting, Stage, StageError};
 use coronet::record::log;
 use coronet::scene::file::Loaded;
 
 use crate::impact::FRAMES;
 
-/// The table of measures.
+/// The table of measures, as [`post::Post`] names it.
 pub const MEASURES: &str = "measures.csv";
 /// The page that shows everything.
 pub const REPORT: &str = "report.html";
@@ -39,12 +42,84 @@ impl Stage for Post<'_> {
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
         let path = context.verified(0, FRAMES)?;
-        let mut text = String::new();
+        let scene = &self.loaded.scene;
+        let base = self.loaded.path.parent().unwrap_or(Path::new("."));
+        let out = context.output();
+        let mut post = post::Post::new(scene, base, &out).map_err(StageError::failed)?;
         for frame in log::read_frames(&path).map_err(StageError::failed)? {
+            if context.stopped() {
+                return Err(StageError::Interrupted);
+            }
             let frame = frame.map_err(StageError::failed)?;
-            text += &format!("{},{:?}\n", frame.time, frame.scalars);
+            post.frame(&frame).map_err(StageError::failed)?;
+            context.progress(Progress {
+                fraction: (frame.time / scene.impact.end).clamp(0.0, 1.0),
+                speed: 0.0,
+                unit: "",
+                text: format!("frame at {:.2} ms", 1e3 * frame.time),
+            });
         }
-        std::fs::write(context.output().join(MEASURES), text).map_err(StageError::failed)?;
-        Ok(vec![Output::counted(MEASURES)])
+        let report = post
+            .finish(&self.provenance(context))
+            .map_err(StageError::failed)?;
+        for norm in &report.norms {
+            context.note(format!(
+                "{} against {}: L2 {:.1} %, max {:.1} %",
+                norm.column,
+                norm.label,
+                100.0 * norm.l2,
+                100.0 * norm.max
+            ));
+        }
+        let files = report
+            .files
+            .iter()
+            .map(|file| file.to_string_lossy().replace('\\', "/"));
+        // The page tells when and where the run was made; all else follows from the frames.
+        Ok(files
+            .map(|file| match file.as_str() {
+                REPORT => Output::shown(file),
+                _ => Output::counted(file),
+            })
+            .collect())
+    }
+}
+
+impl Post<'_> {
+    /// What the report says about where its numbers come from.
+    fn provenance(&self, context: &Context) -> Vec<(String, String)> {
+        let command: Vec<String> = std::env::args().collect();
+        let mut lines = vec![
+            ("program".to_string(), crate::PROGRAM.to_string()),
+            ("command".to_string(), command.join(" ")),
+            ("key of this report".to_string(), context.key().to_string()),
+        ];
+        for input in &context.inputs {
+            let stamp = &input.stamp;
+            let mut add = |name: &str, value: String| {
+                lines.push((format!("{}: {name}", stamp.label()), value));
+            };
+            add("key", stamp.key.to_string());
+            add("digest", stamp.digest.to_string());
+            add("frames", input.folder.join(FRAMES).display().to_string());
+            add("started", stamp.started.clone());
+            let (wall, cpu) = (stamp.wall_seconds, stamp.cpu_seconds);
+            add(
+                "time",
+                format!("{wall:.1} s, {cpu:.1} s of CPU, {} threads", stamp.threads),
+            );
+            for note in &stamp.notes {
+                add("note", note.clone());
+            }
+            for from in &stamp.inputs {
+                let name = format!("{} {}", from.stage, from.body);
+                lines.push((
+                    format!("{}: digest", name.trim_end()),
+                    from.digest.to_string(),
+                ));
+            }
+        }
+        lines.push(("scene file".to_string(), self.loaded.text.clone()));
+        lines
     }
 }

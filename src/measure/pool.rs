@@ -140,8 +140,8 @@ enum Cell {
 /// Diameter of the crater at the initial level, m; `None` if no gas there encloses the axis.
 ///
 /// Gas patches of the plane that touch the far field are troughs of waves, and those under which
-/// the surface lies less than s0 deep are ripples: neither is a crater. Of the rest the largest counts
-/// (in 2-D, where a jet cuts a crater in two, all), with all that it encloses.
+/// the surface lies less than s0 deep are ripples: neither is a crater. Of the rest the largest
+/// counts (in 2-D, where a jet cuts a crater in two, all), with all that it encloses.
 fn crater_diameter(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Option<f64> {
     let raster = region.raster;
     let [nx, ny, _] = raster.count;

@@ -49,7 +49,7 @@ table{border-collapse:collapse;width:100%;font-size:.93rem}
 td,th{text-align:left;padding:3px 12px 3px 0;vertical-align:top}
 th{color:var(--soft);font-weight:600}td.n{white-space:nowrap;font-variant-numeric:tabular-nums}
 tr+tr td{border-top:1px solid var(--line)}
-code{font:.86em ui-monospace,'DejaVu Sans Mono',monospace;overflow-wrap:anywhere}
+code{font:.86em ui-monospace,'DejaVu Sans Mono',monospace;overflow-wrap:anywhere;white-space:pre-wrap}
 ";
 
 impl Report {
@@ -104,7 +104,8 @@ impl Report {
                     page,
                     format_args!(
                         "<tr><td>{label}</td><td><code>{column}</code></td>\
-                         <td class=\"n\">{l2}</td><td class=\"n\">{max}</td><td class=\"n\">{span}</td></tr>\n"
+                         <td class=\"n\">{l2}</td><td class=\"n\">{max}</td>\
+                         <td class=\"n\">{span}</td></tr>\n"
                     ),
                 );
             }
@@ -200,8 +201,9 @@ impl Report {
         page.push_str(
             "<h2>Playing it back in 3-D</h2>\n<div class=\"card\"><p>The run's MCAP log holds \
              every frame. Open it in <a href=\"https://lichtblick-suite.github.io/lichtblick/\">\
-             Lichtblick</a> or <a href=\"https://foxglove.dev/download\">Foxglove</a> (<em>Open local \
-             file</em>, then import the layout file that lies beside the log), or with <code>rerun</code> and the \
+             Lichtblick</a> or <a href=\"https://foxglove.dev/download\">Foxglove</a> (<em>Open \
+             local file</em>, then import the layout file that lies beside the log), or with \
+             <code>rerun</code> and the \
              log's name as the argument. Colour the points by any field: speed, pressure, density, \
              body.</p></div>\n",
         );

@@ -1,8 +1,18 @@
 //! What moves: arrays of particles, and how they are first placed.
 //!
-//! Reading order: [`shape`] (the region of a body), [`lattice`], [`wall`].
+//! Reading order: [`shape`] (the region of a body), [`lattice`], [`wall`], [`pack`] and its steps
+//! [`poisson`], [`repulse`], [`optimise`], which use [`crowd`] (neighbours), [`completion`] and
+//! [`ellipsoid`] (free surfaces); [`quality`] (what is reported).
 
+pub mod completion;
+pub mod crowd;
+pub mod ellipsoid;
 pub mod lattice;
+pub mod optimise;
+pub mod pack;
+pub mod poisson;
+pub mod quality;
+pub mod repulse;
 pub mod shape;
 pub mod wall;
 

@@ -61,6 +61,24 @@ impl Region {
         }
     }
 
+    /// The region with all lengths multiplied by `factor`.
+    pub fn scaled(&self, factor: f64) -> Region {
+        let form = match &self.form {
+            Form::Ellipsoid { semi_axes } => Form::Ellipsoid {
+                semi_axes: semi_axes.map(|a| a * factor),
+            },
+            Form::Block { low, high, face } => Form::Block {
+                low: low.map(|x| x * factor),
+                high: high.map(|x| x * factor),
+                face: *face,
+            },
+        };
+        Region {
+            dimension: self.dimension,
+            form,
+        }
+    }
+
     /// Axes along which the region extends: x, z or x, y, z.
     pub fn axes(&self) -> &'static [usize] {
         axes(self.dimension)
@@ -109,6 +127,14 @@ impl Region {
         match &self.form {
             Form::Ellipsoid { .. } => false,
             Form::Block { face, .. } => face.iter().flatten().any(|&f| f == Face::Wall),
+        }
+    }
+
+    /// Has it no free surface at all?
+    pub fn is_closed(&self) -> bool {
+        match &self.form {
+            Form::Ellipsoid { .. } => false,
+            Form::Block { face, .. } => face.iter().flatten().all(|&f| f != Face::Free),
         }
     }
 

@@ -1,0 +1,321 @@
+//! Optimisation: drives the density of every particle to rho0 with the least displacement.
+//!
+//! Model. With what is missing outside the free surface made good, particle i has the density
+//!
+//! rho_i / rho0 = mu SUM_j W_ij + gamma_i,                                                (1)
+//!
+//! j over itself, liquid and wall, mu = m / (rho0 s0^d), W in units of the spacing. Kuri et al.
+//! place the particles of drop and pool so that the standard deviation of rho from rho0 is at most
+//! 0.1 kg/m^3. To minimise SUM (rho_i - rho0)^2 outright makes pairs: where the density is too low,
+//! neighbours attract, and they fall into each other. There are d unknowns for every equation,
+//! though, so that among the steps that cancel the residual r to first order the shortest can be
+//! chosen (Gauss-Newton, minimum norm):
+//!
+//! J dx = -r,  dx = J^T lambda,  J J^T lambda = -r,                                       (2)
+//! (J dx)_i = mu SUM_j grad W_ij . (dx_i - dx_j) + grad gamma_i . dx_i,                   (3)
+//! (J^T lambda)_i = mu SUM_j grad W_ij (lambda_i + lambda_j) + grad gamma_i lambda_i,     (4)
+//!
+//! with dx = 0 and lambda = 0 at the wall. To this comes a push p that parts pairs closer than 0.82
+//! spacings; the step nearest to it that still cancels the residual is
+//!
+//! dx = p + J^T lambda,  J J^T lambda = -(r + J p).                                       (5)
+//!
+//! From a glass some hundredths of a spacing suffice, so that neighbours
+//! stay where they are. (5) is solved by conjugate gradients, (3) and (4) by gathering sums.
+//! Lengths are in units of the spacing. Tests: tests/engine/pack_poisson.rs.
+
+use super::completion::Completion;
+use super::crowd::Crowd;
+use crate::kernel::Kernel;
+use crate::space::lane::Lanes;
+use crate::space::parallel::{self, Slots};
+use crate::space::sweep::{Pair, Pass};
+use std::marker::PhantomData;
+
+/// Longest step of a particle in one iteration.
+const CAP: f32 = 0.1;
+/// Distance below which pairs are parted.
+const PART: f64 = 0.82;
+/// Residual of (5) at which its solution is good enough, relative.
+const FORCING: f64 = 0.1;
+/// Most conjugate-gradient steps in one iteration.
+const SWEEPS: usize = 60;
+
+/// What (1) needs besides places.
+#[derive(Clone, Copy, Debug)]
+pub struct Measure<K> {
+    pub dimension: usize,
+    /// Smoothing length.
+    pub h: f64,
+    /// m / (rho0 s0^d).
+    pub mass: f64,
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Measure<K> {
+    /// mu times the norm of W.
+    fn scale(&self) -> f64 {
+        self.mass * K::norm(self.dimension) / self.h.powi(self.dimension as i32)
+    }
+}
+
+/// Density of one particle and its gradient with respect to that particle's own place.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Local {
+    /// mu SUM W: without completion.
+    pub summed: f32,
+    /// gamma.
+    pub missing: f32,
+    pub gradient: [f32; 3],
+}
+
+impl Local {
+    /// rho / rho0 - 1.
+    pub fn residual(&self) -> f64 {
+        self.summed as f64 + self.missing as f64 - 1.0
+    }
+}
+
+/// (1) and its gradient.
+struct Sum<K>(Measure<K>);
+
+impl<K: Kernel> Pass<4> for Sum<K> {
+    type Out = Local;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            sum[3] = L::add(sum[3], w);
+            let slope = K::slope_lanes::<L>(q);
+            for k in 0..3 {
+                sum[k] = L::fma(slope, pair.d[k], sum[k]);
+            }
+        }
+    }
+    fn finish(&self, _target: usize, sum: [f32; 4], out: &mut Local) {
+        let scale = self.0.scale();
+        out.summed = (scale * (sum[3] as f64 + K::w(0.0))) as f32;
+        out.gradient = [0, 1, 2].map(|k| (scale / self.0.h) as f32 * sum[k]);
+    }
+}
+
+/// The neighbours' part of (4).
+struct Transposed<K>(Measure<K>);
+
+impl<K: Kernel> Pass<3> for Transposed<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = L::mul(K::slope_lanes::<L>(L::sqrt(pair.q2)), pair.other[0]);
+            for k in 0..3 {
+                sum[k] = L::fma(slope, pair.d[k], sum[k]);
+            }
+        }
+    }
+    fn finish(&self, _target: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum.map(|s| s * (self.0.scale() / self.0.h) as f32);
+    }
+}
+
+/// The neighbours' part of (3).
+struct Direct<K>(Measure<K>);
+
+impl<K: Kernel> Pass<1> for Direct<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let mut dot = L::mul(pair.d[0], pair.other[1]);
+            dot = L::fma(pair.d[1], pair.other[2], dot);
+            dot = L::fma(pair.d[2], pair.other[3], dot);
+            sum[0] = L::fma(slope, dot, sum[0]);
+        }
+    }
+    fn finish(&self, _target: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0] * (self.0.scale() / self.0.h) as f32;
+    }
+}
+
+/// Densities of all particles, in their present order.
+pub fn densities<K: Kernel>(
+    crowd: &Crowd,
+    completion: &Completion,
+    measure: Measure<K>,
+    local: &mut Vec<Local>,
+) {
+    local.resize(crowd.len(), Local::default());
+    crowd.sum(measure.h, &Sum(measure), local);
+    let slots = Slots::new(local);
+    parallel::each(crowd.len(), |i| {
+        let local = unsafe { slots.at(i) };
+        let (gamma, slope) = completion.at(crowd.at(i));
+        local.missing = gamma as f32;
+        for k in 0..3 {
+            local.gradient[k] += slope[k] as f32;
+        }
+    });
+}
+
+/// Mean of rho / rho0 - 1.
+pub fn mean(local: &[Local]) -> f64 {
+    let [sum] = parallel::sum(local.len(), |i| [local[i].residual()]);
+    sum / local.len().max(1) as f64
+}
+
+/// Root mean square of rho / rho0 - 1 - `level`.
+pub fn spread(local: &[Local], level: f64) -> f64 {
+    let [sum] = parallel::sum(local.len(), |i| [(local[i].residual() - level).powi(2)]);
+    (sum / local.len().max(1) as f64).sqrt()
+}
+
+/// The arrays of (5), kept between iterations.
+#[derive(Debug, Default)]
+pub struct Work {
+    multiplier: Vec<f32>,
+    residual: Vec<f32>,
+    direction: Vec<f32>,
+    image: Vec<f32>,
+    step: Vec<[f32; 3]>,
+    push: Vec<[f32; 3]>,
+}
+
+impl Work {
+    /// One Gauss-Newton step (5) towards rho / rho0 = 1 + `level`; returns the conjugate-gradient
+    /// steps it took.
+    pub fn step<K: Kernel>(
+        &mut self,
+        crowd: &mut Crowd,
+        measure: Measure<K>,
+        local: &[Local],
+        level: f64,
+    ) -> usize {
+        let n = crowd.len();
+        self.multiplier.clear();
+        self.multiplier.resize(n, 0.0);
+        self.image.resize(n, 0.0);
+        self.step.resize(n, [0.0; 3]);
+        let goal = (FORCING * spread(local, level)).powi(2) * n as f64;
+        part(crowd, &mut self.push);
+        direct(crowd, measure, local, &self.push, &mut self.image);
+        let wanted = |i: usize| -((local[i].residual() - level) as f32 + self.image[i]);
+        self.residual = (0..n).map(wanted).collect();
+        self.direction.clone_from(&self.residual);
+        let mut square = dot(&self.residual, &self.residual);
+        let mut sweeps = 0;
+        while square > goal && sweeps < SWEEPS {
+            sweeps += 1;
+            transposed(crowd, measure, local, &self.direction, &mut self.step);
+            direct(crowd, measure, local, &self.step, &mut self.image);
+            let along = dot(&self.direction, &self.image);
+            if along <= 0.0 {
+                break;
+            }
+            let alpha = (square / along) as f32;
+            add(&mut self.multiplier, alpha, &self.direction);
+            add(&mut self.residual, -alpha, &self.image);
+            let next = dot(&self.residual, &self.residual);
+            let beta = (next / square) as f32;
+            scale_add(&mut self.direction, beta, &self.residual);
+            square = next;
+        }
+        transposed(crowd, measure, local, &self.multiplier, &mut self.step);
+        add3(&mut self.step, &self.push);
+        let step = &self.step;
+        let length = |i: usize| step[i].iter().map(|d| d * d).sum::<f32>().sqrt();
+        let longest = parallel::max(n, |i| length(i) as f64).min(CAP as f64);
+        crowd.advance(longest, |i| {
+            let shorten = (CAP / length(i).max(f32::MIN_POSITIVE)).min(1.0);
+            step[i].map(|d| (d * shorten) as f64)
+        });
+        sweeps
+    }
+}
+
+/// The push p of (5): each of a close pair goes half of the way.
+fn part(crowd: &Crowd, push: &mut Vec<[f32; 3]>) {
+    push.resize(crowd.len(), [0.0; 3]);
+    let slots = Slots::new(push);
+    parallel::each(crowd.len(), |i| {
+        let mut sum = [0.0; 3];
+        crowd.neighbours(i, |d| {
+            let square: f64 = d.iter().map(|d| d * d).sum();
+            if square < PART * PART {
+                let r = square.sqrt().max(1e-6);
+                for k in 0..3 {
+                    sum[k] += 0.5 * (PART - r) * d[k] / r;
+                }
+            }
+        });
+        unsafe { *slots.at(i) = sum.map(|s| s as f32) };
+    });
+}
+
+/// (4).
+fn transposed<K: Kernel>(
+    crowd: &mut Crowd,
+    measure: Measure<K>,
+    local: &[Local],
+    lambda: &[f32],
+    out: &mut [[f32; 3]],
+) {
+    crowd.load(|i| [lambda[i], 0.0, 0.0, 0.0, 0.0]);
+    crowd.sum(measure.h, &Transposed(measure), out);
+    let slots = Slots::new(out);
+    parallel::each(lambda.len(), |i| {
+        let out = unsafe { slots.at(i) };
+        for k in 0..3 {
+            out[k] += local[i].gradient[k] * lambda[i];
+        }
+    });
+}
+
+/// (3).
+fn direct<K: Kernel>(
+    crowd: &mut Crowd,
+    measure: Measure<K>,
+    local: &[Local],
+    step: &[[f32; 3]],
+    out: &mut [f32],
+) {
+    crowd.load(|i| [0.0, step[i][0], step[i][1], step[i][2], 0.0]);
+    crowd.sum(measure.h, &Direct(measure), out);
+    let slots = Slots::new(out);
+    parallel::each(step.len(), |i| {
+        let out = unsafe { slots.at(i) };
+        let own: f32 = (0..3).map(|k| local[i].gradient[k] * step[i][k]).sum();
+        *out = own - *out;
+    });
+}
+
+fn dot(a: &[f32], b: &[f32]) -> f64 {
+    let [sum] = parallel::sum(a.len(), |i| [a[i] as f64 * b[i] as f64]);
+    sum
+}
+
+/// a += s b.
+fn add(a: &mut [f32], s: f32, b: &[f32]) {
+    let slots = Slots::new(a);
+    parallel::each(b.len(), |i| unsafe { *slots.at(i) += s * b[i] });
+}
+
+/// a += b.
+fn add3(a: &mut [[f32; 3]], b: &[[f32; 3]]) {
+    let slots = Slots::new(a);
+    parallel::each(b.len(), |i| {
+        let a = unsafe { slots.at(i) };
+        for k in 0..3 {
+            a[k] += b[i][k];
+        }
+    });
+}
+
+/// a = b + s a.
+fn scale_add(a: &mut [f32], s: f32, b: &[f32]) {
+    let slots = Slots::new(a);
+    parallel::each(b.len(), |i| unsafe {
+        *slots.at(i) = b[i] + s * *slots.at(i)
+    });
+}

@@ -1,0 +1,354 @@
+//! Packing: the particles of one body at rest, before relaxation.
+//!
+//! Either a lattice (Nishio et al. 2010) or, as Kuri et al. do it, Poisson-disk sampling followed
+//! by optimisation until the standard deviation of density from rho0 is small:
+//! [`poisson`](super::poisson) -> [`repulse`](super::repulse) -> [`optimise`](super::optimise).
+//! Spheres and ellipsoids are packed about the origin, layers and blocks in box coordinates between
+//! the wall particles of the box. The result depends on the body's shape, the spacing, the kernel,
+//! the mass setting, the seed and, for layers and blocks, the box; not on the number of threads.
+
+use super::completion::Completion;
+use super::crowd::{Crowd, wall_near};
+use super::optimise::{self, Measure, Work};
+use super::quality::{self, Nearest};
+use super::repulse;
+use super::shape::Region;
+use super::{Particles, lattice, poisson, wall};
+use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
+use crate::scene::{Arrangement, KernelName, Mass, Method, Scene, Wcsph};
+use crate::space::grid::TooSmall;
+use std::marker::PhantomData;
+use std::time::Instant;
+
+/// Steps of repulsion at most, and the root mean square step, in spacings, that ends it.
+const REPULSIONS: usize = 120;
+const QUIET: f64 = 0.0012;
+/// No two particles may end nearer than this, in spacings: they would be a pair.
+const PAIRED: f64 = 0.7;
+
+/// A body that cannot be packed.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum PackError {
+    #[error(
+        "body `{body}`: pack.spacing = {spacing:.4e} m leaves it {count} particles; \
+         make the spacing smaller than the body's least extent / 4"
+    )]
+    TooFew {
+        body: String,
+        spacing: f64,
+        count: usize,
+    },
+    #[error(
+        "body `{body}`: pack.spacing = {spacing:.4e} m gives {count} particles, more than {}; \
+         make the spacing larger or the body smaller",
+        u32::MAX
+    )]
+    TooMany {
+        body: String,
+        spacing: f64,
+        count: usize,
+    },
+    #[error("body `{body}`: {source}")]
+    Box { body: String, source: TooSmall },
+    #[error(
+        "body `{body}`: after pack.iterations = {iterations} density deviates by {spread:.3} \
+         kg/m^3 \
+         from rho0 and the closest particles are {closest:.3} spacings apart; wanted at most \
+         pack.tolerance = {tolerance} kg/m^3 and at least {PAIRED}: allow more iterations or a \
+         larger tolerance, or change pack.seed"
+    )]
+    NotReached {
+        body: String,
+        spread: f64,
+        closest: f64,
+        iterations: usize,
+        tolerance: f64,
+    },
+}
+
+/// What packing is doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PackProgress {
+    /// `sample`, `repel` or `optimise`.
+    pub task: &'static str,
+    /// Steps of this task done.
+    pub done: usize,
+    /// At most so many steps.
+    pub of: usize,
+    /// Root mean square of rho - rho0, kg/m^3, once it is known (`optimise`).
+    pub spread: Option<f64>,
+}
+
+/// How good the packing is and what it took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackReport {
+    /// Particles.
+    pub count: usize,
+    /// Their mass together, and that of the body's volume at rho0, kg (kg/m in 2-D).
+    pub mass: f64,
+    pub wanted_mass: f64,
+    /// Standard deviation of the density from rho0 over all particles, kg/m^3, with what is missing
+    /// outside the free surface made good. In a body without any free surface the mean density is
+    /// given by number and volume; there the deviation is from that mean.
+    pub spread: f64,
+    /// Mean density less rho0, kg/m^3.
+    pub offset: f64,
+    /// Particles whose kernel reaches no free surface, and the standard deviation of their plain
+    /// summed density, kg/m^3.
+    pub supported: usize,
+    pub supported_spread: f64,
+    pub nearest: Nearest,
+    /// Gauss-Newton iterations and the conjugate-gradient steps in them.
+    pub iterations: usize,
+    pub sweeps: usize,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// Mass of one particle, kg (kg/m in 2-D).
+pub fn mass(scene: &Scene) -> f64 {
+    let d = scene.dimension.count();
+    let nominal = scene.density * scene.pack.spacing.powi(d as i32);
+    let wcsph = wcsph(scene);
+    match wcsph.mass {
+        Mass::Nominal => nominal,
+        Mass::LatticeSum => nominal / kernel::lattice_sum(wcsph.kernel, d, 1.0, wcsph.smoothing),
+    }
+}
+
+/// Packs `scene.bodies[body]`: at rest, density rho0, ids from 0, positions in m (about the origin
+/// for spheres and ellipsoids, in box coordinates otherwise).
+pub fn pack(
+    scene: &Scene,
+    body: usize,
+    progress: &mut dyn FnMut(&PackProgress),
+) -> Result<(Particles, PackReport), PackError> {
+    match wcsph(scene).kernel {
+        KernelName::CubicSpline => Packing::<CubicSpline>::new(scene, body)?.run(progress),
+        KernelName::WendlandC2 => Packing::<WendlandC2>::new(scene, body)?.run(progress),
+    }
+}
+
+fn wcsph(scene: &Scene) -> &Wcsph {
+    let Method::Wcsph(wcsph) = &scene.method;
+    wcsph
+}
+
+/// One body being packed; lengths in units of the spacing.
+struct Packing<'a, K> {
+    scene: &'a Scene,
+    body: usize,
+    region: Region,
+    /// Particles that the volume asks for.
+    count: usize,
+    wall: [Vec<f64>; 3],
+    measure: Measure<K>,
+    began: Instant,
+}
+
+impl<'a, K: Kernel> Packing<'a, K> {
+    fn new(scene: &'a Scene, body: usize) -> Result<Self, PackError> {
+        let spacing = scene.pack.spacing;
+        let region = Region::new(scene, body).scaled(1.0 / spacing);
+        let count = region.volume().round() as usize;
+        let name = || scene.bodies[body].name.clone();
+        if count < 1 << scene.dimension.count() {
+            return Err(PackError::TooFew {
+                body: name(),
+                spacing,
+                count,
+            });
+        }
+        if count > u32::MAX as usize / 2 {
+            return Err(PackError::TooMany {
+                body: name(),
+                spacing,
+                count,
+            });
+        }
+        let h = wcsph(scene).smoothing;
+        let reach = (2.0 * h).max(2.0 * repulse::SMOOTHING);
+        let wall = match region.touches_wall() {
+            true => wall::build_layers(scene, reach.ceil() as usize).position,
+            false => Default::default(),
+        };
+        let wall = wall.map(|x| x.into_iter().map(|x| x / spacing).collect());
+        let nominal = scene.density * spacing.powi(scene.dimension.count() as i32);
+        Ok(Packing {
+            scene,
+            body,
+            wall: wall_near(&region, &wall, reach),
+            region,
+            count,
+            measure: Measure {
+                dimension: scene.dimension.count(),
+                h,
+                mass: mass(scene) / nominal,
+                kernel: PhantomData,
+            },
+            began: Instant::now(),
+        })
+    }
+
+    fn run(
+        self,
+        progress: &mut dyn FnMut(&PackProgress),
+    ) -> Result<(Particles, PackReport), PackError> {
+        let start = match self.scene.pack.arrangement {
+            Arrangement::Lattice => lattice::fill(&self.region, 1.0),
+            Arrangement::Poisson => self.repel(self.sample(progress), progress)?,
+        };
+        let completion = Completion::new::<K>(&self.region, self.measure.h);
+        let mut crowd = self.crowd(start, 2.0 * self.measure.h)?;
+        let (iterations, sweeps) = match self.scene.pack.arrangement {
+            Arrangement::Lattice => (0, 0),
+            Arrangement::Poisson => self.optimise(&mut crowd, &completion, progress)?,
+        };
+        let mut report = self.report(&crowd, &completion);
+        (report.iterations, report.sweeps) = (iterations, sweeps);
+        Ok((self.particles(crowd), report))
+    }
+
+    fn sample(&self, progress: &mut dyn FnMut(&PackProgress)) -> [Vec<f64>; 3] {
+        let mut tell = |done| {
+            progress(&PackProgress {
+                task: "sample",
+                done,
+                of: self.count,
+                spread: None,
+            });
+        };
+        tell(0);
+        let position = poisson::sample(&self.region, self.count, self.scene.pack.seed);
+        tell(self.count);
+        position
+    }
+
+    fn repel(
+        &self,
+        position: [Vec<f64>; 3],
+        progress: &mut dyn FnMut(&PackProgress),
+    ) -> Result<[Vec<f64>; 3], PackError> {
+        let completion = Completion::new::<WendlandC2>(&self.region, repulse::SMOOTHING);
+        let mut crowd = self.crowd(position, 2.0 * repulse::SMOOTHING)?;
+        let mut last = Vec::new();
+        for done in 1..=REPULSIONS {
+            let moved = repulse::step(&mut crowd, &completion, self.measure.dimension, &mut last);
+            progress(&PackProgress {
+                task: "repel",
+                done,
+                of: REPULSIONS,
+                spread: None,
+            });
+            if moved < QUIET {
+                break;
+            }
+        }
+        Ok(crowd.position)
+    }
+
+    /// Iterations and conjugate-gradient steps taken.
+    fn optimise(
+        &self,
+        crowd: &mut Crowd,
+        completion: &Completion,
+        progress: &mut dyn FnMut(&PackProgress),
+    ) -> Result<(usize, usize), PackError> {
+        let pack = &self.scene.pack;
+        let (mut local, mut work) = (Vec::new(), Work::default());
+        let (mut done, mut sweeps) = (0, 0);
+        loop {
+            let level = self.level(crowd, completion, &mut local);
+            let spread = optimise::spread(&local, level) * self.scene.density;
+            progress(&PackProgress {
+                task: "optimise",
+                done,
+                of: pack.iterations,
+                spread: Some(spread),
+            });
+            let closest = quality::closest(crowd);
+            if spread <= pack.tolerance && closest >= PAIRED {
+                return Ok((done, sweeps));
+            }
+            if done >= pack.iterations || spread.is_nan() {
+                return Err(PackError::NotReached {
+                    body: self.name(),
+                    spread,
+                    closest,
+                    iterations: done,
+                    tolerance: pack.tolerance,
+                });
+            }
+            sweeps += work.step(crowd, self.measure, &local, level);
+            done += 1;
+        }
+    }
+
+    /// Measures densities; the deviation from rho0 (relative) that is aimed at.
+    fn level(
+        &self,
+        crowd: &Crowd,
+        completion: &Completion,
+        local: &mut Vec<optimise::Local>,
+    ) -> f64 {
+        optimise::densities(crowd, completion, self.measure, local);
+        match self.region.is_closed() {
+            true => optimise::mean(local),
+            false => 0.0,
+        }
+    }
+
+    fn crowd(&self, position: [Vec<f64>; 3], support: f64) -> Result<Crowd, PackError> {
+        Crowd::new(&self.region, position, self.wall.clone(), support).map_err(|found| {
+            PackError::Box {
+                body: self.name(),
+                // The user thinks in metres.
+                source: TooSmall {
+                    axis: found.axis,
+                    size: found.size * self.scene.pack.spacing,
+                    need: found.need * self.scene.pack.spacing,
+                },
+            }
+        })
+    }
+
+    fn report(&self, crowd: &Crowd, completion: &Completion) -> PackReport {
+        let density = self.scene.density;
+        let mut local = Vec::new();
+        let level = self.level(crowd, completion, &mut local);
+        let (supported, supported_spread) = quality::supported(&local, level);
+        let nominal = density * self.scene.pack.spacing.powi(self.measure.dimension as i32);
+        PackReport {
+            count: crowd.len(),
+            mass: crowd.len() as f64 * mass(self.scene),
+            wanted_mass: nominal * self.region.volume(),
+            spread: density * optimise::spread(&local, level),
+            offset: density * optimise::mean(&local),
+            supported,
+            supported_spread: density * supported_spread,
+            nearest: quality::nearest(crowd, 2.0 * self.measure.h),
+            iterations: 0,
+            sweeps: 0,
+            seconds: self.began.elapsed().as_secs_f64(),
+        }
+    }
+
+    fn particles(&self, crowd: Crowd) -> Particles {
+        let n = crowd.len();
+        let spacing = self.scene.pack.spacing;
+        Particles {
+            id: (0..n as u32).collect(),
+            body: vec![self.body as u8; n],
+            position: crowd
+                .position
+                .map(|x| x.into_iter().map(|x| x * spacing).collect()),
+            velocity: [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; n]),
+            density: vec![self.scene.density; n],
+            mass: mass(self.scene),
+        }
+    }
+
+    fn name(&self) -> String {
+        self.scene.bodies[self.body].name.clone()
+    }
+}

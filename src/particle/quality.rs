@@ -1,0 +1,62 @@
+//! How good a packing is: spread of density and distances of nearest neighbours.
+
+use super::crowd::Crowd;
+use super::optimise::Local;
+use crate::space::parallel::{self, Slots};
+
+/// Bins of the histogram of nearest distances: 0.05 spacings each, the last one open.
+pub const BINS: usize = 32;
+
+/// Distances to the nearest particle of the body, in units of the spacing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Nearest {
+    pub least: f64,
+    pub mean: f64,
+    /// Below these lie 1, 10, 50, 90 and 99 % of the particles.
+    pub quantiles: [f64; 5],
+    /// `histogram[k]`: particles whose nearest is at [0.05 k, 0.05 (k + 1)).
+    pub histogram: [u64; BINS],
+}
+
+/// Measures the distances in a crowd; neighbours further than its support count as that far.
+pub fn nearest(crowd: &Crowd, support: f64) -> Nearest {
+    let n = crowd.len();
+    let mut distance = vec![0.0; n];
+    let slots = Slots::new(&mut distance);
+    parallel::each(n, |i| unsafe {
+        *slots.at(i) = crowd.nearest(i).min(support)
+    });
+    let mean = distance.iter().sum::<f64>() / n.max(1) as f64;
+    distance.sort_by(f64::total_cmp);
+    let mut histogram = [0; BINS];
+    for d in &distance {
+        histogram[((d / 0.05) as usize).min(BINS - 1)] += 1;
+    }
+    let quantile = |q: f64| {
+        distance
+            .get((q * n as f64) as usize)
+            .copied()
+            .unwrap_or(support)
+    };
+    Nearest {
+        least: distance.first().copied().unwrap_or(support),
+        mean,
+        quantiles: [0.01, 0.10, 0.50, 0.90, 0.99].map(quantile),
+        histogram,
+    }
+}
+
+/// Least distance between particles.
+pub fn closest(crowd: &Crowd) -> f64 {
+    -parallel::max(crowd.len(), |i| -crowd.nearest(i))
+}
+
+/// Number of particles with full support and the root mean square of rho / rho0 - 1 - `level` over
+/// them: no completion takes part there.
+pub fn supported(local: &[Local], level: f64) -> (usize, f64) {
+    let [count, sum] = parallel::sum(local.len(), |i| match local[i].missing == 0.0 {
+        true => [1.0, (local[i].residual() - level).powi(2)],
+        false => [0.0, 0.0],
+    });
+    (count as usize, (sum / f64::max(count, 1.0)).sqrt())
+}

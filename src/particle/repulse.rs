@@ -1,0 +1,83 @@
+//! Repulsion: turns a Poisson-disk sample into a glass.
+//!
+//! Particles go down the gradient of the pair energy SUM W(r_ij) (Colagrossi, Bouscasse, Antuono &
+//! Marrone 2012):
+//!
+//! dx_i = -beta (SUM_j grad W_ij + grad gamma_i),                                         (1)
+//!
+//! j over liquid and wall, gamma the kernel mass outside the free surface. Every pair repels, so
+//! that pairs cannot form, and what is missing outside repels too, so that the surface stays where
+//! it is. The kernel is Wendland's C2 with a short support: nearest neighbours dominate. Lengths
+//! are in units of the spacing.
+
+use super::completion::Completion;
+use super::crowd::Crowd;
+use crate::kernel::{Kernel, WendlandC2};
+use crate::space::lane::Lanes;
+use crate::space::parallel::{self, Slots};
+use crate::space::sweep::{Pair, Pass};
+
+/// Smoothing length of the repulsion.
+pub const SMOOTHING: f64 = 1.3;
+/// beta of (1).
+const STRENGTH: f32 = 0.12;
+/// Longest step.
+const CAP: f32 = 0.1;
+/// Share of the last step that goes on in the next (heavy ball).
+const MOMENTUM: f32 = 0.7;
+
+struct Push {
+    dimension: usize,
+}
+
+impl Pass<3> for Push {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = WendlandC2::slope_lanes::<L>(L::sqrt(pair.q2));
+            for k in 0..3 {
+                sum[k] = L::fma(slope, pair.d[k], sum[k]);
+            }
+        }
+    }
+    fn finish(&self, _target: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        let scale = WendlandC2::norm(self.dimension) / SMOOTHING.powi(self.dimension as i32 + 1);
+        *out = sum.map(|s| s * scale as f32);
+    }
+}
+
+/// One step of (1) with the memory of the last; returns the root mean square displacement.
+pub fn step(
+    crowd: &mut Crowd,
+    completion: &Completion,
+    dimension: usize,
+    last: &mut Vec<[f32; 3]>,
+) -> f64 {
+    let n = crowd.len();
+    let mut next = vec![[0.0f32; 3]; n];
+    crowd.sum(SMOOTHING, &Push { dimension }, &mut next);
+    last.resize(n, [0.0; 3]);
+    let (slots, now) = (Slots::new(&mut next), &*crowd);
+    parallel::each(n, |i| {
+        let step = unsafe { slots.at(i) };
+        let (_, slope) = completion.at(now.at(i));
+        let dx = [0, 1, 2].map(|k| {
+            // (1)
+            MOMENTUM * last[i][k] - STRENGTH * (step[k] + slope[k] as f32)
+        });
+        let shorten = (CAP / square(dx).sqrt().max(f32::MIN_POSITIVE)).min(1.0);
+        *step = dx.map(|d| d * shorten);
+    });
+    let [sum] = parallel::sum(n, |i| [square(next[i]) as f64]);
+    let longest = parallel::max(n, |i| square(next[i]) as f64).sqrt();
+    *last = next;
+    if crowd.advance(longest, |i| last[i].map(f64::from)) {
+        crowd.follow(last);
+    }
+    (sum / n as f64).sqrt()
+}
+
+fn square(x: [f32; 3]) -> f32 {
+    x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
+}

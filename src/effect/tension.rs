@@ -377,12 +377,11 @@ impl<K: Kernel> Pass<4> for Stress<K> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
         unsafe {
             let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let (a, b, d) = (&pair.own, &pair.other, &pair.d);
-            let dot = |u: &[L::F; 5], v: &[L::F]| {
-                L::fma(u[2], v[2], L::fma(u[1], v[1], L::mul(u[0], v[0])))
-            };
-            let s = L::add(dot(a, &a[..3]), dot(b, &b[..3]));
-            let (ad, bd) = (dot(a, d), dot(b, d));
+            let d = pair.d;
+            let a = [pair.own[0], pair.own[1], pair.own[2]];
+            let b = [pair.other[0], pair.other[1], pair.other[2]];
+            let s = L::add(L::dot(a, a), L::dot(b, b));
+            let (ad, bd) = (L::dot(a, d), L::dot(b, d));
             let mut virial = sum[3];
             for c in 0..3 {
                 let stress = L::sub(L::mul(s, d[c]), L::fma(b[c], bd, L::mul(a[c], ad)));

@@ -66,7 +66,7 @@ impl PairViscosity for TwoTerm {
         sum: &mut [L::F; 3],
     ) {
         unsafe {
-            let vd = L::fma(v[2], d[2], L::fma(v[1], d[1], L::mul(v[0], d[0])));
+            let vd = L::dot(v, d);
             let f = L::mul(L::mul(slope, weight), L::splat(self.factor));
             let f = L::div(f, L::add(q2, L::splat(0.01)));
             for a in 0..3 {

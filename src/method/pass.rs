@@ -10,11 +10,6 @@ use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
 #[inline(always)]
-unsafe fn dot<L: Lanes>(a: [L::F; 3], b: [L::F; 3]) -> L::F {
-    unsafe { L::fma(a[2], b[2], L::fma(a[1], b[1], L::mul(a[0], b[0]))) }
-}
-
-#[inline(always)]
 unsafe fn difference<L: Lanes>(a: &[L::F; 5], b: &[L::F; 5]) -> [L::F; 3] {
     unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
 }
@@ -65,9 +60,14 @@ impl<K: Kernel> Pass<1> for Continuity<K> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
             let v = difference::<L>(&pair.own, &pair.other);
-            let v = [0, 1, 2].map(|a| L::sub(v[a], L::splat(self.drift[a])));
+            let drift = L::splat3(self.drift);
+            let v = [
+                L::sub(v[0], drift[0]),
+                L::sub(v[1], drift[1]),
+                L::sub(v[2], drift[2]),
+            ];
             let e = L::sub(pair.own[3], pair.other[3]);
-            let rate = L::fma(L::splat(self.diffusion), e, dot::<L>(v, pair.d));
+            let rate = L::fma(L::splat(self.diffusion), e, L::dot(v, pair.d));
             let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
             sum[0] = L::fma(slope, rate, sum[0]);
         }
@@ -124,7 +124,7 @@ unsafe fn shock<L: Lanes>(pair: &Pair<L>, v: [L::F; 3], c: f32) -> L::F {
     unsafe {
         let zero = L::splat(0.0);
         let r = L::sqrt(L::max(pair.q2, L::splat(1e-12)));
-        let u = L::max(L::div(L::sub(zero, dot::<L>(v, pair.d)), r), zero);
+        let u = L::max(L::div(L::sub(zero, L::dot(v, pair.d)), r), zero);
         let beta = L::min(L::mul(u, L::splat(3.0 / c)), L::splat(1.0));
         L::mul(L::mul(beta, u), L::splat(c))
     }

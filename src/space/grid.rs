@@ -138,10 +138,12 @@ impl Grid {
         }
     }
 
-    /// Calls `visit(first cell, last cell)` for the columns of cells that may hold anything within
-    /// `cutoff` of `x`, in a fixed order. Each cell is visited at most once.
+    /// Writes the columns of cells (first, last) that may hold anything within `cutoff` of `x`, in a
+    /// fixed order. No cell is in two of them.
     #[inline]
-    pub fn columns(&self, x: [f64; 3], cutoff: f64, mut visit: impl FnMut(usize, usize)) {
+    pub fn columns(&self, x: [f64; 3], cutoff: f64, found: &mut Vec<(u32, u32)>) {
+        found.clear();
+        let mut visit = |first: usize, last: usize| found.push((first as u32, last as u32));
         let c2 = cutoff * cutoff;
         let (x0, x1) = self.reach(0, x[0], cutoff);
         for a in x0..=x1 {

@@ -1,7 +1,8 @@
 //! Eight f32 lanes: AVX2 + FMA where the processor has them, and a portable twin with the same bits.
 //!
 //! Only exact IEEE operations (no reciprocal estimates), so both give the same result everywhere.
-//! Every function is inlined into a caller that enables the features: see [`super::pair`].
+//! Every function is inlined into a caller that enables the features: see [`super::sweep`]. Code over
+//! lanes holds no closure, for a closure would be a function without the features.
 
 /// One neighbour record: fixed-point x, y, z, then five f32 payloads, as bits. 32 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,6 +41,16 @@ pub const WIDTH: usize = 8;
 pub trait Lanes: Copy + Send + Sync + 'static {
     type F: Copy;
     unsafe fn splat(x: f32) -> Self::F;
+    /// Three splats.
+    #[inline(always)]
+    unsafe fn splat3(x: [f32; 3]) -> [Self::F; 3] {
+        unsafe { [Self::splat(x[0]), Self::splat(x[1]), Self::splat(x[2])] }
+    }
+    /// a . b
+    #[inline(always)]
+    unsafe fn dot(a: [Self::F; 3], b: [Self::F; 3]) -> Self::F {
+        unsafe { Self::fma(a[2], b[2], Self::fma(a[1], b[1], Self::mul(a[0], b[0]))) }
+    }
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;
@@ -279,17 +290,31 @@ mod x86 {
         #[inline(always)]
         unsafe fn gather(records: *const Record, index: *const u32) -> [__m256; 8] {
             unsafe {
-                transpose(std::array::from_fn(|k| {
-                    _mm256_load_ps(records.add(*index.add(k) as usize) as *const f32)
-                }))
+                transpose([
+                    _mm256_load_ps(records.add(*index as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(1) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(2) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(3) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(4) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(5) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(6) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(7) as usize) as *const f32),
+                ])
             }
         }
         #[inline(always)]
         unsafe fn consecutive(records: *const Record) -> [__m256; 8] {
             unsafe {
-                transpose(std::array::from_fn(|k| {
-                    _mm256_load_ps(records.add(k) as *const f32)
-                }))
+                transpose([
+                    _mm256_load_ps(records.add(*index as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(1) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(2) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(3) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(4) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(5) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(6) as usize) as *const f32),
+                    _mm256_load_ps(records.add(*index.add(7) as usize) as *const f32),
+                ])
             }
         }
         #[inline(always)]

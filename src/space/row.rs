@@ -109,10 +109,12 @@ unsafe fn fill<L: Lanes>(
 ) {
     chunk.start.clear();
     chunk.index.clear();
+    let mut columns = Vec::with_capacity(64);
     for k in range {
         chunk.start.push(chunk.index.len() as u32);
         let x = [position[0][k], position[1][k], position[2][k]];
-        unsafe { neighbours::<L>(search, first + k, x, &mut chunk.index) };
+        search.grid.columns(x, search.cutoff, &mut columns);
+        unsafe { neighbours::<L>(search, first + k, &columns, &mut chunk.index) };
         while chunk.index.len() % WIDTH != 0 {
             chunk.index.push((first + k) as u32);
         }
@@ -120,25 +122,31 @@ unsafe fn fill<L: Lanes>(
     chunk.start.push(chunk.index.len() as u32);
 }
 
-/// Appends the neighbours of record `own` at `x`, itself excluded.
+/// Appends the neighbours of record `own` in `columns`, itself excluded.
 #[inline(always)]
-unsafe fn neighbours<L: Lanes>(search: Search, own: usize, x: [f64; 3], index: &mut Vec<u32>) {
+unsafe fn neighbours<L: Lanes>(
+    search: Search,
+    own: usize,
+    columns: &[(u32, u32)],
+    index: &mut Vec<u32>,
+) {
     unsafe {
-        let scale = search.grid.scale(search.cutoff).map(|s| L::splat(s));
-        let at = [0, 1, 2].map(|a| search.records[own].at(a));
+        let scale = L::splat3(search.grid.scale(search.cutoff));
+        let record = &search.records[own];
+        let at = [record.at(0), record.at(1), record.at(2)];
         let one = L::splat(1.0);
-        search.grid.columns(x, search.cutoff, |low, high| {
+        for &(low, high) in columns {
             for source in search.sources {
-                let (begin, end) = source.cells.run(low, high);
+                let (begin, end) = source.cells.run(low as usize, high as usize);
                 let (begin, end) = (begin + source.offset, end + source.offset);
                 index.reserve(end - begin + WIDTH);
                 let mut filled = index.len();
                 let mut j = begin;
                 while j < end {
                     let r = L::consecutive(search.records.as_ptr().add(j));
-                    let d = [0, 1, 2].map(|a| L::mul(L::difference(at[a], r[a]), scale[a]));
-                    let d2 = L::fma(d[2], d[2], L::fma(d[1], d[1], L::mul(d[0], d[0])));
-                    let mut mask = L::less_mask(d2, one) & (0xFF >> WIDTH.saturating_sub(end - j));
+                    let d = separation::<L>(at, &r, scale);
+                    let mut mask = L::less_mask(L::dot(d, d), one);
+                    mask &= 0xFF >> WIDTH.saturating_sub(end - j);
                     if own.wrapping_sub(j) < WIDTH {
                         mask &= !(1 << (own - j));
                     }
@@ -147,6 +155,22 @@ unsafe fn neighbours<L: Lanes>(search: Search, own: usize, x: [f64; 3], index: &
                 }
                 index.set_len(filled);
             }
-        });
+        }
+    }
+}
+
+/// Own minus other, scaled.
+#[inline(always)]
+pub(super) unsafe fn separation<L: Lanes>(
+    at: [i32; 3],
+    r: &[L::F; 8],
+    scale: [L::F; 3],
+) -> [L::F; 3] {
+    unsafe {
+        [
+            L::mul(L::difference(at[0], r[0]), scale[0]),
+            L::mul(L::difference(at[1], r[1]), scale[1]),
+            L::mul(L::difference(at[2], r[2]), scale[2]),
+        ]
     }
 }

@@ -5,7 +5,7 @@
 
 use super::grid::Grid;
 use super::lane::{Lanes, Portable, Record, WIDTH};
-use super::row::{CHUNK, Rows};
+use super::row::{CHUNK, Rows, separation};
 
 pub use super::row::Source;
 use rayon::prelude::*;
@@ -76,21 +76,43 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
     out: &mut [P::Out],
 ) {
     unsafe {
-        let scale = scale.map(|s| L::splat(s));
+        let scale = L::splat3(scale);
         for (k, out) in out.iter_mut().enumerate() {
             let target = rows.first + from + k;
             let record = &records[target];
             let at = [record.at(0), record.at(1), record.at(2)];
-            let own = [0, 1, 2, 3, 4].map(|p| L::splat(record.payload(p)));
+            let own = payload::<L>(record);
             let mut sum = [L::splat(0.0); N];
             for group in rows.row(from + k).chunks_exact(WIDTH) {
                 let r = L::gather(records.as_ptr(), group.as_ptr());
                 let pair = separate::<L>(at, own, r, scale);
                 pass.pair::<L>(&pair, &mut sum);
             }
-            pass.finish(target, sum.map(|s| L::sum(s)), out);
+            pass.finish(target, total::<L, N>(&sum), out);
         }
     }
+}
+
+#[inline(always)]
+unsafe fn payload<L: Lanes>(record: &Record) -> [L::F; 5] {
+    unsafe {
+        [
+            L::splat(record.payload(0)),
+            L::splat(record.payload(1)),
+            L::splat(record.payload(2)),
+            L::splat(record.payload(3)),
+            L::splat(record.payload(4)),
+        ]
+    }
+}
+
+#[inline(always)]
+unsafe fn total<L: Lanes, const N: usize>(sum: &[L::F; N]) -> [f32; N] {
+    let mut total = [0.0; N];
+    for (total, sum) in total.iter_mut().zip(sum) {
+        *total = unsafe { L::sum(*sum) };
+    }
+    total
 }
 
 #[inline(always)]
@@ -101,15 +123,10 @@ unsafe fn separate<L: Lanes>(
     scale: [L::F; 3],
 ) -> Pair<L> {
     unsafe {
-        let d = [
-            L::mul(L::difference(at[0], r[0]), scale[0]),
-            L::mul(L::difference(at[1], r[1]), scale[1]),
-            L::mul(L::difference(at[2], r[2]), scale[2]),
-        ];
-        let q2 = L::fma(d[2], d[2], L::fma(d[1], d[1], L::mul(d[0], d[0])));
+        let d = separation::<L>(at, &r, scale);
         Pair {
             d,
-            q2,
+            q2: L::dot(d, d),
             own,
             other: [r[3], r[4], r[5], r[6], r[7]],
         }
@@ -169,18 +186,22 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
     out: &mut [P::Out],
 ) {
     unsafe {
-        let scale = field.scale.map(|s| L::splat(s));
+        let scale = L::splat3(field.scale);
         let far = L::splat(FAR);
+        let mut columns = Vec::with_capacity(128);
         for (&target, out) in targets.iter().zip(out) {
             let i = target as usize;
             let record = &field.records[i];
             let at = [record.at(0), record.at(1), record.at(2)];
-            let own = [0, 1, 2, 3, 4].map(|p| L::splat(record.payload(p)));
-            let x = [0, 1, 2].map(|a| field.position[a][i]);
+            let own = payload::<L>(record);
+            let p = field.position;
+            field
+                .grid
+                .columns([p[0][i], p[1][i], p[2][i]], field.cutoff, &mut columns);
             let mut sum = [L::splat(0.0); N];
-            field.grid.columns(x, field.cutoff, |low, high| {
+            for &(low, high) in &columns {
                 for source in field.sources {
-                    let (begin, end) = source.cells.run(low, high);
+                    let (begin, end) = source.cells.run(low as usize, high as usize);
                     let mut j = begin + source.offset;
                     let end = end + source.offset;
                     while j < end {
@@ -193,8 +214,8 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
                         j += WIDTH;
                     }
                 }
-            });
-            pass.finish(i, sum.map(|s| L::sum(s)), out);
+            }
+            pass.finish(i, total::<L, N>(&sum), out);
         }
     }
 }

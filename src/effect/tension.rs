@@ -1,19 +1,23 @@
-//! Surface tension as the divergence of a surface stress (Nishio et al. 2010, Eqs. 9-13).
+//! Surface tension from a colour function, in two forms.
 //!
-//! (1) rho_a^H = SUM m W^H                       long kernel, H = 1.5 h
-//! (2) c_a = SUM m / rho_b^H W^H                 Eq. 11
+//! `NormalisedColour`, the surface stress of Nishio et al. (2010):
+//! (1) rho_a^H = SUM m W^H                          long kernel, H = 1.5 h
+//! (2) c_a = SUM m / rho_b^H W^H                    Eq. 11
 //! (3) n_a = SUM m / rho_a^h (c_b - c_a) grad W^H   Eq. 12; the kernel is W^H
 //! (4) T = alpha sigma |n| (I - nn/|n|^2), 0 for |n| <= 0.01 / H   Eqs. 10, 13
 //! (5) a_s = SUM m (T_a / (rho_a^H)^2 + T_b / (rho_b^H)^2) . grad W^H   Eq. 9
 //!
-//! `NormalisedColour` is (1)-(5). `RawColour` replaces (1)-(3) by n = SUM m / rho0 grad W^H, whose
-//! strength depends less on how particles are arranged. Only liquid within the reach of a surface is
-//! looked at: n is zero deeper than 2 H, the force deeper than 4 H. Wall particles count as liquid in
-//! n, so that a wetted wall is no surface.
+//! `RawColour`: the same with
+//! (6) n_a = SUM m / rho0 grad W^H,  T = alpha sigma H (|n|^2 I - nn),  rho0 for the densities in (5)
+//! (the stress of a colour-gradient energy, as in Kuri et al., Eq. 7): smooth where n vanishes.
 //!
-//! The liquid is one-sided, so alpha is not 1: [`Tension::calibrate`] finds it from the virial
-//! identity -SUM m x . a_s = (d-1) sigma A. Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)).
-//! Fails where a sheet is thinner than 2 H. Tests: tests/engine/tension.rs, tests/validation.
+//! Only liquid within the reach of a surface is looked at: n is zero deeper than 2 H, the force
+//! deeper than 4 H. Wall particles count as liquid in n, so that a wetted wall is no surface.
+//!
+//! The liquid is one-sided, so alpha is not 1: it is calibrated by the virial of the pair forces,
+//! sigma_eff A = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not enter.
+//! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H.
+//! Tests: tests/engine/tension.rs, tests/validation.
 
 use super::band::Band;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
@@ -59,8 +63,8 @@ pub struct Tension {
     reached: Vec<u32>,
     vectors: Vec<[f32; 3]>,
     scalars: Vec<f32>,
-    /// Acceleration of `reached`, m/s^2, and the trace of the pair virial.
-    force: Vec<[f32; 4]>,
+    /// Acceleration of `reached`, m/s^2.
+    force: Vec<[f32; 3]>,
 }
 
 impl Tension {
@@ -96,7 +100,7 @@ impl Tension {
     }
 
     /// Evaluates a_s near the surface. `records`: positions current; payloads are overwritten with
-    /// the root of the stress, u = sqrt(T_max) n / |n| / rho, zero away from the surface.
+    /// the root of the stress, u = sqrt(|T|) n / |n| / rho, zero elsewhere.
     pub fn update(
         &mut self,
         flow: &Surface,
@@ -131,15 +135,19 @@ impl Tension {
         self.band.grow(flow.grid, reach);
         self.band.members(flow.liquid, &mut self.reached);
         let mut force = std::mem::take(&mut self.force);
-        force.resize(self.reached.len(), [0.0; 4]);
-        let d = self.dimension as i32;
-        let factor = flow.mass * K::norm(self.dimension) / self.length.powi(d + 1);
-        let pass = Stress::<K> {
+        force.resize(self.reached.len(), [0.0; 3]);
+        let factor = self.force_factor::<K>(flow.mass);
+        let pass = Summed::<K> {
             factor,
             kernel: PhantomData,
         };
         self.runs(flow, records, &self.reached, &pass, &mut force);
         self.force = force;
+    }
+
+    /// What turns a sum of pair terms into an acceleration, and d x it into a virial.
+    fn force_factor<K: Kernel>(&self, mass: f64) -> f64 {
+        mass * K::norm(self.dimension) / self.length.powi(self.dimension as i32 + 1)
     }
 
     /// Adds the accelerations to `into`, indexed by liquid particle.
@@ -151,10 +159,24 @@ impl Tension {
         });
     }
 
-    /// (d - 1) sigma_eff A, J (N in 2-D): minus the pair virial of the last update.
-    pub fn virial(&self, mass: f64) -> f64 {
-        let trace: f64 = self.force.iter().map(|f| f[3] as f64).sum();
-        -0.5 * mass * self.length * trace
+    /// sigma_eff A, J (N in 2-D), of the last update; `records` as it left them.
+    pub fn virial(&self, flow: &Surface, records: &[Record]) -> f64 {
+        match self.kernel {
+            KernelName::CubicSpline => self.virial_with::<CubicSpline>(flow, records),
+            KernelName::WendlandC2 => self.virial_with::<WendlandC2>(flow, records),
+        }
+    }
+
+    fn virial_with<K: Kernel>(&self, flow: &Surface, records: &[Record]) -> f64 {
+        let mut parts = vec![0.0f64; self.reached.len()];
+        let scale = 1.0 / (self.dimension as f32 - 1.0);
+        let pass = Virial::<K> {
+            scale,
+            kernel: PhantomData,
+        };
+        self.runs(flow, records, &self.reached, &pass, &mut parts);
+        let sum: f64 = parts.iter().sum();
+        -0.5 * flow.mass * self.length * self.force_factor::<K>(flow.mass) * sum
     }
 
     fn runs<const N: usize, P: Pass<N>>(
@@ -273,7 +295,8 @@ impl Tension {
                 if size <= epsilon {
                     return [0.0; 3];
                 }
-                let u = (tension * size).sqrt() / rho / size;
+                let squared = if raw { size * size * self.length } else { size };
+                let u = (tension * squared).sqrt() / rho / size;
                 n.map(|n| (u * n) as f32)
             })
             .collect();
@@ -364,36 +387,72 @@ impl<K: Kernel> Pass<3> for Difference<K> {
     }
 }
 
-/// (5), with T / rho^2 = |u|^2 I - u u. The fourth sum is d . force: the pair virial.
-struct Stress<K> {
-    /// m norm / H^(d+1).
+/// The pair force (5) before its factor, with T / rho^2 = |u|^2 I - u u.
+#[inline(always)]
+unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
+    unsafe {
+        let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+        let d = pair.d;
+        let a = [pair.own[0], pair.own[1], pair.own[2]];
+        let b = [pair.other[0], pair.other[1], pair.other[2]];
+        let s = L::add(L::dot(a, a), L::dot(b, b));
+        let (ad, bd) = (L::dot(a, d), L::dot(b, d));
+        let mut force = d;
+        for c in 0..3 {
+            let stress = L::sub(L::mul(s, d[c]), L::fma(b[c], bd, L::mul(a[c], ad)));
+            force[c] = L::mul(slope, stress);
+        }
+        force
+    }
+}
+
+/// Acceleration.
+struct Summed<K> {
     factor: f64,
     kernel: PhantomData<K>,
 }
 
-impl<K: Kernel> Pass<4> for Stress<K> {
-    type Out = [f32; 4];
+impl<K: Kernel> Pass<3> for Summed<K> {
+    type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
         unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let d = pair.d;
-            let a = [pair.own[0], pair.own[1], pair.own[2]];
-            let b = [pair.other[0], pair.other[1], pair.other[2]];
-            let s = L::add(L::dot(a, a), L::dot(b, b));
-            let (ad, bd) = (L::dot(a, d), L::dot(b, d));
-            let mut virial = sum[3];
+            let force = stress::<K, L>(pair);
             for c in 0..3 {
-                let stress = L::sub(L::mul(s, d[c]), L::fma(b[c], bd, L::mul(a[c], ad)));
-                let force = L::mul(slope, stress);
-                sum[c] = L::add(sum[c], force);
-                virial = L::fma(force, d[c], virial);
+                sum[c] = L::add(sum[c], force[c]);
             }
-            sum[3] = virial;
         }
     }
     #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
         *out = sum.map(|s| (self.factor * s as f64) as f32);
+    }
+}
+
+/// Tangential over (d-1) minus normal virial, about the mean normal of the pair.
+struct Virial<K> {
+    /// 1 / (d-1).
+    scale: f32,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<1> for Virial<K> {
+    type Out = f64;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let force = stress::<K, L>(pair);
+            let (a, b) = (&pair.own, &pair.other);
+            let n = [L::add(a[0], b[0]), L::add(a[1], b[1]), L::add(a[2], b[2])];
+            let n2 = L::max(L::dot(n, n), L::splat(f32::MIN_POSITIVE));
+            let normal = L::div(L::mul(L::dot(n, pair.d), L::dot(n, force)), n2);
+            let tangential = L::sub(L::dot(pair.d, force), normal);
+            let part = L::sub(L::mul(tangential, L::splat(self.scale)), normal);
+            sum[0] = L::add(sum[0], part);
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
+        *out = sum[0] as f64;
     }
 }

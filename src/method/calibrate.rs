@@ -1,7 +1,8 @@
 //! Strength of the tension from the virial identity: no dynamics, one evaluation a body.
 //!
-//! -SUM m x . a_s = (d - 1) sigma A for any arrangement whose stress is tangential; in pairs it
-//! needs no origin, so it holds for a periodic layer too.
+//! sigma A = -(W_t / (d - 1) - W_n), W_t and W_n the tangential and normal parts of the pair virial
+//! (Kirkwood & Buff 1949): an isotropic pressure does not enter, and pairs need no origin, so it
+//! holds for a closed drop and for a periodic layer.
 
 use super::model::Model;
 use super::{MethodError, Phase};
@@ -77,7 +78,7 @@ fn virial_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, 
     let mut records = std::mem::take(&mut flow.records);
     // Every particle may be at the surface: no flags are needed for one evaluation.
     tension.update(&super::surface_of(&flow), &mut records, &|_| true);
-    Ok(tension.virial(flow.particles.mass) / (sigma * (d as f64 - 1.0)))
+    Ok(tension.virial(&super::surface_of(&flow), &records) / sigma)
 }
 
 /// Free surface of a body at rest, m^2 (m in 2-D): without what touches walls or periodic sides.

@@ -84,8 +84,9 @@ pub struct Force<K, V, const SHOCK: bool> {
     /// m norm / h^(d+1).
     pub factor: f64,
     pub viscosity: V,
-    /// c, m/s (shock dissipation only).
+    /// c, m/s, and 1 / rho0, m^3/kg (shock dissipation only).
     pub sound_speed: f32,
+    pub volume: f32,
     pub kernel: PhantomData<K>,
 }
 
@@ -99,7 +100,7 @@ impl<K: Kernel, V: PairViscosity, const SHOCK: bool> Pass<3> for Force<K, V, SHO
             if V::PRESENT || SHOCK {
                 let v = difference::<L>(&pair.own, &pair.other);
                 if SHOCK {
-                    p = L::add(p, shock::<L>(pair, v, self.sound_speed));
+                    p = L::add(p, shock::<L>(pair, v, self.sound_speed, self.volume));
                 }
                 let weight = L::add(pair.own[4], pair.other[4]);
                 self.viscosity
@@ -117,16 +118,16 @@ impl<K: Kernel, V: PairViscosity, const SHOCK: bool> Pass<3> for Force<K, V, SHO
     }
 }
 
-/// Twice the dissipative pressure over density of the low-dissipation Riemann flux (Zhang, Hu &
-/// Adams 2017): min(3 u / c, 1) c u for approaching pairs, u = -v . r / |r|.
+/// Twice the dissipative pressure over density squared of the low-dissipation Riemann flux (Zhang, Hu &
+/// Adams 2017): min(3 u / c, 1) c u / rho0 for approaching pairs, u = -v . r / |r|.
 #[inline(always)]
-unsafe fn shock<L: Lanes>(pair: &Pair<L>, v: [L::F; 3], c: f32) -> L::F {
+unsafe fn shock<L: Lanes>(pair: &Pair<L>, v: [L::F; 3], c: f32, volume: f32) -> L::F {
     unsafe {
         let zero = L::splat(0.0);
         let r = L::sqrt(L::max(pair.q2, L::splat(1e-12)));
         let u = L::max(L::div(L::sub(zero, L::dot(v, pair.d)), r), zero);
         let beta = L::min(L::mul(u, L::splat(3.0 / c)), L::splat(1.0));
-        L::mul(L::mul(beta, u), L::splat(c))
+        L::mul(L::mul(beta, u), L::splat(c * volume))
     }
 }
 

@@ -308,12 +308,14 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn pair_force<U: PairViscosity>(&mut self, viscosity: U) {
         let (factor, c) = (self.gradient_factor(), self.model.sound_speed as f32);
         let (scale, kernel) = (self.scale(), self.kernel);
+        let volume = (1.0 / self.model.density) as f32;
         let (records, rows) = (&self.flow.records, &self.flow.rows);
         if self.model.settings.shock_dissipation > 0.0 {
             let pass = Force::<K, U, true> {
                 factor,
                 viscosity,
                 sound_speed: c,
+                volume,
                 kernel,
             };
             sweep::rows(records, rows, scale, &pass, &mut self.force);
@@ -322,6 +324,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 factor,
                 viscosity,
                 sound_speed: c,
+                volume,
                 kernel,
             };
             sweep::rows(records, rows, scale, &pass, &mut self.force);
@@ -509,6 +512,10 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             if supported { [d * d, 1.0] } else { [0.0, 0.0] }
         });
         (kinetic, (squares / count.max(1.0)).sqrt())
+    }
+
+    fn settling_time(&self) -> f64 {
+        self.model.settling_time()
     }
 
     fn limits(&self) -> Vec<(&'static str, f64)> {

@@ -306,14 +306,14 @@ mod x86 {
         unsafe fn consecutive(records: *const Record) -> [__m256; 8] {
             unsafe {
                 transpose([
-                    _mm256_load_ps(records.add(*index as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(1) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(2) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(3) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(4) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(5) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(6) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(7) as usize) as *const f32),
+                    _mm256_load_ps(records as *const f32),
+                    _mm256_load_ps(records.add(1) as *const f32),
+                    _mm256_load_ps(records.add(2) as *const f32),
+                    _mm256_load_ps(records.add(3) as *const f32),
+                    _mm256_load_ps(records.add(4) as *const f32),
+                    _mm256_load_ps(records.add(5) as *const f32),
+                    _mm256_load_ps(records.add(6) as *const f32),
+                    _mm256_load_ps(records.add(7) as *const f32),
                 ])
             }
         }

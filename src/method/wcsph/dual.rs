@@ -11,7 +11,11 @@ use crate::space::parallel::{Slots, each, max, slots3};
 const MOST: f64 = 20.0;
 
 /// Shifting never moves a particle by more than this, in spacings, in one advective step.
-const SHIFT_CAP: f64 = 0.05;
+const SHIFT_CAP: f64 = 0.1;
+
+/// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
+/// eigenvalue of the renormalisation matrix, which a flat surface halves as it does the kernel sum).
+const LOOSE: f32 = 0.55;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// One advective step.
@@ -128,29 +132,33 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     /// Particle shifting against the gradient of concentration (Lind et al. 2012; Skillen et al.
-    /// 2013): dr = -A h |v| dt grad C, A = 2 times the setting; nothing at the free surface, and
-    /// only along it where the tension knows a normal.
+    /// 2013): dr = -A h v_max dt grad C, A = 2 times the setting; near a surface only along it, by
+    /// the tension's normal, and not at all where there is none. The largest speed, not the local one: voids
+    /// open at stagnation points.
     fn shift(&mut self, dt: f64) {
         let model = &self.model;
         let d = model.dimension.count();
         let gradient = K::norm(d) * (model.spacing / model.h).powi(d as i32) / model.h;
-        let strength = 2.0 * model.settings.shifting * model.h * dt * gradient;
+        let strength = 2.0 * model.settings.shifting * model.h * self.fastest * dt * gradient;
         let (cap, scale) = (SHIFT_CAP * model.spacing, self.sum_factor());
         let (around, records) = (&self.around, &self.flow.records);
         let tension = self.tension.is_some();
         let p = &mut self.flow.particles;
-        let (x, v) = (slots3(&mut p.position), &p.velocity);
+        let x = slots3(&mut p.position);
         each(around.len(), |i| {
             let s = &around[i];
-            if scale * (s.sum + 1.0) < SURFACE {
+            let support = scale * (s.sum + 1.0);
+            if support < LOOSE || (support < SURFACE && !tension) {
                 return;
             }
-            let speed = (0..3).map(|a| v[a][i] * v[a][i]).sum::<f64>().sqrt();
-            let mut dr = s.gradient.map(|g| -strength * speed * g as f64);
+            let mut dr = s.gradient.map(|g| -strength * g as f64);
             if tension {
                 // The tension left its normals in the records.
                 let u = [0, 1, 2].map(|a| records[i].payload(a) as f64);
                 let u2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+                if u2 == 0.0 && support < SURFACE {
+                    return;
+                }
                 if u2 > 0.0 {
                     let along = (0..3).map(|a| dr[a] * u[a]).sum::<f64>() / u2;
                     (0..3).for_each(|a| dr[a] -= along * u[a]);

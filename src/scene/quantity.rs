@@ -208,9 +208,14 @@ pub fn human(value: f64, unit: Unit) -> String {
     let magnitude = value.abs();
     let (name, power) = *scales
         .iter()
-        .find(|(_, power)| magnitude >= 10f64.powi(*power) * (1.0 - 1e-12))
+        .find(|(name, power)| magnitude >= least(name) * 10f64.powi(*power) * (1.0 - 1e-12))
         .unwrap_or(&scales[0]);
     format!("{} {name}", shifted(value, -power))
+}
+
+/// The least number that is written with a unit: 0.25 mm, but 250 us.
+fn least(unit: &str) -> f64 {
+    if unit == "mm" { 0.01 } else { 1.0 }
 }
 
 /// `value` x 10^`power` in the shortest digits that identify `value`.

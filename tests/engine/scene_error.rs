@@ -255,7 +255,7 @@ fn motions_and_spacings_that_make_no_sense_are_refused() {
     let spacing = edited("\"0.4 mm\"\n[relax]", "\"0.45 mm\"\n[relax]").to_string();
     holds(
         &spacing,
-        &["18:11", "does not divide", "444.444", "470.588"],
+        &["18:11", "does not divide", "0.444444", "0.470588"],
     );
     let coarse = edited("\"0.4 mm\"\n[relax]", "\"2 mm\"\n[relax]").to_string();
     holds(&coarse, &["fewer than 2 particles across body `pool`"]);

@@ -74,7 +74,8 @@ fn wrong_units_are_told_from_unknown_ones() {
 fn people_see_the_unit_they_would_choose() {
     for (value, unit, text) in [
         (0.004, Unit::Length, "4 mm"),
-        (0.00025, Unit::Length, "250 um"),
+        (0.00025, Unit::Length, "0.25 mm"),
+        (2.5e-6, Unit::Length, "2.5 um"),
         (3.13, Unit::Speed, "3.13 m/s"),
         (-3.13, Unit::Speed, "-3.13 m/s"),
         (0.067, Unit::Tension, "67 mN/m"),

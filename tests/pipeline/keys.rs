@@ -38,7 +38,7 @@ const TABLE: &[Row] = &[
         "pack.spacing=0.25 mm",
         ALL,
         "pack drop",
-        "pack.spacing 300 um -> 250 um",
+        "pack.spacing 0.3 mm -> 0.25 mm",
     ),
     (
         "pack.arrangement=poisson",

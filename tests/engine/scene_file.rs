@@ -152,7 +152,7 @@ fn every_setting_of_the_method_can_be_overridden() {
     assert_eq!(tension, coronet::scene::TensionForm::NormalisedColour);
     let strength = word("effects.tension.strength=4.5").tension_strength;
     assert_eq!(strength, TensionStrength::Fixed(4.5));
-    assert_eq!(word("effects.tension.smoothing=2").tension_smoothing, 2.0);
+    assert_eq!(word("effects.tension.smoothing=1.7").tension_smoothing, 1.7);
 }
 
 #[test]
@@ -213,4 +213,33 @@ fn the_papers_case_has_the_papers_particles() {
     assert_eq!(numbers::count(&scene, 0), 1_024_000);
     assert_eq!(numbers::count(&scene, 1), 1791);
     assert_eq!(numbers::sound_speed(&scene), 10.0 * 3.13);
+}
+
+/// The lines that are commented out in the manual show the defaults, except for these examples.
+#[test]
+fn the_reference_manual_shows_the_true_defaults() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = root.join("pipeline.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut shown = 0;
+    let full: Vec<String> = text
+        .lines()
+        .map(|line| {
+            let setting = line.strip_prefix("# ").unwrap_or("");
+            let key = setting.split(" = ").next().unwrap();
+            let is_key = key
+                .bytes()
+                .all(|byte| byte.is_ascii_lowercase() || byte == b'_');
+            let example = ["", "wall_velocity", "references"].contains(&key);
+            if example || !is_key || key.len() == setting.len() {
+                return line.to_string();
+            }
+            shown += 1;
+            setting.to_string()
+        })
+        .collect();
+    assert!(shown > 18, "{shown} defaults found");
+    let plain = file::read(&text, &path, &[]).unwrap().scene;
+    let full = file::read(&full.join("\n"), &path, &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(full.scene, plain);
 }

@@ -58,7 +58,7 @@ pub fn wcsph_modern() -> Wcsph {
         viscosity_form: ViscosityForm::Morris, // Morris, Fox & Zhu 1997
         tension_form: TensionForm::RawColour, // depends little on the arrangement
         tension_strength: TensionStrength::Virial,
-        tension_smoothing: 2.0, // with 1.5 h a static drop keeps currents of Ca 0.02, with 2 h 0.001
+        tension_smoothing: 2.0, // a static drop keeps currents of Ca 0.001, with 1.5 h 0.02
         wall_pressure: WallPressure::Extrapolated, // Adami, Hu & Adams 2012
         shifting: 6.0, // Taylor-Green: 3 leaves 14 % of excess decay, 6 and 12 leave 4 %
         shock_dissipation: 0.0, // its damping outlasts shocks: Taylor-Green decays 20 % too fast

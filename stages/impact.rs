@@ -6,7 +6,7 @@
 
 use std::fs;
 
-use coronet::method::{self, Phase, Solver};
+use coronet::method::{self, Diverged, Phase, Solver};
 use coronet::particle::{Particles, State, wall};
 use coronet::pipeline::store::{LOG, content};
 use coronet::pipeline::{Context, Output, Relative, Setting, Stage, StageError, Work};
@@ -146,7 +146,9 @@ impl Impact<'_> {
             error: None,
         };
         frames.step(solver.as_ref());
-        self.advance(context, solver.as_mut(), &mut frames)?;
+        if let Err(error) = self.advance(context, solver.as_mut(), &mut frames) {
+            return Err(Trouble::Stage(first_cause(error, frames.log)));
+        }
         let end = frames.checkpoint(solver.as_ref());
         let taken = frames.taken;
         frames.log.finish().map_err(StageError::failed)?;
@@ -175,6 +177,8 @@ impl Impact<'_> {
             let advanced = solver.advance(&mut |solver| frames.step(solver));
             if let Err(diverged) = advanced {
                 flight.land(context)?;
+                let work = context.work().display();
+                context.warn(&format!("checkpoints and frames so far are kept in {work}"));
                 return Err(StageError::failed(diverged));
             }
             frames.check()?;
@@ -282,6 +286,19 @@ impl Impact<'_> {
         let setup = LogSetup::new(scene, &wall::build(scene), text, provenance);
         let segment = next_segment(context);
         LogWriter::create(context.work(), segment, from, &setup).map_err(StageError::failed)
+    }
+}
+
+/// A log that fails makes checkpoints fail, which wait for its frames; the log knows why.
+fn first_cause(error: StageError, log: LogWriter) -> StageError {
+    let StageError::Failed(source) = error else {
+        return error;
+    };
+    match log.finish() {
+        Err(cause) if !source.is::<Diverged>() && !matches!(cause, LogError::Closed) => {
+            StageError::failed(cause)
+        }
+        _ => StageError::Failed(source),
     }
 }
 

@@ -55,81 +55,70 @@ fn thing(path: &Path) -> Result<Thing> {
     }
 }
 
+/// What is known about a thing, in an order for people.
+type Facts = Vec<(&'static str, Value)>;
+
 pub fn show(arguments: &ShowArguments) -> Result<()> {
-    let mut out = std::io::stdout().lock();
-    let object = match thing(&arguments.path)? {
-        Thing::Checkpoint(path) => checkpoint_object(&path)?,
-        Thing::Log(path) => log_object(&path)?,
-        Thing::Result(folder) => result_object(&folder)?,
+    let things: Vec<Facts> = match thing(&arguments.path)? {
+        Thing::Checkpoint(path) => vec![checkpoint_facts(&path)?],
+        Thing::Log(path) => vec![log_facts(&path)?],
+        Thing::Result(folder) => vec![result_facts(&folder)?],
         Thing::Latest(folders) => {
-            let objects: Result<Vec<_>> = folders.iter().map(|path| result_object(path)).collect();
-            Value::Array(objects?)
+            let facts = folders.iter().map(|folder| result_facts(folder));
+            facts.collect::<Result<_>>()?
         }
     };
-    if arguments.json {
-        writeln!(out, "{object}")?;
-    } else {
-        write_text(&mut out, &object, 0)?;
+    let mut out = std::io::stdout().lock();
+    for facts in things {
+        if arguments.json {
+            let named = facts.into_iter().map(|(name, value)| (name.to_string(), value));
+            writeln!(out, "{}", Value::Object(named.collect()))?;
+        } else {
+            write_facts(&mut out, &facts)?;
+        }
     }
     Ok(())
 }
 
 /// Reads, and so verifies, a whole checkpoint.
-fn checkpoint_object(path: &Path) -> Result<Value> {
+fn checkpoint_facts(path: &Path) -> Result<Facts> {
     let peek = checkpoint::peek(path)?;
     let checkpoint = checkpoint::read(path)?;
-    let arrays: Vec<_> = checkpoint
-        .arrays
-        .iter()
-        .map(|(name, array)| range(name, array))
-        .collect();
-    let pairs = |list: Vec<(String, Value)>| Value::Object(list.into_iter().collect());
-    let scalars = checkpoint
-        .scalars
-        .iter()
-        .map(|(name, value)| (name.clone(), json!(value)));
-    let texts = checkpoint
-        .texts
-        .iter()
-        .map(|(name, value)| (name.clone(), json!(value)));
-    Ok(json!({
-        "checkpoint": path,
-        "digest": peek.digest,
-        "format": peek.version,
-        "size": size(peek.file_size),
-        "kind": checkpoint.kind,
-        "time_s": checkpoint.time,
-        "step": checkpoint.step,
-        "scalars": pairs(scalars.collect()),
-        "texts": pairs(texts.collect()),
-        "arrays": arrays,
-    }))
-}
-
-/// Name, length and range of an array.
-fn range(name: &str, array: &Array) -> Value {
-    fn ends<T: Copy + Into<f64>>(values: &[T]) -> (f64, f64) {
-        let values = values.iter().map(|value| (*value).into());
-        values.fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(low, high), value: f64| (low.min(value), high.max(value)),
-        )
-    }
-    let (low, high) = match array {
-        Array::F64(values) => ends(values),
-        Array::F32(values) => ends(values),
-        Array::U32(values) => ends(values),
-        Array::U8(values) => ends(values),
-        Array::U64(values) => values
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                (l.min(*v as f64), h.max(*v as f64))
-            }),
+    let array = |(name, array): &(String, Array)| {
+        let (least, greatest) = range(array);
+        json!({"name": name, "length": array.len(), "least": least, "greatest": greatest})
     };
-    json!({"name": name, "length": array.len(), "least": low, "greatest": high})
+    let scalar = |(name, value): &(String, f64)| json!({"name": name, "value": value});
+    let text = |(name, value): &(String, String)| json!({"name": name, "value": value});
+    Ok(vec![
+        ("checkpoint", json!(path)),
+        ("kind", json!(checkpoint.kind)),
+        ("time_s", json!(checkpoint.time)),
+        ("step", json!(checkpoint.step)),
+        ("digest", json!(peek.digest)),
+        ("format", json!(peek.version)),
+        ("size", json!(size(peek.file_size))),
+        ("scalars", checkpoint.scalars.iter().map(scalar).collect()),
+        ("texts", checkpoint.texts.iter().map(text).collect()),
+        ("arrays", checkpoint.arrays.iter().map(array).collect()),
+    ])
 }
 
-fn log_object(path: &Path) -> Result<Value> {
+/// Least and greatest value; NaN if there is none.
+fn range(array: &Array) -> (f64, f64) {
+    fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
+        values.fold((f64::NAN, f64::NAN), |(low, high), value| (low.min(value), high.max(value)))
+    }
+    match array {
+        Array::F64(values) => ends(values.iter().copied()),
+        Array::F32(values) => ends(values.iter().map(|value| f64::from(*value))),
+        Array::U64(values) => ends(values.iter().map(|value| *value as f64)),
+        Array::U32(values) => ends(values.iter().map(|value| f64::from(*value))),
+        Array::U8(values) => ends(values.iter().map(|value| f64::from(*value))),
+    }
+}
+
+fn log_facts(path: &Path) -> Result<Facts> {
     let info = log::info(path)?;
     let (mut frames, mut first, mut last, mut particles) = (0u64, f64::NAN, f64::NAN, 0);
     for frame in log::read_frames(path)? {
@@ -140,73 +129,88 @@ fn log_object(path: &Path) -> Result<Value> {
         (frames, last, particles) = (frames + 1, frame.time, frame.id.len());
     }
     let bodies: Vec<_> = info.bodies.iter().map(|body| body.name.as_str()).collect();
-    Ok(json!({
-        "log": path,
-        "size": size(fs::metadata(path)?.len()),
-        "bodies": bodies,
-        "frames": frames,
-        "first_s": first,
-        "last_s": last,
-        "particles_at_last": particles,
-        "time_scale": info.time_scale,
-        "provenance": info.provenance,
-    }))
+    let fact = |(name, value): (&String, &String)| json!({"name": name, "value": value});
+    Ok(vec![
+        ("log", json!(path)),
+        ("size", json!(size(fs::metadata(path)?.len()))),
+        ("digest", json!(log::content_digest(path)?)),
+        ("bodies", json!(bodies)),
+        ("frames", json!(frames)),
+        ("first_s", json!(first)),
+        ("last_s", json!(last)),
+        ("particles_at_last", json!(particles)),
+        ("time_scale", json!(info.time_scale)),
+        ("provenance", info.provenance.iter().map(fact).collect()),
+    ])
 }
 
-fn result_object(folder: &Path) -> Result<Value> {
+fn result_facts(folder: &Path) -> Result<Facts> {
     let stamp = Stamp::read(folder)?.context("no stamp")?;
-    let mut object = serde_json::to_value(&stamp)?;
-    object["folder"] = json!(folder);
-    if let Some(settings) = object["settings"].as_array_mut() {
-        for setting in settings {
-            setting
-                .as_object_mut()
-                .map(|setting| setting.remove("canonical"));
-        }
-    }
-    Ok(object)
+    let setting = |setting: &stamp::SettingStamp| {
+        json!({"name": setting.name, "value": setting.value})
+    };
+    let input = |input: &stamp::InputStamp| {
+        let name = stamp::label(&input.stage, &input.body);
+        json!({"name": name, "digest": input.digest})
+    };
+    let output = |output: &stamp::OutputStamp| {
+        json!({"file": output.file, "size": size(output.bytes), "digest": output.digest})
+    };
+    Ok(vec![
+        ("result", json!(stamp.label())),
+        ("folder", json!(folder)),
+        ("key", json!(stamp.key)),
+        ("digest", json!(stamp.digest)),
+        ("version", json!(stamp.version)),
+        ("settings", stamp.settings.iter().map(setting).collect()),
+        ("inputs", stamp.inputs.iter().map(input).collect()),
+        ("outputs", stamp.outputs.iter().map(output).collect()),
+        ("notes", json!(stamp.notes)),
+        ("program", json!(stamp.program)),
+        ("machine", json!(stamp.machine)),
+        ("threads", json!(stamp.threads)),
+        ("started", json!(stamp.started)),
+        ("resumptions", json!(stamp.resumptions)),
+        ("wall_seconds", json!(stamp.wall_seconds)),
+        ("cpu_seconds", json!(stamp.cpu_seconds)),
+    ])
 }
 
-/// An object as indented lines.
-fn write_text(out: &mut impl std::io::Write, value: &Value, depth: usize) -> std::io::Result<()> {
-    let indent = "  ".repeat(depth);
-    let is_flat = |value: &Value| !value.is_object() && !value.is_array();
-    let bare = |value: &Value| match value {
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    };
-    match value {
-        Value::Object(map) => {
-            for (name, value) in map {
-                if is_flat(value) {
-                    writeln!(out, "{indent}{name}: {}", bare(value))?;
-                } else {
-                    writeln!(out, "{indent}{name}:")?;
-                    write_text(out, value, depth + 1)?;
+/// One line a fact; lists below their names.
+fn write_facts(out: &mut impl std::io::Write, facts: &Facts) -> std::io::Result<()> {
+    for (name, value) in facts {
+        match value {
+            Value::Array(list) if list.is_empty() => {}
+            Value::Array(list) => {
+                writeln!(out, "{name}")?;
+                for item in list {
+                    writeln!(out, "  {}", line(item))?;
                 }
             }
+            value => writeln!(out, "{name:18} {}", line(value))?,
         }
-        Value::Array(list) => {
-            for value in list {
-                match value {
-                    Value::Object(map) if map.values().all(is_flat) => {
-                        let parts: Vec<_> = map
-                            .iter()
-                            .map(|(n, v)| format!("{n} {}", bare(v)))
-                            .collect();
-                        writeln!(out, "{indent}{}", parts.join(", "))?;
-                    }
-                    value if is_flat(value) => writeln!(out, "{indent}{}", bare(value))?,
-                    value => {
-                        write_text(out, value, depth)?;
-                        writeln!(out)?;
-                    }
-                }
-            }
-        }
-        value => writeln!(out, "{indent}{}", bare(value))?,
     }
-    Ok(())
+    writeln!(out)
+}
+
+/// A value in one line: of an object first its name, then the rest.
+fn line(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Object(map) => {
+            let head = ["name", "file", "value"].into_iter().filter_map(|name| map.get(name));
+            let named = |name: &&String| !["name", "file", "value"].contains(&name.as_str());
+            let tail = map.iter().filter(|(name, _)| named(name));
+            let mut parts: Vec<String> = Vec::new();
+            for (index, value) in head.enumerate() {
+                let width = if index == 0 { 32 } else { 0 };
+                parts.push(format!("{:width$}", line(value)));
+            }
+            parts.extend(tail.map(|(name, value)| format!("{name} {}", line(value))));
+            parts.join("  ")
+        }
+        other => other.to_string(),
+    }
 }
 
 pub fn export(arguments: &ExportArguments) -> Result<()> {

@@ -1,11 +1,16 @@
 //! `pack`: the shape of a body -> its particles, about the body's own origin.
 
-use coronet::particle;
-use coronet::pipeline::{Context, Output, Setting, Stage, StageError};
+use std::time::{Duration, Instant};
+
+use coronet::particle::pack::{PackProgress, PackReport, pack};
+use coronet::pipeline::{Context, Output, Progress, Setting, Stage, StageError};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::file::Loaded;
 
 use crate::BODY;
+
+/// Time between two reports.
+const BETWEEN: Duration = Duration::from_millis(200);
 
 pub struct Pack<'a> {
     pub loaded: &'a Loaded,
@@ -34,26 +39,50 @@ impl Stage for Pack<'_> {
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
-        let scene = &self.loaded.scene;
-        let region = particle::shape::Region::new(scene, self.body);
-        let position = particle::lattice::fill(&region, scene.pack.spacing);
-        let n = position[0].len();
-        let mut body = particle::Particles {
-            id: (0..n as u32).collect(),
-            body: vec![0; n],
-            velocity: std::array::from_fn(|_| vec![0.0; n]),
-            density: vec![scene.density; n],
-            mass: 1.0,
-            position,
+        let started = Instant::now();
+        let mut shown = started;
+        let mut watch = |progress: &PackProgress| {
+            if shown.elapsed() >= BETWEEN {
+                shown = Instant::now();
+                report(context, progress, started);
+            }
         };
-        let report = n;
+        let packed = pack(&self.loaded.scene, self.body, &mut watch);
+        let (mut body, report) = packed.map_err(StageError::failed)?;
         // Which place a scene gives to a body is no part of the body.
         body.body.fill(0);
         let path = context.output().join(BODY);
-        Checkpoint::from(body)
-            .write(&path, checkpoint::LEVEL)
-            .map_err(StageError::failed)?;
-        context.note(report.to_string());
+        Checkpoint::from(body).write(&path, checkpoint::LEVEL).map_err(StageError::failed)?;
+        note(context, &report);
         Ok(vec![Output::counted(BODY)])
     }
+}
+
+fn report(context: &Context, progress: &PackProgress, started: Instant) {
+    let PackProgress { task, done, of, spread } = *progress;
+    let spread = spread.map_or(String::new(), |spread| format!(", {spread:.3} kg/m^3"));
+    context.progress(Progress {
+        fraction: done as f64 / of.max(1) as f64,
+        speed: done as f64 / started.elapsed().as_secs_f64(),
+        unit: "iterations/s",
+        text: format!("{task} {done} of at most {of}{spread}"),
+    });
+}
+
+fn note(context: &mut Context, report: &PackReport) {
+    context.note(format!(
+        "{} particles of {:.6e} kg, {:.6e} kg wanted",
+        report.count, report.mass, report.wanted_mass
+    ));
+    context.note(format!(
+        "standard deviation of density {:.4} kg/m^3 (plain sums of {} particles without a surface: \
+         {:.4} kg/m^3), mean {:+.4} kg/m^3",
+        report.spread, report.supported, report.supported_spread, report.offset
+    ));
+    let [least, _, median, _, most] = report.nearest.quantiles;
+    context.note(format!(
+        "nearest neighbour at {:.3} s0 at least, {:.3} s0 on average (1 %: {least:.3}, median \
+         {median:.3}, 99 %: {most:.3})",
+        report.nearest.least, report.nearest.mean
+    ));
 }

@@ -71,7 +71,9 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
     let mut out = std::io::stdout().lock();
     for facts in things {
         if arguments.json {
-            let named = facts.into_iter().map(|(name, value)| (name.to_string(), value));
+            let named = facts
+                .into_iter()
+                .map(|(name, value)| (name.to_string(), value));
             writeln!(out, "{}", Value::Object(named.collect()))?;
         } else {
             write_facts(&mut out, &facts)?;
@@ -107,7 +109,9 @@ fn checkpoint_facts(path: &Path) -> Result<Facts> {
 /// Least and greatest value; NaN if there is none.
 fn range(array: &Array) -> (f64, f64) {
     fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
-        values.fold((f64::NAN, f64::NAN), |(low, high), value| (low.min(value), high.max(value)))
+        values.fold((f64::NAN, f64::NAN), |(low, high), value| {
+            (low.min(value), high.max(value))
+        })
     }
     match array {
         Array::F64(values) => ends(values.iter().copied()),
@@ -146,16 +150,13 @@ fn log_facts(path: &Path) -> Result<Facts> {
 
 fn result_facts(folder: &Path) -> Result<Facts> {
     let stamp = Stamp::read(folder)?.context("no stamp")?;
-    let setting = |setting: &stamp::SettingStamp| {
-        json!({"name": setting.name, "value": setting.value})
-    };
+    let setting =
+        |setting: &stamp::SettingStamp| json!({"name": setting.name, "value": setting.value});
     let input = |input: &stamp::InputStamp| {
         let name = stamp::label(&input.stage, &input.body);
         json!({"name": name, "digest": input.digest})
     };
-    let output = |output: &stamp::OutputStamp| {
-        json!({"file": output.file, "size": size(output.bytes), "digest": output.digest})
-    };
+    let output = |output: &stamp::OutputStamp| json!({"file": output.file, "size": size(output.bytes), "digest": output.digest});
     Ok(vec![
         ("result", json!(stamp.label())),
         ("folder", json!(folder)),
@@ -198,7 +199,9 @@ fn line(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         Value::Object(map) => {
-            let head = ["name", "file", "value"].into_iter().filter_map(|name| map.get(name));
+            let head = ["name", "file", "value"]
+                .into_iter()
+                .filter_map(|name| map.get(name));
             let named = |name: &&String| !["name", "file", "value"].contains(&name.as_str());
             let tail = map.iter().filter(|(name, _)| named(name));
             let mut parts: Vec<String> = Vec::new();
@@ -317,7 +320,7 @@ pub fn recover(arguments: &RecoverArguments) -> Result<()> {
 }
 
 pub fn schema() -> Result<()> {
-    let schema = String::new();
+    let schema = coronet::scene::schema::json();
     std::io::stdout().lock().write_all(schema.as_bytes())?;
     Ok(())
 }

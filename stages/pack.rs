@@ -52,14 +52,21 @@ impl Stage for Pack<'_> {
         // Which place a scene gives to a body is no part of the body.
         body.body.fill(0);
         let path = context.output().join(BODY);
-        Checkpoint::from(body).write(&path, checkpoint::LEVEL).map_err(StageError::failed)?;
+        Checkpoint::from(body)
+            .write(&path, checkpoint::LEVEL)
+            .map_err(StageError::failed)?;
         note(context, &report);
         Ok(vec![Output::counted(BODY)])
     }
 }
 
 fn report(context: &Context, progress: &PackProgress, started: Instant) {
-    let PackProgress { task, done, of, spread } = *progress;
+    let PackProgress {
+        task,
+        done,
+        of,
+        spread,
+    } = *progress;
     let spread = spread.map_or(String::new(), |spread| format!(", {spread:.3} kg/m^3"));
     context.progress(Progress {
         fraction: done as f64 / of.max(1) as f64,

@@ -1,6 +1,7 @@
 //! `coronet run`.
 
 use std::io::Write as _;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -96,12 +97,29 @@ fn finish(store: &Store, name: &str, reports: &[Report], json: bool) -> std::io:
         return writeln!(out, "{object}");
     }
     writeln!(out, "latest   {}", latest.display())?;
+    // Names are for people; scripts get the folders, which never change what they hold.
+    let named = |path: PathBuf, stage: &str, file: &str| {
+        let name = latest.join(stage).join(file);
+        if name.exists() { name } else { path }
+    };
     if let Some(page) = page {
-        writeln!(out, "report   {}", page.display())?;
+        writeln!(
+            out,
+            "report   {}",
+            named(page, "post", post::REPORT).display()
+        )?;
     }
     if let (Some(log), Some(layout)) = (log, layout) {
-        writeln!(out, "frames   {}", log.display())?;
-        writeln!(out, "layout   {}", layout.display())?;
+        writeln!(
+            out,
+            "frames   {}",
+            named(log, "impact", impact::FRAMES).display()
+        )?;
+        writeln!(
+            out,
+            "layout   {}",
+            named(layout, "impact", impact::LAYOUT).display()
+        )?;
         writeln!(
             out,
             "look     open the frames in Foxglove or Lichtblick and import the layout there, \

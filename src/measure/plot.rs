@@ -71,6 +71,7 @@ impl Plot {
                 *r = [r[0].min(v), r[1].max(v)];
             }
         }
+        range[0] = [range[0][0].min(0.0), range[0][1].max(0.0)];
         if self.from_zero {
             range[1] = [range[1][0].min(0.0), range[1][1].max(0.0)];
         }

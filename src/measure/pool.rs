@@ -114,7 +114,12 @@ impl Pool {
         });
         pool.axis_level_mean = (count > 0).then(|| sum / count as f64);
         pool.far_level = pool.far_level.map(|z| z - level);
-        pool.crater_diameter = crater_diameter(region, axis, dimension, level);
+        // Where the surroundings lie just at the level there is no edge to find: look lower.
+        let diameter = |part: f64| {
+            let below = part * region.raster.particle_spacing;
+            crater_diameter(region, axis, dimension, level - below)
+        };
+        pool.crater_diameter = [0.0, 0.5, 1.0].into_iter().find_map(diameter);
         pool
     }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::canvas::{Canvas, WHITE};
 use super::field::Field;
 use super::figure::Figures;
-use super::gauge::{Gauge, Kind, contact_time, pool_depth};
+use super::gauge::{Gauge, Kind, Row, contact_time, pool_depth};
 use super::pool::Axis;
 use super::report::Report;
 use super::section::Section;
@@ -60,6 +60,8 @@ pub struct Post {
     panels: Instants,
     fields: Instants,
     sections: Vec<(Section, Option<Canvas>)>,
+    /// Height of the crown, and the frame with the highest so far: of the title picture.
+    best: Option<(f64, Frame)>,
     averages: Vec<Field>,
     files: Vec<PathBuf>,
 }
@@ -119,6 +121,7 @@ impl Post {
             panels: Instants::new(&scene.post.panels, interval),
             fields: Instants::new(&scene.post.fields, interval),
             sections: Vec::new(),
+            best: None,
             averages: Vec::new(),
             files: vec![PathBuf::from("measures.csv")],
         })
@@ -144,12 +147,25 @@ impl Post {
                 view::draw(&self.scene, frame, &camera).halved()
             });
             self.sections.push((section, view));
+            self.keep_best(frame, &row);
         }
         if self.fields.take(frame.time) {
             self.averages
                 .push(Field::new(&self.scene, frame, &self.axis, label));
         }
         Ok(())
+    }
+
+    /// The title picture is that of the panel with the highest crown (without a pool: the last).
+    fn keep_best(&mut self, frame: &Frame, row: &Row) {
+        if self.scene.dimension == Dimension::Two {
+            return;
+        }
+        let crown = row.iter().find(|(name, _)| name == "crown_height_m");
+        let height = crown.map_or(frame.time, |(_, z)| *z);
+        if self.best.as_ref().is_none_or(|(best, _)| height > *best) {
+            self.best = Some((height, frame.clone()));
+        }
     }
 
     /// Writes everything. `provenance`: name and value, shown as given.
@@ -168,6 +184,13 @@ impl Post {
             provenance: provenance.to_vec(),
             ..Report::default()
         };
+        if let Some((_, frame)) = self.best.take() {
+            let at = [self.axis.at[0], self.axis.at[1], pool_depth(&self.scene)];
+            let png = view::picture(&self.scene, &frame, at, [1600, 760]);
+            let png = png.map_err(|e| draw_error("picture", &e))?;
+            self.write("picture.png", &png)?;
+            report.picture = Some(png);
+        }
         self.draw_plots(&mut report)?;
         self.draw_panels(&mut report)?;
         self.draw_fields(&mut report)?;
@@ -203,7 +226,7 @@ impl Post {
         let times = self.series.time().to_vec();
         if let Some(jet) = self.series.column_mut("jet_height_m") {
             for (height, time) in jet.iter_mut().zip(times) {
-                if deepest.is_none_or(|t| time < t) {
+                if deepest.is_none_or(|t| time <= t) {
                     *height = f64::NAN;
                 }
             }
@@ -254,10 +277,7 @@ impl Post {
         }
         .plots();
         for plot in plots {
-            let svg = plot.svg().map_err(|e| PostError::Draw {
-                what: plot.title.clone(),
-                problem: e.to_string(),
-            })?;
+            let svg = plot.svg().map_err(|e| draw_error(&plot.title, &e))?;
             self.write(&format!("plots/{}", plot.file_name()), svg.as_bytes())?;
             report.plots.push(svg);
         }
@@ -326,10 +346,14 @@ impl Post {
 const VIEW: [usize; 2] = [1760, 2200];
 
 fn encode(picture: &Canvas, what: &str) -> Result<Vec<u8>, PostError> {
-    picture.png().map_err(|e| PostError::Draw {
+    picture.png().map_err(|e| draw_error(what, &e))
+}
+
+fn draw_error(what: &str, error: &dyn std::error::Error) -> PostError {
+    PostError::Draw {
         what: what.to_owned(),
-        problem: e.to_string(),
-    })
+        problem: error.to_string(),
+    }
 }
 
 fn norm_cells(norm: &Norm) -> [String; 5] {

@@ -15,6 +15,8 @@ pub struct Report {
     pub norms: Vec<[String; 5]>,
     /// Notes about what the page cannot show.
     pub notes: Vec<String>,
+    /// PNG file that opens the page.
+    pub picture: Option<Vec<u8>>,
     /// SVG texts.
     pub plots: Vec<String>,
     /// Caption and PNG files, one row of pictures each.
@@ -49,7 +51,8 @@ table{border-collapse:collapse;width:100%;font-size:.93rem}
 td,th{text-align:left;padding:3px 12px 3px 0;vertical-align:top}
 th{color:var(--soft);font-weight:600}td.n{white-space:nowrap;font-variant-numeric:tabular-nums}
 tr+tr td{border-top:1px solid var(--line)}
-code{font:.86em ui-monospace,'DejaVu Sans Mono',monospace;overflow-wrap:anywhere;white-space:pre-wrap}
+code{font:.86em ui-monospace,'DejaVu Sans Mono',monospace;overflow-wrap:anywhere;
+white-space:pre-wrap}
 ";
 
 impl Report {
@@ -71,6 +74,11 @@ impl Report {
                 escape(&self.scene)
             ),
         );
+        if let Some(png) = &self.picture {
+            page.push_str("<figure>");
+            put_image(&mut page, png, &self.title);
+            page.push_str("</figure>\n");
+        }
         self.put_results(&mut page);
         self.put_plots(&mut page);
         self.put_pictures(&mut page);

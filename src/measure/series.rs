@@ -224,10 +224,13 @@ pub struct Norm {
 
 /// Norms of every column that both have. `shift`: run time minus reference time, s.
 pub fn compare(run: &Series, reference: &Series, label: &str, shift: f64) -> Vec<Norm> {
+    // The level on the axis is the depth with its sign turned, and the drop before that.
+    let told = |name: &&String| !["time_s", "axis_level_m"].contains(&name.as_str());
     let common = reference
         .names
         .iter()
-        .filter(|n| *n != "time_s" && run.has(n));
+        .filter(told)
+        .filter(|name| run.has(name));
     common
         .filter_map(|name| compare_column(run, reference, label, name, shift))
         .collect()

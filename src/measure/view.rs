@@ -147,20 +147,24 @@ impl Buffer {
         let (width, height) = (self.width, self.height);
         let step = if along_row { 1 } else { width };
         let near = self.depth.iter().copied().fold(NOTHING, f32::min);
-        let reach = ((2.2 * spacing) / (near * self.pixel)).clamp(1.0, 32.0) as usize;
+        let reach = ((2.2 * spacing) / (near * self.pixel)).clamp(1.0, 60.0);
+        // Eight samples to each side, however wide the mean: later passes fill what one leaves out.
+        let skip = (reach / 8.0).ceil() as usize;
+        let samples = (reach / skip as f32).ceil() as usize;
+        let weights: Vec<f32> = (0..=samples)
+            .map(|n| 1.0 - (n as f32 / (samples as f32 + 1.0)).powi(2))
+            .collect();
         let rows: Vec<Vec<(f32, [f32; 3])>> = (0..height)
             .into_par_iter()
             .map(|row| {
                 let pixel = |column: usize| {
-                    let here = row * width + column;
                     let (at, end) = if along_row {
                         (column, width)
                     } else {
                         (row, height)
                     };
-                    let low = here - at.min(reach) * step;
-                    let count = at.min(reach) + (end - at).min(reach + 1);
-                    self.mean(here, (low, count, step), spacing, reach as f32)
+                    let line = (at / skip, (end - 1 - at) / skip, step * skip);
+                    self.mean(row * width + column, line, spacing, &weights)
                 };
                 (0..width).map(pixel).collect()
             })
@@ -173,24 +177,28 @@ impl Buffer {
         }
     }
 
+    /// Mean over a line of pixels: so many can be sampled before and after, that far apart.
     fn mean(
         &self,
         here: usize,
-        (low, count, step): (usize, usize, usize),
+        (before, after, step): (usize, usize, usize),
         spacing: f32,
-        reach: f32,
+        weights: &[f32],
     ) -> (f32, [f32; 3]) {
         let centre = self.depth[here];
         if centre == NOTHING {
             return (NOTHING, [0.0; 3]);
         }
+        let most = weights.len() - 1;
         let (mut weight, mut depth, mut colour) = (0.0, 0.0, [0.0; 3]);
-        for n in 0..count {
-            let place = low + n * step;
-            let away = (self.depth[place] - centre) / (3.0 * spacing);
-            if away.abs() < 1.0 {
-                let t = (place as f32 - here as f32) / (step as f32 * (reach + 1.0));
-                let w = (1.0 - t * t) * (1.0 - away * away).powi(2);
+        let (first, last) = (before.min(most), after.min(most));
+        let scale = 1.0 / (3.0 * spacing);
+        for n in 0..=first + last {
+            let place = here + n * step - first * step;
+            let away = (self.depth[place] - centre) * scale;
+            let near = 1.0 - away * away;
+            if near > 0.0 {
+                let w = weights[n.abs_diff(first)] * near * near;
                 weight += w;
                 depth += w * self.depth[place];
                 for (sum, c) in colour.iter_mut().zip(self.colour[place]) {
@@ -204,16 +212,20 @@ impl Buffer {
     /// Lambert light from the upper left, a soft highlight, and darker hollows.
     fn lit(&self, spacing: f32) -> Canvas {
         let (width, height) = (self.width, self.height);
-        let mut canvas = Canvas::new(width, height, [0; 3]);
-        for row in 0..height {
-            for column in 0..width {
-                let place = row * width + column;
-                let colour = if self.depth[place] == NOTHING {
-                    sky(row as f32 / height as f32)
-                } else {
-                    self.shaded(column, row, spacing)
+        let rows: Vec<Vec<Colour>> = (0..height)
+            .into_par_iter()
+            .map(|row| {
+                let pixel = |column: usize| match self.depth[row * width + column] {
+                    NOTHING => sky(row as f32 / height as f32),
+                    _ => self.shaded(column, row, spacing),
                 };
-                canvas.set(column, row, colour);
+                (0..width).map(pixel).collect()
+            })
+            .collect();
+        let mut canvas = Canvas::new(width, height, [0; 3]);
+        for (row, colours) in rows.iter().enumerate() {
+            for (column, colour) in colours.iter().enumerate() {
+                canvas.set(column, row, *colour);
             }
         }
         canvas
@@ -257,28 +269,40 @@ impl Buffer {
         })
     }
 
-    /// 1 in the open, less where the surroundings stand nearer to the eye.
+    /// 1 in the open, less where the surroundings stand nearer to the eye. Opposite neighbours
+    /// count together, so that a slope is not a hollow.
     fn hollow(&self, column: usize, row: usize, spacing: f32) -> f32 {
+        const RAYS: [(f32, f32); 8] = [
+            (1.0, 0.0),
+            (0.92, 0.38),
+            (0.71, 0.71),
+            (0.38, 0.92),
+            (0.0, 1.0),
+            (-0.38, 0.92),
+            (-0.71, 0.71),
+            (-0.92, 0.38),
+        ];
         let here = self.depth[row * self.width + column];
-        let reach = (4.0 * spacing / (here * self.pixel)).max(2.0) as i64;
+        let look = |dx: f32, dy: f32| {
+            let (x, y) = (column as f32 + dx, row as f32 + dy);
+            let inside = x >= 0.0 && y >= 0.0;
+            let (x, y) = (x as usize, y as usize);
+            let seen = inside && x < self.width && y < self.height;
+            seen.then(|| self.depth[y * self.width + x] - here)
+        };
+        let limit = 10.0 * spacing;
         let mut dark = 0.0;
-        for (dx, dy) in [
-            (1, 0),
-            (-1, 0),
-            (0, 1),
-            (0, -1),
-            (1, 1),
-            (-1, 1),
-            (1, -1),
-            (-1, -1),
-        ] {
-            let (x, y) = (column as i64 + dx * reach, row as i64 + dy * reach);
-            if x >= 0 && y >= 0 && x < self.width as i64 && y < self.height as i64 {
-                let there = self.depth[y as usize * self.width + x as usize];
-                dark += ((here - there) / (8.0 * spacing)).clamp(0.0, 1.0);
+        for step in 1..=3 {
+            let reach = 2.0 * step as f32 * spacing / (here * self.pixel);
+            for (dx, dy) in RAYS {
+                let pair = look(reach * dx, reach * dy).zip(look(-reach * dx, -reach * dy));
+                if let Some((a, b)) = pair {
+                    let mean = 0.5 * (a.clamp(-limit, limit) + b.clamp(-limit, limit));
+                    dark += (-mean / limit).max(0.0) / step as f32;
+                }
             }
         }
-        1.0 - 0.30 * dark / 4.0
+        (1.0 - 0.09 * dark).max(0.45)
     }
 }
 
@@ -300,7 +324,7 @@ pub fn picture(
     at: [f64; 3],
     size: [usize; 2],
 ) -> Result<Vec<u8>, png::EncodingError> {
-    let span = 0.8 * scene.domain.size[0];
+    let span = 1.3 * scene.domain.size[0];
     let camera = Camera::close(at, span, size.map(|s| 2 * s));
     draw(scene, frame, &camera).halved().png()
 }

@@ -104,7 +104,7 @@ fn a_run_becomes_a_table_plots_pictures_and_a_page() {
             assert!(!page.contains(loads), "{loads}");
         }
         let pictures = page.matches("data:image/png;base64,").count();
-        assert_eq!(pictures, if dimension == Dimension::Three { 5 } else { 3 });
+        assert_eq!(pictures, if dimension == Dimension::Three { 6 } else { 3 });
         assert!(page.matches("<svg").count() >= 4);
     }
 }

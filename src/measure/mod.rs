@@ -4,20 +4,20 @@
 //! become numbers; `gauge` knows which numbers a scene calls for. `post` takes the frames of a run
 //! in their order, one at a time, and writes everything.
 
-pub mod raster;
 mod area;
-pub mod region;
-pub mod pool;
-pub mod drop;
-pub mod gauge;
-pub mod series;
 pub mod canvas;
+pub mod drop;
+pub mod field;
+pub mod figure;
+pub mod gauge;
 pub mod letter;
 pub mod plot;
-pub mod section;
-pub mod view;
-pub mod field;
-pub mod summary;
-pub mod figure;
-pub mod report;
+pub mod pool;
 pub mod post;
+pub mod raster;
+pub mod region;
+pub mod report;
+pub mod section;
+pub mod series;
+pub mod summary;
+pub mod view;

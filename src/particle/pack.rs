@@ -105,6 +105,25 @@ pub struct PackReport {
     pub seconds: f64,
 }
 
+impl std::fmt::Display for PackReport {
+    /// One line for the stamp; no wall time, so that it is the same every time.
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(
+            f,
+            "{} particles; density {:+.3} kg/m^3 from rho0, spread {:.3} kg/m^3 ({:.3} over {} with \
+             full support); nearest neighbours {:.3} s0 on average, {:.3} s0 at least; {} iterations",
+            self.count,
+            self.offset,
+            self.spread,
+            self.supported_spread,
+            self.supported,
+            self.nearest.mean,
+            self.nearest.least,
+            self.iterations
+        )
+    }
+}
+
 /// Mass of one particle, kg (kg/m in 2-D).
 pub fn mass(scene: &Scene) -> f64 {
     let d = scene.dimension.count();

@@ -15,7 +15,11 @@ fn main() {
     if std::env::args().any(|argument| argument == "million") {
         scene.pack.spacing = 0.25e-3;
         let pool = scene.bodies.iter().position(|body| body.name == "pool");
-        measure(&scene, pool.expect("the default scene has a pool"), "million");
+        measure(
+            &scene,
+            pool.expect("the default scene has a pool"),
+            "million",
+        );
     }
 }
 
@@ -47,5 +51,9 @@ fn measure(scene: &Scene, body: usize, name: &str) {
 fn peak() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
-    line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kb| kb / 1024.0)
+    line.split_whitespace()
+        .nth(1)?
+        .parse::<f64>()
+        .ok()
+        .map(|kb| kb / 1024.0)
 }

@@ -70,9 +70,9 @@ pub struct Local {
 }
 
 impl Local {
-    /// rho / rho0 - 1.
-    pub fn residual(&self) -> f64 {
-        self.summed as f64 + self.missing as f64 - 1.0
+    /// rho / rho0 - 1 - `level`, the liquid beyond the surface at 1 + `level` as well.
+    pub fn residual(&self, level: f64) -> f64 {
+        self.summed as f64 + (1.0 + level) * (self.missing as f64 - 1.0)
     }
 }
 
@@ -159,15 +159,17 @@ pub fn densities<K: Kernel>(
     });
 }
 
-/// Mean of rho / rho0 - 1.
-pub fn mean(local: &[Local]) -> f64 {
-    let [sum] = parallel::sum(local.len(), |i| [local[i].residual()]);
-    sum / local.len().max(1) as f64
+/// The level 1 + l of rho / rho0 at which the residuals cancel on average.
+pub fn level(local: &[Local]) -> f64 {
+    let [summed, inside] = parallel::sum(local.len(), |i| {
+        [local[i].summed as f64, 1.0 - local[i].missing as f64]
+    });
+    summed / inside - 1.0
 }
 
-/// Root mean square of rho / rho0 - 1 - `level`.
+/// Root mean square of the residuals.
 pub fn spread(local: &[Local], level: f64) -> f64 {
-    let [sum] = parallel::sum(local.len(), |i| [(local[i].residual() - level).powi(2)]);
+    let [sum] = parallel::sum(local.len(), |i| [local[i].residual(level).powi(2)]);
     (sum / local.len().max(1) as f64).sqrt()
 }
 
@@ -200,7 +202,7 @@ impl Work {
         let goal = (FORCING * spread(local, level)).powi(2) * n as f64;
         part(crowd, &mut self.push);
         direct(crowd, measure, local, &self.push, &mut self.image);
-        let wanted = |i: usize| -((local[i].residual() - level) as f32 + self.image[i]);
+        let wanted = |i: usize| -(local[i].residual(level) as f32 + self.image[i]);
         self.residual = (0..n).map(wanted).collect();
         self.direction.clone_from(&self.residual);
         let mut square = dot(&self.residual, &self.residual);

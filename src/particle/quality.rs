@@ -55,7 +55,7 @@ pub fn closest(crowd: &Crowd) -> f64 {
 /// them: no completion takes part there.
 pub fn supported(local: &[Local], level: f64) -> (usize, f64) {
     let [count, sum] = parallel::sum(local.len(), |i| match local[i].missing == 0.0 {
-        true => [1.0, (local[i].residual() - level).powi(2)],
+        true => [1.0, local[i].residual(level).powi(2)],
         false => [0.0, 0.0],
     });
     (count as usize, (sum / f64::max(count, 1.0)).sqrt())

@@ -60,7 +60,7 @@ pub fn wcsph_modern() -> Wcsph {
         tension_strength: TensionStrength::Virial,
         tension_smoothing: 2.0, // a static drop keeps currents of Ca 0.001, with 1.5 h 0.02
         wall_pressure: WallPressure::Extrapolated, // Adami, Hu & Adams 2012
-        shifting: 6.0, // Taylor-Green: 3 leaves 14 % of excess decay, 6 and 12 leave 4 %
+        shifting: 6.0,          // Taylor-Green: 3 leaves 14 % of excess decay, 6 and 12 leave 4 %
         shock_dissipation: 0.0, // its damping outlasts shocks: Taylor-Green decays 20 % too fast
         time_stepping: TimeStepping::Dual {
             advective: 0.25,

@@ -8,7 +8,7 @@
 //! (5) a_s = SUM m (T_a / (rho_a^H)^2 + T_b / (rho_b^H)^2) . grad W^H   Eq. 9
 //!
 //! `RawColour`: the same with
-//! (6) n_a = SUM m / rho0 grad W^H,  T = alpha sigma H (|n|^2 I - nn),  rho0 for the densities in (5)
+//! (6) n_a = SUM m / rho0 grad W^H,  T = alpha sigma H (|n|^2 - (0.05/H)^2) (I - nn/|n|^2),  rho0 for the densities in (5)
 //! (the stress of a colour-gradient energy, as in Kuri et al., Eq. 7): smooth where n vanishes.
 //!
 //! Only liquid within the reach of a surface is looked at: n is zero deeper than 2 H, the force
@@ -27,10 +27,15 @@ use crate::space::lane::{Lanes, Record};
 use crate::space::parallel::{Slots, each};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Field, Pair, Pass};
+use rayon::prelude::*;
 use std::marker::PhantomData;
 
 /// Below |n| H = this there is no surface (Nishio Eq. 13).
-const EPSILON: f32 = 0.01;
+const EPSILON: f64 = 0.01;
+
+/// The same for the raw colour, where |n| H reaches 0.3 at a flat surface and disorder gives 0.02:
+/// the stress starts at zero here, so that the inside of the liquid has none.
+const FAINT: f64 = 0.05;
 
 /// What the effect reads of a flow.
 pub struct Surface<'a> {
@@ -275,10 +280,10 @@ impl Tension {
         let gradient = K::norm(self.dimension) / self.length.powi(d + 1);
         let raw = self.form == TensionForm::RawColour;
         let tension = self.strength * self.coefficient;
-        let epsilon = EPSILON as f64 / self.length;
+        let epsilon = if raw { FAINT } else { EPSILON } / self.length;
         let roots: Vec<[f32; 3]> = self
             .near
-            .iter()
+            .par_iter()
             .zip(&self.vectors)
             .map(|(&i, v)| {
                 let i = i as usize;
@@ -295,14 +300,16 @@ impl Tension {
                 if size <= epsilon {
                     return [0.0; 3];
                 }
-                let squared = if raw { size * size * self.length } else { size };
+                let squared = if raw {
+                    (size * size - epsilon * epsilon) * self.length
+                } else {
+                    size
+                };
                 let u = (tension * squared).sqrt() / rho / size;
                 n.map(|n| (u * n) as f32)
             })
             .collect();
-        for record in records.iter_mut() {
-            record.0[3..].fill(0);
-        }
+        records.par_iter_mut().for_each(|record| record.0[3..].fill(0));
         for (&i, u) in self.near.iter().zip(&roots) {
             let r = &mut records[i as usize];
             *r = Record::new([r.at(0), r.at(1), r.at(2)], [u[0], u[1], u[2], 0.0, 0.0]);

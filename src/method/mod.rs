@@ -74,8 +74,6 @@ pub trait Solver: Send {
     fn frame(&self) -> Frame;
     /// Kinetic energy, J, and standard deviation of density of supported particles, kg/m^3.
     fn unrest(&self) -> (f64, f64);
-    /// Simulated time before which a body that starts to relax cannot be judged at rest, s.
-    fn settling_time(&self) -> f64;
     /// Time-step limits by name, s, least first.
     fn limits(&self) -> Vec<(&'static str, f64)>;
     /// Bytes per particle: without neighbour rows, with them.

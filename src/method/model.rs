@@ -87,12 +87,6 @@ impl Model {
         }
     }
 
-    /// Period of the gravest sound wave between the box's sides or walls, s: nothing is at rest before.
-    pub fn settling_time(&self) -> f64 {
-        let size = self.domain.size.iter().copied().fold(0.0, f64::max);
-        4.0 * size / self.sound_speed
-    }
-
     /// P(rho), Pa (Nishio Eqs. 7-8), before clipping.
     #[inline(always)]
     pub fn pressure(&self, density: f64) -> f64 {

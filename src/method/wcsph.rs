@@ -514,10 +514,6 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
         (kinetic, (squares / count.max(1.0)).sqrt())
     }
 
-    fn settling_time(&self) -> f64 {
-        self.model.settling_time()
-    }
-
     fn limits(&self) -> Vec<(&'static str, f64)> {
         self.limits_now().all()
     }

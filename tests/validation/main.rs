@@ -6,7 +6,7 @@ mod flow;
 mod wall;
 
 use coronet::method::{self, Phase, Solver};
-use coronet::particle::{Frame, Particles, lattice, shape::Region};
+use coronet::particle::{Frame, Particles, pack::pack};
 use coronet::scene::{Scene, file};
 use std::path::Path;
 
@@ -26,20 +26,6 @@ pub fn scene(name: &str, sets: &[&str]) -> Scene {
         .scene
 }
 
-/// Lattice particles of a body.
-pub fn lattice_body(scene: &Scene, body: usize) -> Particles {
-    let position = lattice::fill(&Region::new(scene, body), scene.pack.spacing);
-    let n = position[0].len();
-    Particles {
-        id: (0..n as u32).collect(),
-        body: vec![body as u8; n],
-        position,
-        velocity: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
-        density: vec![scene.density; n],
-        mass: method::model::mass(scene),
-    }
-}
-
 /// Relaxes a body as the relax stage does.
 pub fn relax(scene: &Scene, body: &Particles) -> Particles {
     let Some(relax) = &scene.relax else {
@@ -51,15 +37,13 @@ pub fn relax(scene: &Scene, body: &Particles) -> Particles {
         damping: relax.damping,
     };
     let mut solver = method::build(scene, state, phase, None).expect("builds");
-    while solver.time() < relax.time {
+    // At rest means calm for a tenth of the time: at the very start nothing moves yet.
+    let mut calm_since = f64::INFINITY;
+    while solver.time() < relax.time && solver.time() - calm_since < 0.1 * relax.time {
         solver.advance(&mut |_| ()).expect("relaxes");
         let (kinetic, spread) = solver.unrest();
-        if solver.time() > solver.settling_time()
-            && kinetic / mass < relax.kinetic_energy
-            && spread < relax.density_spread
-        {
-            break;
-        }
+        let calm = kinetic / mass < relax.kinetic_energy && spread < relax.density_spread;
+        calm_since = if calm { calm_since.min(solver.time()) } else { f64::INFINITY };
     }
     let (kinetic, spread) = solver.unrest();
     println!(
@@ -73,7 +57,7 @@ pub fn relax(scene: &Scene, body: &Particles) -> Particles {
 /// Packs, relaxes, calibrates, builds.
 pub fn start(scene: &Scene) -> Box<dyn Solver> {
     let bodies: Vec<Particles> = (0..scene.bodies.len())
-        .map(|b| relax(scene, &lattice_body(scene, b)))
+        .map(|b| relax(scene, &pack(scene, b, &mut |_| ()).expect("packs").0))
         .collect();
     let strength = scene.effects.tension.map(|_| {
         let c = method::calibrate(scene, &bodies).expect("calibrates");

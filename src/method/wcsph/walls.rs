@@ -13,12 +13,15 @@ pub struct WallState {
     /// kg/m^3.
     pub density: Vec<f64>,
     sums: Vec<WallSums>,
+    /// The velocity that viscosity sees, m/s.
+    viscous: Vec<[f32; 3]>,
 }
 
 impl WallState {
     pub fn resize(&mut self, walls: usize, density: f64) {
         self.density.resize(walls, density);
         self.sums.resize(walls, WallSums::default());
+        self.viscous.resize(walls, [0.0; 3]);
     }
 }
 
@@ -87,17 +90,18 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     /// 2 u_wall - <v> (Adami et al. Eq. 23): no slip. A wall with its own density keeps u_wall.
-    fn viscous_velocity(&self, i: usize) -> [f32; 3] {
-        let s = &self.walls.sums[i];
-        [0, 1, 2].map(|a| {
-            let u = self.flow.wall.velocity[a][i] as f32;
-            let extrapolated = s.weight > 0.0 && !self.flow.wall_sees_wall;
-            if extrapolated {
-                2.0 * u - s.velocity[a] / s.weight
-            } else {
-                u
+    fn set_viscous_velocity(&mut self) {
+        let (sums, wall) = (&self.walls.sums, &self.flow.wall);
+        let own = self.flow.wall_sees_wall;
+        let viscous = Slots::new(&mut self.walls.viscous);
+        each(sums.len(), |i| {
+            let s = &sums[i];
+            let out = unsafe { viscous.at(i) };
+            for a in 0..3 {
+                let u = wall.velocity[a][i] as f32;
+                out[a] = if s.weight > 0.0 && !own { 2.0 * u - s.velocity[a] / s.weight } else { u };
             }
-        })
+        });
     }
 
     /// Packs records for the advective pass, the walls with the velocity that makes no slip.

@@ -4,7 +4,7 @@
 
 use coronet::method::{Phase, build};
 use coronet::particle::{Particles, State};
-use coronet::scene::*;
+use coronet::scene::{Scene, file};
 
 fn main() {
     let sizes: Vec<usize> = std::env::args().filter_map(|a| a.parse().ok()).collect();
@@ -28,99 +28,24 @@ fn main() {
     }
 }
 
-/// A jittered periodic lattice of `side`^3 particles.
+/// A periodic box of `side`^3 particles.
 fn scene(side: usize, preset: &str) -> Scene {
-    let s0 = 0.25e-3;
-    let size = [side as f64 * s0; 3];
-    let modern = preset == "modern";
-    Scene {
-        name: "bench".into(),
-        title: String::new(),
-        dimension: Dimension::Three,
-        domain: Domain {
-            size,
-            boundary: [[Side::Periodic; 2]; 3],
-            wall_velocity: Default::default(),
-        },
-        density: 1100.0,
-        effects: Effects {
-            gravity: None,
-            viscosity: Some(3.5e-3),
-            tension: None,
-        },
-        bodies: vec![Body {
-            name: "box".into(),
-            shape: Shape::Block {
-                low: [0.0; 3],
-                high: size,
-            },
-            motion: Motion::Uniform([0.0; 3]),
-            colour: [0; 3],
-        }],
-        pack: Pack {
-            spacing: s0,
-            arrangement: Arrangement::Lattice,
-            tolerance: 0.1,
-            seed: 1,
-            iterations: 100,
-        },
-        relax: None,
-        impact: Impact {
-            end: 1.0,
-            checkpoint_every: 60.0,
-        },
-        frames: Frames {
-            interval: 1.0,
-            time_scale: 1.0,
-            colour: Colour::Body,
-        },
-        post: Post {
-            panels: vec![],
-            fields: vec![],
-            references: vec![],
-        },
-        method: Method::Wcsph(Wcsph {
-            kernel: if modern {
-                KernelName::WendlandC2
-            } else {
-                KernelName::CubicSpline
-            },
-            smoothing: 1.3,
-            density: if modern {
-                Density::Continuity { diffusion: 0.1 }
-            } else {
-                Density::Summation
-            },
-            pressure: if modern {
-                Pressure::Signed
-            } else {
-                Pressure::Clipped
-            },
-            exponent: if modern { 1.0 } else { 7.0 },
-            sound_speed_factor: 10.0,
-            reference_speed: Some(3.13),
-            mass: Mass::LatticeSum,
-            viscosity_form: if modern {
-                ViscosityForm::Morris
-            } else {
-                ViscosityForm::TwoTerm
-            },
-            tension_form: TensionForm::RawColour,
-            tension_strength: TensionStrength::Virial,
-            tension_smoothing: 1.5,
-            wall_pressure: WallPressure::Extrapolated,
-            shifting: if modern { 1.0 } else { 0.0 },
-            shock_dissipation: 0.0,
-            time_stepping: if modern {
-                TimeStepping::Dual {
-                    advective: 0.25,
-                    acoustic: 0.6,
-                }
-            } else {
-                TimeStepping::Fixed { step: 1e-6 }
-            },
-        }),
-    }
+    let size = side as f64 * 0.25;
+    let text = format!(
+        "title = 'bench'\n\
+         [box]\nsize = ['{size} mm', '{size} mm', '{size} mm']\n\
+         x = 'periodic'\ny = 'periodic'\nz = 'periodic'\n\
+         [liquid]\ndensity = '1100 kg/m^3'\n\
+         [effects.viscosity]\ndynamic = '3.5 mPa s'\n\
+         [body.box]\n\
+         block = {{ low = [0, 0, 0], high = ['{size} mm', '{size} mm', '{size} mm'] }}\n\
+         [pack]\nspacing = '0.25 mm'\narrangement = 'lattice'\n\
+         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n\
+         [method]\nname = 'wcsph'\npreset = '{preset}'\n\
+         [method.wcsph]\nreference_speed = '3.13 m/s'\n"
+    );
+    let loaded = file::read(&text, std::path::Path::new("bench.toml"), &[]);
+    loaded.unwrap_or_else(|error| panic!("{error}")).scene
 }
 
 fn state(scene: &Scene, side: usize) -> State {

@@ -1,6 +1,7 @@
 //! One physical effect a file. An absent effect is the type `()` or is not built at all.
 
 pub mod band;
+pub mod gravity;
 pub mod select;
 pub mod tension;
 pub mod viscosity;

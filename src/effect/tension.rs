@@ -8,25 +8,30 @@
 //! (5) a_s = SUM m (T_a / (rho_a^H)^2 + T_b / (rho_b^H)^2) . grad W^H   Eq. 9
 //!
 //! `RawColour`: the same with
-//! (6) n_a = SUM m / rho0 grad W^H,  T = alpha sigma H (|n|^2 - (0.05/H)^2) (I - nn/|n|^2),  rho0 for the densities in (5)
+//! (6) n_a = SUM m / rho0 grad W^H,  T = alpha sigma H (|n|^2 - (0.05/H)^2) (I - nn/|n|^2),  rho0
+//! for the densities in (5)
 //! (the stress of a colour-gradient energy, as in Kuri et al., Eq. 7): smooth where n vanishes.
 //!
 //! Only liquid within the reach of a surface is looked at: n is zero deeper than 2 H, the force
 //! deeper than 4 H. Wall particles count as liquid in n, so that a wetted wall is no surface.
 //!
 //! The liquid is one-sided, so alpha is not 1: it is calibrated by the virial of the pair forces,
-//! sigma_eff A = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not enter.
+//! sigma_eff A = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not
+//! enter.
 //! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H.
 //! Tests: tests/engine/tension.rs, tests/validation.
+
+mod pass;
 
 use super::band::Band;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
 use crate::space::grid::Grid;
-use crate::space::lane::{Lanes, Record};
+use crate::space::lane::Record;
 use crate::space::parallel::{Slots, each};
 use crate::space::sort::Cells;
-use crate::space::sweep::{self, Field, Pair, Pass};
+use crate::space::sweep::{self, Field, Pass};
+use pass::{Colour, Difference, Gradient, Summed, Virial, Volume};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 
@@ -309,157 +314,12 @@ impl Tension {
                 n.map(|n| (u * n) as f32)
             })
             .collect();
-        records.par_iter_mut().for_each(|record| record.0[3..].fill(0));
+        records
+            .par_iter_mut()
+            .for_each(|record| record.0[3..].fill(0));
         for (&i, u) in self.near.iter().zip(&roots) {
             let r = &mut records[i as usize];
             *r = Record::new([r.at(0), r.at(1), r.at(2)], [u[0], u[1], u[2], 0.0, 0.0]);
         }
-    }
-}
-
-/// SUM slope d: the raw normal.
-struct Gradient<K>(PhantomData<K>);
-
-impl<K: Kernel> Pass<3> for Gradient<K> {
-    type Out = [f32; 3];
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            for a in 0..3 {
-                sum[a] = L::fma(slope, pair.d[a], sum[a]);
-            }
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum;
-    }
-}
-
-/// SUM w without the particle itself: (1).
-struct Volume<K>(PhantomData<K>);
-
-impl<K: Kernel> Pass<1> for Volume<K> {
-    type Out = f32;
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
-        *out = sum[0];
-    }
-}
-
-/// SUM V_b w without the particle itself: (2). Payload 1: V.
-struct Colour<K>(PhantomData<K>);
-
-impl<K: Kernel> Pass<1> for Colour<K> {
-    type Out = f32;
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let w = L::mul(pair.other[1], K::w_lanes::<L>(L::sqrt(pair.q2)));
-            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
-        *out = sum[0];
-    }
-}
-
-/// SUM (c_b - c_a) slope d: (3). Payload 2: c.
-struct Difference<K>(PhantomData<K>);
-
-impl<K: Kernel> Pass<3> for Difference<K> {
-    type Out = [f32; 3];
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let f = L::mul(slope, L::sub(pair.other[2], pair.own[2]));
-            for a in 0..3 {
-                sum[a] = L::fma(f, pair.d[a], sum[a]);
-            }
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum;
-    }
-}
-
-/// The pair force (5) before its factor, with T / rho^2 = |u|^2 I - u u.
-#[inline(always)]
-unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
-    unsafe {
-        let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-        let d = pair.d;
-        let a = [pair.own[0], pair.own[1], pair.own[2]];
-        let b = [pair.other[0], pair.other[1], pair.other[2]];
-        let s = L::add(L::dot(a, a), L::dot(b, b));
-        let (ad, bd) = (L::dot(a, d), L::dot(b, d));
-        let mut force = d;
-        for c in 0..3 {
-            let stress = L::sub(L::mul(s, d[c]), L::fma(b[c], bd, L::mul(a[c], ad)));
-            force[c] = L::mul(slope, stress);
-        }
-        force
-    }
-}
-
-/// Acceleration.
-struct Summed<K> {
-    factor: f64,
-    kernel: PhantomData<K>,
-}
-
-impl<K: Kernel> Pass<3> for Summed<K> {
-    type Out = [f32; 3];
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let force = stress::<K, L>(pair);
-            for c in 0..3 {
-                sum[c] = L::add(sum[c], force[c]);
-            }
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum.map(|s| (self.factor * s as f64) as f32);
-    }
-}
-
-/// Tangential over (d-1) minus normal virial, about the mean normal of the pair.
-struct Virial<K> {
-    /// 1 / (d-1).
-    scale: f32,
-    kernel: PhantomData<K>,
-}
-
-impl<K: Kernel> Pass<1> for Virial<K> {
-    type Out = f64;
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let force = stress::<K, L>(pair);
-            let (a, b) = (&pair.own, &pair.other);
-            let n = [L::add(a[0], b[0]), L::add(a[1], b[1]), L::add(a[2], b[2])];
-            let n2 = L::max(L::dot(n, n), L::splat(f32::MIN_POSITIVE));
-            let normal = L::div(L::mul(L::dot(n, pair.d), L::dot(n, force)), n2);
-            let tangential = L::sub(L::dot(pair.d, force), normal);
-            let part = L::sub(L::mul(tangential, L::splat(self.scale)), normal);
-            sum[0] = L::add(sum[0], part);
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
-        *out = sum[0] as f64;
     }
 }

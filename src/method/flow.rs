@@ -119,7 +119,8 @@ impl Flow {
         2.0 * (self.moved + step) > SLACK * self.lengths.support + self.lengths.late
     }
 
-    /// Search radius of cell columns that covers `support` in spite of what moved since the sort, m.
+    /// Search radius of cell columns that covers `support` in spite of what moved since the sort,
+    /// m.
     pub fn cutoff(&self, support: f64) -> f64 {
         support + 2.0 * self.moved
     }

@@ -24,8 +24,8 @@ use model::Model;
 /// Physics gone wrong. The caller keeps the last good checkpoint.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error(
-    "diverged at t = {time:.6e} s, step {step}: particle {particle} at ({x:.4e}, {y:.4e}, {z:.4e}) m: \
-     {what}; try {remedy}"
+    "diverged at t = {time:.6e} s, step {step}: particle {particle} at \
+     ({x:.4e}, {y:.4e}, {z:.4e}) m: {what}; try {remedy}"
 )]
 pub struct Diverged {
     pub time: f64,
@@ -64,7 +64,8 @@ pub trait Solver: Send {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Advances to the next instant at which the state is complete (a rebuild of the neighbour lists):
+    /// Advances to the next instant at which the state is complete (a rebuild of the neighbour
+    /// lists):
     /// a few steps. `state()` may be called between any two advances, and a solver restored from it
     /// goes on bit for bit. `on_step` sees the solver after every step, for frames.
     fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged>;
@@ -191,7 +192,8 @@ fn flow_of(
     } else {
         support
     };
-    // Wendland C2: slope (1 - q/2)^3 is below 1.3e-4 of its peak within 0.1 h of the support's edge.
+    // Wendland C2: slope (1 - q/2)^3 is below 1.3e-4 of its peak within 0.1 h of the support's
+    // edge.
     let late = match model.settings.kernel {
         crate::scene::KernelName::WendlandC2 => 0.1 * model.h,
         crate::scene::KernelName::CubicSpline => 0.0,

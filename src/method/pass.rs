@@ -118,7 +118,8 @@ impl<K: Kernel, V: PairViscosity, const SHOCK: bool> Pass<3> for Force<K, V, SHO
     }
 }
 
-/// Twice the dissipative pressure over density squared of the low-dissipation Riemann flux (Zhang, Hu &
+/// Twice the dissipative pressure over density squared of the low-dissipation Riemann flux (Zhang,
+/// Hu &
 /// Adams 2017): min(3 u / c, 1) c u / rho0 for approaching pairs, u = -v . r / |r|.
 #[inline(always)]
 unsafe fn shock<L: Lanes>(pair: &Pair<L>, v: [L::F; 3], c: f32, volume: f32) -> L::F {

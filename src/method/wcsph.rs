@@ -12,13 +12,15 @@
 //! pressure with few neighbours clumps. Tests: tests/engine/wcsph.rs, tests/validation.
 
 mod dual;
+mod report;
+mod sums;
 mod verlet;
 mod walls;
 
 use super::flow::Flow;
 use super::limit::Limits;
 use super::model::Model;
-use super::pass::{Continuity, Force, Neighbourhood, Summation, Surroundings};
+use super::pass::Surroundings;
 use super::{Diverged, Solver};
 use crate::effect::tension::Tension;
 use crate::effect::viscosity::PairViscosity;
@@ -26,7 +28,6 @@ use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
 use crate::space::parallel::{max, sum};
-use crate::space::sweep;
 use std::marker::PhantomData;
 
 /// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
@@ -206,131 +207,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.flow.find();
     }
 
-    /// norm s0^d / h^d: turns [`Surroundings::sum`] into the kernel sum (without the particle).
-    fn sum_factor(&self) -> f32 {
-        let d = self.model.dimension.count();
-        (K::norm(d) * (self.model.spacing / self.model.h).powi(d as i32)) as f32
-    }
-
-    /// Kernel sum of particle `i`: 1 inside, 0.77 at a flat surface.
-    #[inline(always)]
-    fn kernel_sum(&self, i: usize) -> f32 {
-        self.sum_factor() * (self.around[i].sum + 1.0)
-    }
-
-    /// Viscosity, kernel sums and their gradients of all particles.
-    fn look(&mut self) {
-        if self.is_dual() {
-            self.look_with(self.viscosity);
-        } else {
-            self.look_with(());
-        }
-    }
-
-    fn look_with<U: PairViscosity>(&mut self, viscosity: U) {
-        if U::PRESENT {
-            self.extrapolate_velocity();
-        } else {
-            self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
-        }
-        let factor = self.gradient_factor();
-        let pass = Neighbourhood {
-            factor,
-            viscosity,
-            kernel: self.kernel,
-        };
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, self.scale(), &pass, &mut self.around);
-    }
-
-    /// (1) for liquid, and for the wall if it carries its own density.
-    fn sum_density(&mut self) {
-        self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
-        let d = self.model.dimension.count();
-        let factor = self.flow.particles.mass * K::norm(d) / self.model.h.powi(d as i32);
-        let pass = Summation {
-            factor,
-            own: factor * K::w(0.0),
-            kernel: self.kernel,
-        };
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(
-            records,
-            rows,
-            scale,
-            &pass,
-            &mut self.flow.particles.density,
-        );
-        if self.flow.walls() > 0 && self.flow.wall_sees_wall {
-            let rows = &self.flow.wall_rows;
-            sweep::rows(records, rows, scale, &pass, &mut self.walls.density);
-        }
-    }
-
-    /// (2): fills `rate`.
-    fn density_rate(&mut self, diffusion: f64) {
-        let (model, rho0) = (&self.model, self.model.density);
-        let c = model.sound_speed;
-        let drift = match model.effects.gravity {
-            Some(g) => g.map(|g| (2.0 * diffusion * model.h / c * g) as f32),
-            None => [0.0; 3],
-        };
-        let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
-        let density = &self.walls.density;
-        self.flow.pack(
-            |p, i| {
-                let [x, y, z] = velocity(p, i);
-                [x, y, z, excess(p.density[i]), 0.0]
-            },
-            |w, i| {
-                let v = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
-                [v[0], v[1], v[2], excess(density[i]), 0.0]
-            },
-        );
-        let pass = Continuity {
-            factor: self.gradient_factor(),
-            diffusion: (2.0 * diffusion * c) as f32,
-            drift,
-            kernel: self.kernel,
-        };
-        let scale = self.scale();
-        sweep::rows(
-            &self.flow.records,
-            &self.flow.rows,
-            scale,
-            &pass,
-            &mut self.rate,
-        );
-    }
-
-    /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
-    fn pair_force<U: PairViscosity>(&mut self, viscosity: U) {
-        let (factor, c) = (self.gradient_factor(), self.model.sound_speed as f32);
-        let (scale, kernel) = (self.scale(), self.kernel);
-        let volume = (1.0 / self.model.density) as f32;
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        if self.model.settings.shock_dissipation > 0.0 {
-            let pass = Force::<K, U, true> {
-                factor,
-                viscosity,
-                sound_speed: c,
-                volume,
-                kernel,
-            };
-            sweep::rows(records, rows, scale, &pass, &mut self.force);
-        } else {
-            let pass = Force::<K, U, false> {
-                factor,
-                viscosity,
-                sound_speed: c,
-                volume,
-                kernel,
-            };
-            sweep::rows(records, rows, scale, &pass, &mut self.force);
-        }
-    }
-
     /// Adds a_s to `held` or `force`, whichever is given.
     fn add_tension(&mut self, into: fn(&mut Self) -> &mut Vec<[f32; 3]>) {
         let Some(mut tension) = self.tension.take() else {
@@ -344,63 +220,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.flow.records = records;
         tension.add(into(self));
         self.tension = Some(tension);
-    }
-
-    /// An error if anything is not a number or ran away.
-    fn check(&self) -> Result<(), Diverged> {
-        let bad = !self.fastest.is_finite() || self.fastest > self.model.sound_speed;
-        if !bad {
-            return Ok(());
-        }
-        let v = &self.flow.particles.velocity;
-        let square = |i: usize| v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i];
-        let key = |i: usize| {
-            if square(i).is_nan() {
-                f64::INFINITY
-            } else {
-                square(i)
-            }
-        };
-        let worst = (0..self.flow.liquid()).max_by(|a, b| key(*a).total_cmp(&key(*b)));
-        let i = worst.unwrap_or(0);
-        let [x, y, z] = self.flow.position(i);
-        Err(Diverged {
-            time: self.time,
-            step: self.step,
-            particle: self.flow.particles.id[i],
-            x,
-            y,
-            z,
-            what: format!(
-                "speed {:.4e} m/s above the sound speed {:.4e} m/s",
-                key(i).sqrt(),
-                self.model.sound_speed
-            ),
-            remedy: "a larger method.wcsph.sound_speed_factor or a smaller time step".into(),
-        })
-    }
-
-    /// Kinetic and potential energy, J, momentum, kg m/s.
-    fn budget(&self) -> [f64; 6] {
-        let (p, m) = (&self.flow.particles, self.flow.particles.mass);
-        let g = self.model.effects.gravity.unwrap_or([0.0; 3]);
-        let c2 = self.model.sound_speed * self.model.sound_speed;
-        let rho0 = self.model.density;
-        sum(p.len(), |i| {
-            let v = [p.velocity[0][i], p.velocity[1][i], p.velocity[2][i]];
-            let x = self.flow.position(i);
-            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-            let e = p.density[i] / rho0 - 1.0;
-            let compression = 0.5 * m * c2 * e * e;
-            [
-                0.5 * m * dot(v, v),
-                -m * dot(g, x),
-                compression,
-                m * v[0],
-                m * v[1],
-                m * v[2],
-            ]
-        })
     }
 }
 
@@ -478,29 +297,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
     }
 
     fn frame(&self) -> Frame {
-        let [kinetic, potential, compression, x, y, z] = self.budget();
-        let p = &self.flow.particles;
-        let named = [
-            ("kinetic_energy_J", kinetic),
-            ("potential_energy_J", potential),
-            ("compression_energy_J", compression),
-            ("mass_kg", p.mass * p.len() as f64),
-            ("mass_removed_kg", self.flow.removed.0),
-            ("momentum_x_kg_m_s", x),
-            ("momentum_y_kg_m_s", y),
-            ("momentum_z_kg_m_s", z),
-            ("speed_max_m_s", self.fastest),
-            ("time_step_s", self.last_step),
-            ("steps", self.step as f64),
-        ];
-        let scalars = named
-            .map(|(name, value)| (name.to_string(), value))
-            .to_vec();
-        let fields = super::frame::Fields {
-            pressure: &|i| self.model.pressure(p.density[i]),
-            surface: &|i| self.kernel_sum(i) < SURFACE,
-        };
-        super::frame::of(self.time, p, &fields, scalars)
+        self.make_frame()
     }
 
     fn unrest(&self) -> (f64, f64) {

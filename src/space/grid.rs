@@ -1,6 +1,7 @@
 //! Fixed-point coordinates and a grid of cells over the box.
 //!
-//! A coordinate is stored for the pair loops as a 32-bit integer in units of range / 2^32. The range
+//! A coordinate is stored for the pair loops as a 32-bit integer in units of range / 2^32. The
+//! range
 //! of a periodic axis is its period, so that the wrapping difference of two coordinates *is* the
 //! nearest image; differences are exact and are rounded once, when they become f32.
 //! Other axes have a range four times the covered length, so that nothing wraps by accident.
@@ -138,7 +139,8 @@ impl Grid {
         }
     }
 
-    /// Writes the columns of cells (first, last) that may hold anything within `cutoff` of `x`, in a
+    /// Writes the columns of cells (first, last) that may hold anything within `cutoff` of `x`, in
+    /// a
     /// fixed order. No cell is in two of them.
     #[inline]
     pub fn columns(&self, x: [f64; 3], cutoff: f64, found: &mut Vec<(u32, u32)>) {
@@ -170,7 +172,8 @@ impl Grid {
         }
     }
 
-    /// First and last cell coordinate (unwrapped) within `cutoff` of `x`, never more than all cells.
+    /// First and last cell coordinate (unwrapped) within `cutoff` of `x`, never more than all
+    /// cells.
     #[inline(always)]
     fn reach(&self, axis: usize, x: f64, cutoff: f64) -> (i64, i64) {
         let n = self.count[axis] as i64;

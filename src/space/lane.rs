@@ -1,7 +1,9 @@
-//! Eight f32 lanes: AVX2 + FMA where the processor has them, and a portable twin with the same bits.
+//! Eight f32 lanes: AVX2 + FMA where the processor has them, and a portable twin with the same
+//! bits.
 //!
 //! Only exact IEEE operations (no reciprocal estimates), so both give the same result everywhere.
-//! Every function is inlined into a caller that enables the features: see [`super::sweep`]. Code over
+//! Every function is inlined into a caller that enables the features: see [`super::sweep`]. Code
+//! over
 //! lanes holds no closure, for a closure would be a function without the features.
 
 /// One neighbour record: fixed-point x, y, z, then five f32 payloads, as bits. 32 bytes.

@@ -26,7 +26,6 @@ impl<'a, T> Slots<'a, T> {
 
     /// # Safety
     /// No two threads use the same index at a time.
-    #[allow(clippy::mut_from_ref)]
     #[inline(always)]
     pub unsafe fn at(&self, i: usize) -> &mut T {
         debug_assert!(i < self.len);

@@ -1,6 +1,7 @@
 //! Pair sums: one pass over the neighbours of many targets, eight at a time, gather only.
 //!
-//! A [`Pass`] says what a pair adds; the sweep says which pairs there are. A target's sum is taken by
+//! A [`Pass`] says what a pair adds; the sweep says which pairs there are. A target's sum is taken
+//! by
 //! one thread in the order of its row, so the result does not depend on the number of threads.
 
 use super::grid::Grid;

@@ -60,21 +60,18 @@ fn young_laplace(name: &str, sets: &[&str], dimension: f64) -> f64 {
 }
 
 #[test]
-#[ignore = "long"]
 fn static_drop_2d() {
     let error = young_laplace("static-drop-2d", &[], 2.0);
     assert!(error.abs() <= 0.03);
 }
 
 #[test]
-#[ignore = "long"]
 fn static_drop() {
     let error = young_laplace("static-drop", &[], 3.0);
     assert!(error.abs() <= 0.03);
 }
 
 #[test]
-#[ignore = "long"]
 fn oscillating_drop() {
     let scene = scene("oscillating-drop", &[]);
     let Shape::Sphere { radius, .. } = scene.bodies[0].shape else {

@@ -3,7 +3,6 @@
 use crate::{report, run, scalar, scene, start};
 
 #[test]
-#[ignore = "long"]
 fn taylor_green() {
     let scene = scene("taylor-green", &[]);
     let nu = scene.effects.viscosity.unwrap() / scene.density;
@@ -64,7 +63,6 @@ const MARTIN_MOYCE: [(f64, f64); 15] = [
 ];
 
 #[test]
-#[ignore = "long"]
 fn dam_break() {
     let scene = scene("dam-break", &[]);
     let a = 0.057;

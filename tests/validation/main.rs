@@ -1,5 +1,5 @@
-//! Physics against theory, in full length: `cargo test --release --test validation -- --ignored
-//! --nocapture --test-threads=1`. Prints one table row a case; docs/validation.md holds them.
+//! Physics against theory, in full length:
+//! `cargo test --release --test validation -- --nocapture --test-threads=1`. Prints one table row a case; docs/validation.md holds them.
 
 mod drop;
 mod flow;
@@ -43,7 +43,11 @@ pub fn relax(scene: &Scene, body: &Particles) -> Particles {
         solver.advance(&mut |_| ()).expect("relaxes");
         let (kinetic, spread) = solver.unrest();
         let calm = kinetic / mass < relax.kinetic_energy && spread < relax.density_spread;
-        calm_since = if calm { calm_since.min(solver.time()) } else { f64::INFINITY };
+        calm_since = if calm {
+            calm_since.min(solver.time())
+        } else {
+            f64::INFINITY
+        };
     }
     let (kinetic, spread) = solver.unrest();
     println!(

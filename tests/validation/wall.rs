@@ -3,7 +3,6 @@
 use crate::{report, run, scalar, scene, start};
 
 #[test]
-#[ignore = "long"]
 fn hydrostatic() {
     let scene = scene("hydrostatic", &[]);
     let depth = 0.02;
@@ -49,7 +48,6 @@ fn hydrostatic() {
 }
 
 #[test]
-#[ignore = "long"]
 fn poiseuille() {
     let scene = scene("poiseuille", &[]);
     let width = scene.domain.size[2];

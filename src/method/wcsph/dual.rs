@@ -2,6 +2,7 @@
 //! rows once per advective step; pressure and density in acoustic sub-steps by position Verlet.
 
 use super::{SURFACE, Wcsph};
+use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::Diverged;
@@ -14,7 +15,7 @@ const MOST: f64 = 20.0;
 const SHIFT_CAP: f64 = 0.1;
 
 /// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
-/// eigenvalue of the renormalisation matrix, which a flat surface halves as it does the kernel sum).
+/// eigenvalue of the renormalisation matrix, which a surface lowers like the kernel sum).
 const LOOSE: f32 = 0.55;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -42,17 +43,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// What is held over the advective step: viscosity (from `look`), gravity, tension.
     fn hold(&mut self) {
-        let g = self
-            .model
-            .effects
-            .gravity
-            .unwrap_or([0.0; 3])
-            .map(|g| g as f32);
         let (around, held) = (&self.around, Slots::new(&mut self.held));
-        each(around.len(), |i| {
-            let v = around[i].viscous;
-            *unsafe { held.at(i) } = [v[0] + g[0], v[1] + g[1], v[2] + g[2]];
-        });
+        each(around.len(), |i| *unsafe { held.at(i) } = around[i].viscous);
+        if let Some(g) = self.model.effects.gravity {
+            gravity::add(g, &mut self.held);
+        }
         self.add_tension(|s| &mut s.held);
         // Pressure acceleration belongs to the acoustic criterion.
         let held = &self.held;
@@ -133,7 +128,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Particle shifting against the gradient of concentration (Lind et al. 2012; Skillen et al.
     /// 2013): dr = -A h v_max dt grad C, A = 2 times the setting; near a surface only along it, by
-    /// the tension's normal, and not at all where there is none. The largest speed, not the local one: voids
+    /// the tension's normal, and not at all where there is none. The largest speed, not the local
+    /// one: voids
     /// open at stagnation points.
     fn shift(&mut self, dt: f64) {
         let model = &self.model;

@@ -2,6 +2,7 @@
 //! forces see the velocity predicted to the end of the step.
 
 use super::Wcsph;
+use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::{Diverged, Solver};
@@ -91,11 +92,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.pack_force(ahead);
         self.pair_force(self.viscosity);
         if let Some(g) = self.model.effects.gravity {
-            let force = Slots::new(&mut self.force);
-            each(self.held.len(), |i| {
-                let f = unsafe { force.at(i) };
-                (0..3).for_each(|a| f[a] += g[a] as f32);
-            });
+            gravity::add(g, &mut self.force);
         }
         self.add_tension(|s| &mut s.force);
         std::mem::swap(&mut self.held, &mut self.force);

@@ -61,18 +61,17 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.extrapolate();
             self.wall_density();
         }
-        let (model, density) = (&self.model, &self.walls.density);
-        let viscous: Vec<[f32; 3]> = (0..self.flow.walls())
-            .map(|i| self.viscous_velocity(i))
-            .collect();
+        self.set_viscous_velocity();
+        let (model, walls) = (&self.model, &self.walls);
         self.flow.pack_wall(|i| {
-            let (rho, v) = (density[i], viscous[i]);
+            let (rho, v) = (walls.density[i], walls.viscous[i]);
             let pressure = (model.pressure(rho) * inverse(rho)) as f32;
             [v[0], v[1], v[2], pressure, inverse(rho) as f32]
         });
     }
 
-    /// Pressure of the liquid carried to the wall against gravity (Adami et al. Eq. 27), as density.
+    /// Pressure of the liquid carried to the wall against gravity (Adami et al. Eq. 27), as
+    /// density.
     fn wall_density(&mut self) {
         let model = &self.model;
         let g = model.effects.gravity.unwrap_or([0.0; 3]);
@@ -99,7 +98,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let out = unsafe { viscous.at(i) };
             for a in 0..3 {
                 let u = wall.velocity[a][i] as f32;
-                out[a] = if s.weight > 0.0 && !own { 2.0 * u - s.velocity[a] / s.weight } else { u };
+                out[a] = if s.weight > 0.0 && !own {
+                    2.0 * u - s.velocity[a] / s.weight
+                } else {
+                    u
+                };
             }
         });
     }
@@ -126,9 +129,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if !self.flow.wall_sees_wall {
             self.extrapolate();
         }
-        let viscous: Vec<[f32; 3]> = (0..self.flow.walls())
-            .map(|i| self.viscous_velocity(i))
-            .collect();
+        self.set_viscous_velocity();
+        let viscous = &self.walls.viscous;
         self.flow
             .pack_wall(|i| [viscous[i][0], viscous[i][1], viscous[i][2], 0.0, w0]);
     }

@@ -1,0 +1,153 @@
+//! Pair sums of the surface tension; numbers as in [`super`].
+
+use crate::kernel::Kernel;
+use crate::space::lane::Lanes;
+use crate::space::sweep::{Pair, Pass};
+use std::marker::PhantomData;
+
+/// SUM slope d: the raw normal.
+pub struct Gradient<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Pass<3> for Gradient<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            for a in 0..3 {
+                sum[a] = L::fma(slope, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum;
+    }
+}
+
+/// SUM w without the particle itself: (1).
+pub struct Volume<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Pass<1> for Volume<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
+            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0];
+    }
+}
+
+/// SUM V_b w without the particle itself: (2). Payload 1: V.
+pub struct Colour<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Pass<1> for Colour<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let w = L::mul(pair.other[1], K::w_lanes::<L>(L::sqrt(pair.q2)));
+            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0];
+    }
+}
+
+/// SUM (c_b - c_a) slope d: (3). Payload 2: c.
+pub struct Difference<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Pass<3> for Difference<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let f = L::mul(slope, L::sub(pair.other[2], pair.own[2]));
+            for a in 0..3 {
+                sum[a] = L::fma(f, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum;
+    }
+}
+
+/// The pair force (5) before its factor, with T / rho^2 = |u|^2 I - u u.
+#[inline(always)]
+unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
+    unsafe {
+        let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+        let d = pair.d;
+        let a = [pair.own[0], pair.own[1], pair.own[2]];
+        let b = [pair.other[0], pair.other[1], pair.other[2]];
+        let s = L::add(L::dot(a, a), L::dot(b, b));
+        let (ad, bd) = (L::dot(a, d), L::dot(b, d));
+        let mut force = d;
+        for c in 0..3 {
+            let stress = L::sub(L::mul(s, d[c]), L::fma(b[c], bd, L::mul(a[c], ad)));
+            force[c] = L::mul(slope, stress);
+        }
+        force
+    }
+}
+
+/// Acceleration.
+pub struct Summed<K> {
+    pub factor: f64,
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<3> for Summed<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let force = stress::<K, L>(pair);
+            for c in 0..3 {
+                sum[c] = L::add(sum[c], force[c]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
+    }
+}
+
+/// Tangential over (d-1) minus normal virial, about the mean normal of the pair.
+pub struct Virial<K> {
+    /// 1 / (d-1).
+    pub scale: f32,
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<1> for Virial<K> {
+    type Out = f64;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let force = stress::<K, L>(pair);
+            let (a, b) = (&pair.own, &pair.other);
+            let n = [L::add(a[0], b[0]), L::add(a[1], b[1]), L::add(a[2], b[2])];
+            let n2 = L::max(L::dot(n, n), L::splat(f32::MIN_POSITIVE));
+            let normal = L::div(L::mul(L::dot(n, pair.d), L::dot(n, force)), n2);
+            let tangential = L::sub(L::dot(pair.d, force), normal);
+            let part = L::sub(L::mul(tangential, L::splat(self.scale)), normal);
+            sum[0] = L::add(sum[0], part);
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
+        *out = sum[0] as f64;
+    }
+}

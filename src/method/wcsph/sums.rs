@@ -1,0 +1,134 @@
+//! The pair sums of a step, with their factors; equation numbers as in [`super`].
+
+use super::{Wcsph, velocity};
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::method::pass::{Continuity, Force, Neighbourhood, Summation};
+use crate::space::sweep;
+
+impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    /// norm s0^d / h^d: turns [`Surroundings::sum`] into the kernel sum (without the particle).
+    pub(super) fn sum_factor(&self) -> f32 {
+        let d = self.model.dimension.count();
+        (K::norm(d) * (self.model.spacing / self.model.h).powi(d as i32)) as f32
+    }
+
+    /// Kernel sum of particle `i`: 1 inside, 0.77 at a flat surface.
+    #[inline(always)]
+    pub(super) fn kernel_sum(&self, i: usize) -> f32 {
+        self.sum_factor() * (self.around[i].sum + 1.0)
+    }
+
+    /// Viscosity, kernel sums and their gradients of all particles.
+    pub(super) fn look(&mut self) {
+        if self.is_dual() {
+            self.look_with(self.viscosity);
+        } else {
+            self.look_with(());
+        }
+    }
+
+    fn look_with<U: PairViscosity>(&mut self, viscosity: U) {
+        if U::PRESENT {
+            self.extrapolate_velocity();
+        } else {
+            self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        }
+        let factor = self.gradient_factor();
+        let pass = Neighbourhood {
+            factor,
+            viscosity,
+            kernel: self.kernel,
+        };
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(records, rows, self.scale(), &pass, &mut self.around);
+    }
+
+    /// (1) for liquid, and for the wall if it carries its own density.
+    pub(super) fn sum_density(&mut self) {
+        self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        let d = self.model.dimension.count();
+        let factor = self.flow.particles.mass * K::norm(d) / self.model.h.powi(d as i32);
+        let pass = Summation {
+            factor,
+            own: factor * K::w(0.0),
+            kernel: self.kernel,
+        };
+        let scale = self.scale();
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(
+            records,
+            rows,
+            scale,
+            &pass,
+            &mut self.flow.particles.density,
+        );
+        if self.flow.walls() > 0 && self.flow.wall_sees_wall {
+            let rows = &self.flow.wall_rows;
+            sweep::rows(records, rows, scale, &pass, &mut self.walls.density);
+        }
+    }
+
+    /// (2): fills `rate`.
+    pub(super) fn density_rate(&mut self, diffusion: f64) {
+        let (model, rho0) = (&self.model, self.model.density);
+        let c = model.sound_speed;
+        let drift = match model.effects.gravity {
+            Some(g) => g.map(|g| (2.0 * diffusion * model.h / c * g) as f32),
+            None => [0.0; 3],
+        };
+        let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
+        let density = &self.walls.density;
+        self.flow.pack(
+            |p, i| {
+                let [x, y, z] = velocity(p, i);
+                [x, y, z, excess(p.density[i]), 0.0]
+            },
+            |w, i| {
+                let v = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
+                [v[0], v[1], v[2], excess(density[i]), 0.0]
+            },
+        );
+        let pass = Continuity {
+            factor: self.gradient_factor(),
+            diffusion: (2.0 * diffusion * c) as f32,
+            drift,
+            kernel: self.kernel,
+        };
+        let scale = self.scale();
+        sweep::rows(
+            &self.flow.records,
+            &self.flow.rows,
+            scale,
+            &pass,
+            &mut self.rate,
+        );
+    }
+
+    /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
+    pub(super) fn pair_force<U: PairViscosity>(&mut self, viscosity: U) {
+        let (factor, c) = (self.gradient_factor(), self.model.sound_speed as f32);
+        let (scale, kernel) = (self.scale(), self.kernel);
+        let volume = (1.0 / self.model.density) as f32;
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        if self.model.settings.shock_dissipation > 0.0 {
+            let pass = Force::<K, U, true> {
+                factor,
+                viscosity,
+                sound_speed: c,
+                volume,
+                kernel,
+            };
+            sweep::rows(records, rows, scale, &pass, &mut self.force);
+        } else {
+            let pass = Force::<K, U, false> {
+                factor,
+                viscosity,
+                sound_speed: c,
+                volume,
+                kernel,
+            };
+            sweep::rows(records, rows, scale, &pass, &mut self.force);
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Physics against theory, in full length:
-//! `cargo test --release --test validation -- --nocapture --test-threads=1`. Prints one table row a case; docs/validation.md holds them.
-
+//! `cargo test --release --test validation -- --nocapture --test-threads=1`. Prints one row of the
+//! table in docs/validation.md for each case.
 mod drop;
 mod flow;
 mod wall;

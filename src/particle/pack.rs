@@ -112,8 +112,9 @@ impl std::fmt::Display for PackReport {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         write!(
             f,
-            "{} particles; density {:+.3} kg/m^3 from rho0, spread {:.3} kg/m^3 ({:.3} over {} with \
-             full support); nearest neighbours {:.3} s0 on average, {:.3} s0 at least; {} iterations",
+            "{} particles; density {:+.3} kg/m^3 from rho0, spread {:.3} kg/m^3 \
+             ({:.3} over {} with full support); nearest neighbours {:.3} s0 on average, \
+             {:.3} s0 at least; {} iterations",
             self.count,
             self.offset,
             self.spread,

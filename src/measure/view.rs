@@ -44,9 +44,14 @@ impl Camera {
     /// Sees the whole box, from the front and above; `level`: of the pool, m.
     pub fn whole(scene: &Scene, level: f64, size: [usize; 2]) -> Camera {
         let lateral = scene.domain.size;
-        let across = lateral[0].max(lateral[1]);
+        // A pool as deep as wide still fits.
+        let across = lateral[0].max(lateral[1]).max(2.0 * level);
         Camera {
-            target: [0.5 * lateral[0], 0.5 * lateral[1], level + 0.04 * across],
+            target: [
+                0.5 * lateral[0],
+                0.5 * lateral[1],
+                0.8 * level + 0.04 * across,
+            ],
             distance: 3.2 * across,
             elevation: 0.56,
             azimuth: 0.42,

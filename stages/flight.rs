@@ -63,8 +63,8 @@ impl Flight {
         self.collect(context)
     }
 
-    /// Notes what has been written since the last call and drops what is no longer needed. Errors of
-    /// earlier writes come out here.
+    /// Notes what has been written since the last call and drops what is no longer needed. Errors
+    /// of earlier writes come out here.
     pub fn collect(&mut self, context: &Context) -> Result<(), StageError> {
         if !self
             .writer

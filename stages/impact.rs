@@ -1,22 +1,21 @@
 //! `impact`: relaxed bodies -> the state at the end, and the log of frames.
 //!
 //! The run ends at the first restartable instant at or after `impact.end`. Frame k is taken at the
-//! first step at or after k x `frames.interval`; a result has every frame up to its last instant. So
-//! the frames of a shorter run are exactly the first frames of a longer one, whoever stopped when.
+//! first step at or after k x `frames.interval`; a result has every frame up to its last instant.
+//! So the frames of a shorter run are exactly the first frames of a longer one, whoever stopped
+//! when.
 
-use std::fs;
-
-use coronet::method::{self, Diverged, Phase, Solver};
-use coronet::particle::{Particles, State, wall};
-use coronet::pipeline::store::{LOG, content};
+use coronet::method::{self, Phase, Solver};
+use coronet::particle::{Particles, wall};
 use coronet::pipeline::{Context, Output, Relative, Setting, Stage, StageError, Work};
 use coronet::record::atomic::write_file;
+use coronet::record::checkpoint;
 use coronet::record::layout::Layout;
-use coronet::record::log::{self, LogError, LogSetup, LogWriter, Segment};
-use coronet::record::{Checkpoint, checkpoint};
+use coronet::record::log::{LogSetup, LogWriter};
 use coronet::scene::file::Loaded;
 
 use crate::flight::{self, Flight};
+use crate::journal::{Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start};
 use crate::pace::Pace;
 use crate::{calibrate, settings};
 
@@ -26,13 +25,6 @@ pub const STATE: &str = "state.checkpoint";
 pub const FRAMES: &str = "frames.mcap";
 /// For viewers, shows all of the log.
 pub const LAYOUT: &str = "layout.json";
-/// The log of the result that this one goes on from, in the work folder.
-const BASE: &str = "base.mcap";
-
-/// Number of the next frame, as a scalar of a checkpoint.
-const NEXT: &str = "frames/next";
-/// Frames taken so far.
-const TAKEN: &str = "frames/taken";
 
 /// Parts of the run between checkpoints that stay, for shorter runs to start from.
 const PARTS: f64 = 4.0;
@@ -89,37 +81,6 @@ impl Stage for Impact<'_> {
                 self.fly(context).map_err(StageError::from)
             }
             other => other.map_err(StageError::from),
-        }
-    }
-}
-
-/// Where a run begins.
-struct Start {
-    state: State,
-    next: u64,
-    taken: u64,
-    /// Not from t = 0.
-    resumed: bool,
-}
-
-/// Why a run did not reach its end.
-enum Trouble {
-    Stage(StageError),
-    /// Frames before the checkpoint are not in the log, whatever the disk had promised.
-    FramesLost(String),
-}
-
-impl From<StageError> for Trouble {
-    fn from(error: StageError) -> Self {
-        Trouble::Stage(error)
-    }
-}
-
-impl From<Trouble> for StageError {
-    fn from(trouble: Trouble) -> Self {
-        match trouble {
-            Trouble::Stage(error) => error,
-            Trouble::FramesLost(what) => StageError::failed(what),
         }
     }
 }
@@ -239,7 +200,7 @@ impl Impact<'_> {
                     continue;
                 };
                 // The final instant of a run with an earlier end is the first one at or after ours
-                // even if it lies behind it; of other instants only those before the end are useful.
+                // even if it lies behind it; of other instants only those before it are useful.
                 let shorter = output.file == STATE && run_end(relative).is_some_and(|e| e <= end);
                 if peek.time > since && (peek.time < end || shorter) {
                     candidates.push((peek.time, relative, output.file.as_str()));
@@ -289,55 +250,9 @@ impl Impact<'_> {
     }
 }
 
-/// A log that fails makes checkpoints fail, which wait for its frames; the log knows why.
-fn first_cause(error: StageError, log: LogWriter) -> StageError {
-    let StageError::Failed(source) = error else {
-        return error;
-    };
-    match log.finish() {
-        Err(cause) if !source.is::<Diverged>() && !matches!(cause, LogError::Closed) => {
-            StageError::failed(cause)
-        }
-        _ => StageError::Failed(source),
-    }
-}
-
-/// Frames as they become due.
-struct Frames {
-    log: LogWriter,
-    /// s.
-    interval: f64,
-    next: u64,
-    taken: u64,
-    error: Option<LogError>,
-}
-
-impl Frames {
-    /// Takes a frame if the solver has reached the next frame's time.
-    fn step(&mut self, solver: &dyn Solver) {
-        let time = solver.time();
-        if self.next as f64 * self.interval > time || self.error.is_some() {
-            return;
-        }
-        self.error = self.log.frame(solver.frame()).err();
-        self.taken += 1;
-        while self.next as f64 * self.interval <= time {
-            self.next += 1;
-        }
-    }
-
-    fn check(&mut self) -> Result<(), StageError> {
-        self.error
-            .take()
-            .map_or(Ok(()), |error| Err(StageError::failed(error)))
-    }
-
-    fn checkpoint(&self, solver: &dyn Solver) -> Checkpoint {
-        let mut checkpoint = Checkpoint::from(solver.state());
-        checkpoint.scalars.push((NEXT.into(), self.next as f64));
-        checkpoint.scalars.push((TAKEN.into(), self.taken as f64));
-        checkpoint
-    }
+/// `impact.end` of a finished run, s.
+fn run_end(relative: &Relative) -> Option<f64> {
+    settings::number(relative.setting("impact.end")?)
 }
 
 /// Reads body `index` from input `input`: the checkpoint does not know its place in the scene.
@@ -350,90 +265,4 @@ pub fn read_body(context: &Context, input: usize, index: usize) -> Result<Partic
     })?;
     particles.body.fill(index as u8);
     Ok(particles)
-}
-
-fn start(checkpoint: Checkpoint) -> Option<Start> {
-    let next = checkpoint.scalar(NEXT)? as u64;
-    let taken = checkpoint.scalar(TAKEN)? as u64;
-    Some(Start {
-        state: State::try_from(checkpoint).ok()?,
-        next,
-        taken,
-        resumed: true,
-    })
-}
-
-/// `impact.end` of a finished run, s.
-fn run_end(relative: &Relative) -> Option<f64> {
-    settings::number(relative.setting("impact.end")?)
-}
-
-/// Makes a finished run the beginning of this one: its log becomes the base. The inner error says
-/// why it cannot be used.
-fn adopt(
-    context: &Context,
-    relative: &Relative,
-    file: &str,
-) -> Result<Result<Start, String>, StageError> {
-    let log = relative.folder.join(FRAMES);
-    let mut outputs = relative.stamp.outputs.iter();
-    let wanted = outputs
-        .find(|output| output.file == FRAMES)
-        .map(|output| output.digest);
-    let found = content(&log);
-    if found.as_ref().ok() != wanted.as_ref() {
-        return Ok(Err(found
-            .err()
-            .unwrap_or_else(|| "its log is another one".into())));
-    }
-    let start = match relative.checkpoint(file) {
-        Ok(checkpoint) => start(checkpoint),
-        Err(what) => return Ok(Err(what)),
-    };
-    let Some(start) = start else {
-        return Ok(Err(format!("{file} is no state of an impact")));
-    };
-    flight::clear(context)?;
-    flight::link_or_copy(&log, &context.work().join(BASE)).map_err(StageError::failed)?;
-    Ok(Ok(start))
-}
-
-/// Number of the first segment that does not exist yet.
-fn next_segment(context: &Context) -> u32 {
-    let entries = fs::read_dir(context.work()).into_iter().flatten().flatten();
-    let numbers = entries.filter_map(|entry| {
-        let name = entry.file_name().into_string().ok()?;
-        name.strip_prefix("segment-")?
-            .strip_suffix(&format!(".{LOG}"))?
-            .parse::<u32>()
-            .ok()
-    });
-    numbers.max().map_or(0, |last| last + 1)
-}
-
-/// One log of all segments, with every frame that was taken.
-fn merge(context: &Context, taken: u64) -> Result<(), Trouble> {
-    let mut segments = log::segments(context.work()).map_err(StageError::failed)?;
-    let base = context.work().join(BASE);
-    if base.exists() {
-        let path = base;
-        segments.insert(
-            0,
-            Segment {
-                path,
-                resumed_from: None,
-            },
-        );
-    }
-    match log::merge(&segments, &context.output().join(FRAMES)) {
-        Ok(merged) if merged.frames == taken => Ok(()),
-        Ok(merged) => {
-            let what = format!("the log has {} of {taken} frames", merged.frames);
-            Err(Trouble::FramesLost(what))
-        }
-        Err(error @ (LogError::FramesLost { .. } | LogError::Damaged { .. })) => {
-            Err(Trouble::FramesLost(error.to_string()))
-        }
-        Err(error) => Err(StageError::failed(error).into()),
-    }
 }

@@ -156,7 +156,10 @@ fn result_facts(folder: &Path) -> Result<Facts> {
         let name = stamp::label(&input.stage, &input.body);
         json!({"name": name, "digest": input.digest})
     };
-    let output = |output: &stamp::OutputStamp| json!({"file": output.file, "size": size(output.bytes), "digest": output.digest});
+    let output = |output: &stamp::OutputStamp| {
+        let size = size(output.bytes);
+        json!({"file": output.file, "size": size, "digest": output.digest})
+    };
     Ok(vec![
         ("result", json!(stamp.label())),
         ("folder", json!(folder)),

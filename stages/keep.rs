@@ -49,7 +49,10 @@ pub fn verify(arguments: &StoreArguments) -> Result<()> {
 fn print_finding(finding: &Finding, json: bool) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     if json {
-        let problem = |problem: &verify::Problem| json!({"file": problem.file, "what": problem.what, "kept": problem.kept});
+        let problem = |problem: &verify::Problem| {
+            let verify::Problem { file, what, kept } = problem;
+            json!({"file": file, "what": what, "kept": kept})
+        };
         let problems: Vec<_> = finding.problems.iter().map(problem).collect();
         let object = json!({
             "folder": finding.folder,

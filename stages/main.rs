@@ -7,6 +7,7 @@ mod flight;
 mod impact;
 mod inspect;
 mod jobs;
+mod journal;
 mod keep;
 mod pace;
 mod pack;

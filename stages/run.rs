@@ -52,7 +52,7 @@ fn threads(arguments: &RunArguments) -> usize {
     arguments.threads.map_or(cores, usize::from)
 }
 
-/// A flag that Ctrl-C and termination signals set. A second Ctrl-C ends the program at once: the last
+/// A flag that Ctrl-C and termination signals set. A second one ends the program at once: the last
 /// checkpoint is as good as after a kill.
 fn stop_on_signals() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));

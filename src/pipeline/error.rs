@@ -52,8 +52,8 @@ pub enum PipelineError {
     Interrupted { job: String },
     #[error(
         "{job}: the same key {} gave two results: {first} (in {}) and {second} (in {}); \
-         both are kept. The program is not deterministic here, or its VERSION stood still while its \
-         numbers changed: please report it. Remove the one that you do not trust, then run again",
+         both are kept. The program is not deterministic here, or its VERSION stood still while \
+         its numbers changed: please report it. Remove the one that you do not trust, then run again",
         key.short(), folder.display(), other.display()
     )]
     Nondeterministic {
@@ -64,7 +64,7 @@ pub enum PipelineError {
         second: Digest,
         other: PathBuf,
     },
-    #[error("{job}: input {} was damaged again right after it was made anew: {what}", file.display())]
+    #[error("{job}: {} was damaged again right after it was made anew: {what}", file.display())]
     DamagedAgain {
         job: String,
         file: PathBuf,

@@ -45,7 +45,7 @@ pub fn cpu_seconds() -> f64 {
     #[cfg(unix)]
     {
         let seconds = |time: libc::timeval| time.tv_sec as f64 + time.tv_usec as f64 * 1e-6;
-        // SAFETY: `rusage` is plain data for which all zeros are valid, and `getrusage` only fills it.
+        // SAFETY: all zeros are a valid `rusage`, and `getrusage` only fills it.
         let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
         if unsafe { libc::getrusage(libc::RUSAGE_SELF, &mut usage) } == 0 {
             return seconds(usage.ru_utime) + seconds(usage.ru_stime);

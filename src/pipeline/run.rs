@@ -213,26 +213,11 @@ impl Walk<'_> {
         let inputs = self.inputs(job);
         let digests: Vec<Digest> = inputs.iter().map(|input| input.stamp.digest).collect();
         let family = key::family(stage, &settings, &digests);
-        let work = folder.join(WORK);
-        let spent = prepare(&work)?;
         latest::begin(run.store, &run.pipeline.name, stage.name(), folder);
         run.watch.event(&Event::Started {
             decision: &decision,
         });
-        let relatives = relatives(run.store, stage.name(), family);
-        let mut context = Context {
-            inputs,
-            relatives: relatives.into_iter().map(relative).collect(),
-            key: decision.key.expect("known when it runs"),
-            work,
-            job: label.clone(),
-            stop: run.stop,
-            watch: run.watch,
-            resumed: false,
-            notes: Vec::new(),
-            clock: Clock::start(),
-            spent,
-        };
+        let mut context = self.context(&decision, inputs, family, folder)?;
         context.save_time()?;
         let outputs = match stage.run(&mut context) {
             Ok(outputs) => outputs,
@@ -274,6 +259,32 @@ impl Walk<'_> {
             seconds,
             cpu_seconds,
         })))
+    }
+
+    /// The surroundings of the stage that `decision` is about.
+    fn context(
+        &self,
+        decision: &Decision,
+        inputs: Vec<Input>,
+        family: Option<Digest>,
+        folder: &Path,
+    ) -> Result<Context<'_>, FileError> {
+        let work = folder.join(WORK);
+        let spent = prepare(&work)?;
+        let relatives = relatives(self.run.store, &decision.stage, family);
+        Ok(Context {
+            inputs,
+            relatives: relatives.into_iter().map(relative).collect(),
+            key: decision.key.expect("known when it runs"),
+            work,
+            job: decision.label(),
+            stop: self.run.stop,
+            watch: self.run.watch,
+            resumed: false,
+            notes: Vec::new(),
+            clock: Clock::start(),
+            spent,
+        })
     }
 
     fn inputs(&self, job: usize) -> Vec<Input> {

@@ -42,7 +42,7 @@ pub enum Found {
     Unusable(String),
 }
 
-/// Held while a result is being made; the system releases it when the process ends, however it ends.
+/// Held while a result is being made; released when the process ends, however it ends.
 #[derive(Debug)]
 pub struct Lock {
     _file: File,
@@ -117,8 +117,9 @@ impl Store {
         Found::Finished(Box::new(stamp))
     }
 
-    /// Takes the lock of a folder, making the folder if needed. While another process has it, `wait`
-    /// is called with that process's name, again and again; it returns false to give up (`None`).
+    /// Takes the lock of a folder, making the folder if needed. While another process has it,
+    /// `wait` is called with that process's name, again and again; it returns false to give up
+    /// (`None`).
     pub fn lock(
         &self,
         folder: &Path,
@@ -149,8 +150,8 @@ impl Store {
         }
     }
 
-    /// Keeps [`Store::lock_all`] out while a pipeline runs. `None` where nothing can be written: then
-    /// nothing can be removed, either.
+    /// Keeps [`Store::lock_all`] out while a pipeline runs. `None` where nothing can be written:
+    /// then nothing can be removed, either.
     pub fn share(&self, wait: &mut dyn FnMut(&str) -> bool) -> Option<Lock> {
         let path = self.root.join(LOCK);
         fs::create_dir_all(&self.root).ok()?;
@@ -202,8 +203,8 @@ fn bytes_digest(path: &Path) -> std::io::Result<Digest> {
     }
 }
 
-/// Renames a file that cannot be trusted to the first free `<name>.bad-N` and returns that name. The
-/// stamp goes the same way first, so that nobody takes the rest for a finished result.
+/// Renames a file that cannot be trusted to the first free `<name>.bad-N` and returns that name.
+/// The stamp goes the same way first, so that nobody takes the rest for a finished result.
 pub fn set_aside(folder: &Path, file: &Path) -> Result<PathBuf, FileError> {
     let stamp = folder.join(stamp::FILE);
     if file != stamp && stamp.exists() {

@@ -53,7 +53,7 @@ fn reach_plan(store: &Store, roots: &mut Roots, name: &str, decisions: &[Decisio
     }
 }
 
-/// Removes every result that neither a pipeline in `artifacts/latest/` (unless it is in `forgotten`)
+/// Removes every result that neither a pipeline in `artifacts/latest/` (unless it is `forgotten`)
 /// nor one of the `planned` ones reaches. Refuses while a pipeline runs.
 pub fn sweep(
     store: &Store,

@@ -1,7 +1,12 @@
 //! The pipeline from outside: a toy pipeline through the library, the real one through the binary.
 
+#[cfg(target_os = "linux")]
+mod disk;
 mod fault;
+mod golden;
 mod keys;
+mod laboratory;
 mod program;
 mod resume;
+mod sharing;
 mod toy;

@@ -1,0 +1,185 @@
+//! The frames of a run under way, and where a run can begin: what makes the frames and checkpoints
+//! of all attempts one result.
+
+use std::fs;
+
+use coronet::method::{Diverged, Solver};
+use coronet::particle::State;
+use coronet::pipeline::store::{LOG, content};
+use coronet::pipeline::{Context, Relative, StageError};
+use coronet::record::Checkpoint;
+use coronet::record::log::{self, LogError, LogWriter, Segment};
+
+use crate::flight;
+use crate::impact::FRAMES;
+
+/// The log of the result that this one goes on from, in the work folder.
+const BASE: &str = "base.mcap";
+
+/// Number of the next frame, as a scalar of a checkpoint.
+const NEXT: &str = "frames/next";
+/// Frames taken so far.
+const TAKEN: &str = "frames/taken";
+
+/// Where a run begins.
+pub struct Start {
+    pub state: State,
+    pub next: u64,
+    pub taken: u64,
+    /// Not from t = 0.
+    pub resumed: bool,
+}
+
+/// Why a run did not reach its end.
+pub enum Trouble {
+    Stage(StageError),
+    /// Frames before the checkpoint are not in the log, whatever the disk had promised.
+    FramesLost(String),
+}
+
+impl From<StageError> for Trouble {
+    fn from(error: StageError) -> Self {
+        Trouble::Stage(error)
+    }
+}
+
+impl From<Trouble> for StageError {
+    fn from(trouble: Trouble) -> Self {
+        match trouble {
+            Trouble::Stage(error) => error,
+            Trouble::FramesLost(what) => StageError::failed(what),
+        }
+    }
+}
+
+/// Frames as they become due.
+pub struct Frames {
+    pub log: LogWriter,
+    /// s.
+    pub interval: f64,
+    pub next: u64,
+    pub taken: u64,
+    pub error: Option<LogError>,
+}
+
+impl Frames {
+    /// Takes a frame if the solver has reached the next frame's time.
+    pub fn step(&mut self, solver: &dyn Solver) {
+        let time = solver.time();
+        if self.next as f64 * self.interval > time || self.error.is_some() {
+            return;
+        }
+        self.error = self.log.frame(solver.frame()).err();
+        self.taken += 1;
+        while self.next as f64 * self.interval <= time {
+            self.next += 1;
+        }
+    }
+
+    pub fn check(&mut self) -> Result<(), StageError> {
+        self.error
+            .take()
+            .map_or(Ok(()), |error| Err(StageError::failed(error)))
+    }
+
+    pub fn checkpoint(&self, solver: &dyn Solver) -> Checkpoint {
+        let mut checkpoint = Checkpoint::from(solver.state());
+        checkpoint.scalars.push((NEXT.into(), self.next as f64));
+        checkpoint.scalars.push((TAKEN.into(), self.taken as f64));
+        checkpoint
+    }
+}
+
+/// The instant that a checkpoint holds, if it is one of an impact.
+pub fn start(checkpoint: Checkpoint) -> Option<Start> {
+    let next = checkpoint.scalar(NEXT)? as u64;
+    let taken = checkpoint.scalar(TAKEN)? as u64;
+    Some(Start {
+        state: State::try_from(checkpoint).ok()?,
+        next,
+        taken,
+        resumed: true,
+    })
+}
+
+/// Makes a finished run the beginning of this one: its log becomes the base. The inner error says
+/// why it cannot be used.
+pub fn adopt(
+    context: &Context,
+    relative: &Relative,
+    file: &str,
+) -> Result<Result<Start, String>, StageError> {
+    let log = relative.folder.join(FRAMES);
+    let mut outputs = relative.stamp.outputs.iter();
+    let wanted = outputs
+        .find(|output| output.file == FRAMES)
+        .map(|output| output.digest);
+    let found = content(&log);
+    if found.as_ref().ok() != wanted.as_ref() {
+        return Ok(Err(found
+            .err()
+            .unwrap_or_else(|| "its log is another one".into())));
+    }
+    let start = match relative.checkpoint(file) {
+        Ok(checkpoint) => start(checkpoint),
+        Err(what) => return Ok(Err(what)),
+    };
+    let Some(start) = start else {
+        return Ok(Err(format!("{file} is no state of an impact")));
+    };
+    flight::clear(context)?;
+    flight::link_or_copy(&log, &context.work().join(BASE)).map_err(StageError::failed)?;
+    Ok(Ok(start))
+}
+
+/// Number of the first segment that does not exist yet.
+pub fn next_segment(context: &Context) -> u32 {
+    let entries = fs::read_dir(context.work()).into_iter().flatten().flatten();
+    let numbers = entries.filter_map(|entry| {
+        let name = entry.file_name().into_string().ok()?;
+        name.strip_prefix("segment-")?
+            .strip_suffix(&format!(".{LOG}"))?
+            .parse::<u32>()
+            .ok()
+    });
+    numbers.max().map_or(0, |last| last + 1)
+}
+
+/// One log of all segments, with every frame that was taken.
+pub fn merge(context: &Context, taken: u64) -> Result<(), Trouble> {
+    let mut segments = log::segments(context.work()).map_err(StageError::failed)?;
+    let base = context.work().join(BASE);
+    if base.exists() {
+        let path = base;
+        segments.insert(
+            0,
+            Segment {
+                path,
+                resumed_from: None,
+            },
+        );
+    }
+    match log::merge(&segments, &context.output().join(FRAMES)) {
+        Ok(merged) if merged.frames == taken => Ok(()),
+        Ok(merged) => {
+            let what = format!("the log has {} of {taken} frames", merged.frames);
+            Err(Trouble::FramesLost(what))
+        }
+        Err(error @ (LogError::FramesLost { .. } | LogError::Damaged { .. })) => {
+            Err(Trouble::FramesLost(error.to_string()))
+        }
+        Err(error) => Err(StageError::failed(error).into()),
+    }
+}
+/// A log that fails makes checkpoints fail, which wait for its frames; the log knows why.
+pub fn first_cause(error: StageError, log: LogWriter) -> StageError {
+    let StageError::Failed(source) = error else {
+        return error;
+    };
+    match log.finish() {
+        Err(cause) if !source.is::<Diverged>() && !matches!(cause, LogError::Closed) => {
+            StageError::failed(cause)
+        }
+        _ => StageError::Failed(source),
+    }
+}

@@ -1,0 +1,34 @@
+//! Guards of VERSION: digests of tiny results, by stage and VERSION.
+//!
+//! When this test fails, the same settings give other numbers than before. If that is meant, raise
+//! the stage's VERSION in `stages/jobs.rs` and put what the test prints into `golden.txt`; if not,
+//! a change of the code has changed results without intent. Digests of a stage change with those
+//! of the stages before it: only the first needs another VERSION.
+
+use std::fs;
+
+use coronet::pipeline::Stamp;
+
+use crate::program::Program;
+
+const GOLDEN: &str = include_str!("golden.txt");
+
+/// Every job of the scene but `post`, whose pictures change more often than its numbers.
+const JOBS: [&str; 6] =
+    ["pack-pool", "relax-pool", "pack-drop", "relax-drop", "calibrate", "impact"];
+
+#[test]
+fn results_change_only_with_their_version() {
+    let program = Program::new();
+    program.run(&[]);
+    let mut found = String::new();
+    for job in JOBS {
+        let stamp = Stamp::read(&program.latest(job)).unwrap().unwrap();
+        found += &format!("{job} {} {}\n", stamp.version, stamp.digest);
+    }
+    let measures = fs::read(program.latest("post").join("measures.csv")).unwrap();
+    let stamp = Stamp::read(&program.latest("post")).unwrap().unwrap();
+    let digest = coronet::record::Digest::of(&measures);
+    found += &format!("measures {} {digest}\n", stamp.version);
+    assert!(found == GOLDEN, "found\n{found}expected\n{GOLDEN}");
+}

@@ -1,0 +1,80 @@
+//! One store for several: races and clean-ups.
+
+use std::fs;
+
+use crate::program::{Ended, Program, TINY, members};
+
+#[test]
+fn two_runs_at_once_share_one_store() {
+    let alone = Program::new();
+    let expected = alone.fingerprint(&alone.run(&[]));
+    let program = Program::new();
+    let arguments = ["run", "tiny.toml", "--json"];
+    let children: Vec<_> = (0..2).map(|_| program.start(&arguments)).collect();
+    let ended: Vec<_> = children
+        .into_iter()
+        .map(|child| Ended::from(child.wait_with_output().unwrap()))
+        .collect();
+    assert!(
+        ended
+            .iter()
+            .any(|ended| ended.err.contains("waiting for process"))
+    );
+    let mut made = 0;
+    for ended in ended {
+        let objects = ended.well().objects();
+        assert_eq!(program.fingerprint(&objects), expected);
+        made += members(&objects, "status")
+            .values()
+            .filter(|status| *status == "ran")
+            .count();
+    }
+    assert_eq!(made, 7, "each result is made once");
+}
+
+#[test]
+fn a_clean_up_keeps_what_the_newest_runs_reach() {
+    let program = Program::new();
+    program.run(&[]);
+    let old = program.latest("impact");
+    program.run(&["--set", "body.drop.velocity=1.2 m/s"]);
+    fs::write(
+        program.path("other.toml"),
+        TINY.replace("1 m/s\"\ncolour", "1.4 m/s\"\ncolour"),
+    )
+    .unwrap();
+    program.call(&["run", "other.toml"]).well();
+    let dry = program
+        .call(&["gc", "--dry-run", "--json"])
+        .well()
+        .objects();
+    let removed: Vec<_> = dry
+        .iter()
+        .filter(|object| !object["removed"].is_null())
+        .collect();
+    assert_eq!(removed.len(), 2, "{dry:?}");
+    assert!(old.exists());
+    program.call(&["gc"]).well();
+    assert!(!old.exists());
+    for (file, set) in [
+        ("tiny.toml", "body.drop.velocity=1.2 m/s"),
+        ("other.toml", "title=A tiny drop"),
+    ] {
+        let arguments = ["run", file, "--json", "--set", set];
+        let statuses = members(&program.call(&arguments).well().objects(), "status");
+        assert!(
+            statuses.values().all(|status| status == "fresh"),
+            "{file}: {statuses:?}"
+        );
+    }
+    program.call(&["gc", "--forget", "other"]).well();
+    program.call(&["verify"]).well();
+    let statuses = members(
+        &program.run(&["--set", "body.drop.velocity=1.2 m/s"]),
+        "status",
+    );
+    assert!(
+        statuses.values().all(|status| status == "fresh"),
+        "{statuses:?}"
+    );
+}

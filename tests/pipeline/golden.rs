@@ -14,8 +14,14 @@ use crate::program::Program;
 const GOLDEN: &str = include_str!("golden.txt");
 
 /// Every job of the scene but `post`, whose pictures change more often than its numbers.
-const JOBS: [&str; 6] =
-    ["pack-pool", "relax-pool", "pack-drop", "relax-drop", "calibrate", "impact"];
+const JOBS: [&str; 6] = [
+    "pack-pool",
+    "relax-pool",
+    "pack-drop",
+    "relax-drop",
+    "calibrate",
+    "impact",
+];
 
 #[test]
 fn results_change_only_with_their_version() {

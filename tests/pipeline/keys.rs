@@ -276,10 +276,17 @@ fn a_lattice_has_no_seed() {
     let program = Program::new();
     let lattice = ["--until", "pack", "--set", "pack.arrangement=lattice"];
     program.run(&lattice);
-    for set in ["pack.seed=2", "pack.tolerance=3 kg/m^3", "pack.iterations=900"] {
+    for set in [
+        "pack.seed=2",
+        "pack.tolerance=3 kg/m^3",
+        "pack.iterations=900",
+    ] {
         let objects = program.run(&[&lattice[..], &["--set", set]].concat());
         let statuses = members(&objects, "status");
-        assert!(statuses.values().all(|status| status == "fresh"), "{set}: {statuses:?}");
+        assert!(
+            statuses.values().all(|status| status == "fresh"),
+            "{set}: {statuses:?}"
+        );
     }
 }
 

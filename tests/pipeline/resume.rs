@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::program::{Program, label, members};
 
@@ -28,7 +28,10 @@ impl Delays {
 #[test]
 fn killed_runs_end_as_undisturbed_ones() {
     let undisturbed = Program::new();
+    let start = Instant::now();
     let expected = undisturbed.fingerprint(&undisturbed.run(&[]));
+    // On average each attempt gets a sixth of the way, so the kills go over all stages.
+    let longest = start.elapsed() / 3;
     let killed = Program::new();
     let mut delays = Delays(1);
     let mut hit = BTreeSet::new();
@@ -36,7 +39,7 @@ fn killed_runs_end_as_undisturbed_ones() {
     let mut kills = 0;
     while kills < KILLS {
         let mut child = killed.start(&["run", "tiny.toml", "--json"]);
-        std::thread::sleep(delays.next(Duration::from_millis(2), Duration::from_millis(250)));
+        std::thread::sleep(delays.next(Duration::from_millis(2), longest));
         if child.try_wait().unwrap().is_some() {
             // It had ended already: compare, then once more from nothing.
             let objects = killed.run(&[]);
@@ -131,7 +134,7 @@ fn a_signal_stops_after_a_checkpoint_and_the_same_command_goes_on() {
 fn a_second_run_is_fresh_and_quick() {
     let program = Program::new();
     program.run(&[]);
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let objects = program.run(&[]);
     assert!(
         start.elapsed() < Duration::from_secs(1),

@@ -109,10 +109,10 @@ const TABLE: &[Row] = &[
         "effects.viscosity.dynamic 1 mPa s -> 2 mPa s",
     ),
     (
-        "effects.viscosity.form=morris",
+        "effects.viscosity.form=two-term",
         RELAX,
         "impact",
-        "effects.viscosity.form two-term-exact -> morris",
+        "effects.viscosity.form morris -> two-term",
     ),
     (
         "effects.tension.coefficient=60 mN/m",
@@ -124,7 +124,7 @@ const TABLE: &[Row] = &[
         "effects.tension.smoothing=1.6",
         RELAX,
         "relax pool",
-        "effects.tension.smoothing 1.5 -> 1.6",
+        "effects.tension.smoothing 1.8 -> 1.6",
     ),
     (
         "relax.time=3 ms",

@@ -71,14 +71,30 @@ fn killed_runs_end_as_undisturbed_ones() {
 
 #[test]
 fn threads_do_not_change_results() {
-    let expected = {
-        let program = Program::new();
-        program.fingerprint(&program.run(&["--threads", "1"]))
-    };
-    for threads in ["2", "4"] {
-        let program = Program::new();
-        let found = program.fingerprint(&program.run(&["--threads", threads]));
-        assert_eq!(found, expected, "{threads} threads");
+    for preset in ["paper", "corrected", "modern"] {
+        let preset = format!("method.preset={preset}");
+        // The paper's fixed step is short: a part of the way is enough.
+        let more = [
+            "--set",
+            &preset,
+            "--set",
+            "impact.end=1 ms",
+            "--set",
+            "relax.time=1 ms",
+        ];
+        let fingerprint = |threads| {
+            let program = Program::new();
+            let objects = program.run(&[&more[..], &["--threads", threads]].concat());
+            program.fingerprint(&objects)
+        };
+        let expected = fingerprint("1");
+        for threads in ["2", "4"] {
+            assert_eq!(
+                fingerprint(threads),
+                expected,
+                "{preset}, {threads} threads"
+            );
+        }
     }
 }
 

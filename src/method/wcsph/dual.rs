@@ -27,8 +27,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let outer = self
             .limits_now()
             .advective(advective)
-            .min(MOST * inner)
-            .max(inner);
+            .min(MOST * inner);
         let count = (outer / inner).ceil();
         let dt = outer / count;
         if self.model.settings.shifting > 0.0 {

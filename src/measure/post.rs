@@ -11,7 +11,7 @@ use super::figure::Figures;
 use super::gauge::{Gauge, Kind, Row, contact_time, pool_depth};
 use super::pool::Axis;
 use super::report::Report;
-use super::section::Section;
+use super::section::{self, Section};
 use super::series::{Norm, Series, SeriesError, compare};
 use super::summary;
 use super::view::{self, Camera};
@@ -143,7 +143,10 @@ impl Post {
         if self.panels.take(frame.time) {
             let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
             let view = (self.scene.dimension == Dimension::Three).then(|| {
-                let camera = Camera::whole(&self.scene, pool_depth(&self.scene), VIEW);
+                // Drawn twice as large, and a quarter taller than wide: room for a jet.
+                let width = 2 * section::width(&self.scene);
+                let size = [width, width / 4 * 5];
+                let camera = Camera::whole(&self.scene, pool_depth(&self.scene), size);
                 view::draw(&self.scene, frame, &camera).halved()
             });
             self.sections.push((section, view));
@@ -186,7 +189,7 @@ impl Post {
         };
         if let Some((_, frame)) = self.best.take() {
             let at = [self.axis.at[0], self.axis.at[1], pool_depth(&self.scene)];
-            let png = view::picture(&self.scene, &frame, at, [1600, 760]);
+            let png = view::picture(&self.scene, &frame, at);
             let png = png.map_err(|e| draw_error("picture", &e))?;
             self.write("picture.png", &png)?;
             report.picture = Some(png);
@@ -341,9 +344,6 @@ impl Post {
         Ok(())
     }
 }
-
-/// Size of a view before it is halved.
-const VIEW: [usize; 2] = [1760, 2200];
 
 fn encode(picture: &Canvas, what: &str) -> Result<Vec<u8>, PostError> {
     picture.png().map_err(|e| draw_error(what, &e))

@@ -6,8 +6,11 @@ use crate::scene::{Dimension, Scene};
 
 /// Thickness of the slice, m (at least one spacing).
 const THICKNESS: f64 = 1e-3;
-/// Width of the picture, pixels.
-const WIDTH: usize = 880;
+/// Width of sections and views, pixels, even: coarse scenes do not need fine pictures.
+pub fn width(scene: &Scene) -> usize {
+    let particles = scene.domain.size[0] / scene.pack.spacing;
+    ((8.0 * particles) as usize * 2).clamp(520, 880)
+}
 
 /// The particles of the slice at one instant.
 pub struct Section {
@@ -44,19 +47,20 @@ impl Section {
     /// Draws the slice from the floor to `top`, m, over the whole width of the box.
     pub fn draw(&self, scene: &Scene, top: f64) -> Canvas {
         let size = scene.domain.size;
-        let scale = WIDTH as f64 / size[0];
+        let width = width(scene);
+        let scale = width as f64 / size[0];
         let floor = 8.0;
         let spacing = scene.pack.spacing;
         let height = (top + 3.0 * spacing) * scale + floor;
         let height = height.clamp(120.0, 1400.0).round() as usize;
-        let mut canvas = Canvas::new(WIDTH, height, WHITE);
+        let mut canvas = Canvas::new(width, height, WHITE);
         let base = height as f64 - floor;
         let radius = (0.55 * spacing * scale) as f32;
         for ([x, z], body) in &self.points {
             let at = [f64::from(*x) * scale, base - f64::from(*z) * scale].map(|c| c as f32);
             canvas.ball(at, radius, body_colour(scene, *body));
         }
-        canvas.rectangle([0.0, base as f32], [WIDTH as f32, height as f32], FAINT);
+        canvas.rectangle([0.0, base as f32], [width as f32, height as f32], FAINT);
         canvas.text([14.0, 30.0], 17.0, &self.label, Anchor::Left, INK);
         draw_scale(&mut canvas, size[0], scale);
         canvas

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::canvas::{Canvas, Colour};
-use super::section::body_colour;
+use super::section::{self, body_colour};
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene};
 
@@ -280,16 +280,7 @@ impl Buffer {
     /// 1 in the open, less where the surroundings stand nearer to the eye. Opposite neighbours
     /// count together, so that a slope is not a hollow.
     fn hollow(&self, column: usize, row: usize, spacing: f32) -> f32 {
-        const RAYS: [(f32, f32); 8] = [
-            (1.0, 0.0),
-            (0.92, 0.38),
-            (0.71, 0.71),
-            (0.38, 0.92),
-            (0.0, 1.0),
-            (-0.38, 0.92),
-            (-0.71, 0.71),
-            (-0.92, 0.38),
-        ];
+        const RAYS: [(f32, f32); 4] = [(1.0, 0.0), (0.71, 0.71), (0.0, 1.0), (-0.71, 0.71)];
         let here = self.depth[row * self.width + column];
         let look = |dx: f32, dy: f32| {
             let (x, y) = (column as f32 + dx, row as f32 + dy);
@@ -310,7 +301,7 @@ impl Buffer {
                 }
             }
         }
-        (1.0 - 0.09 * dark).max(0.45)
+        (1.0 - 0.18 * dark).max(0.45)
     }
 }
 
@@ -326,14 +317,10 @@ fn sky(part: f32) -> Colour {
 }
 
 /// One wide picture of a splash, for a title page: PNG.
-pub fn picture(
-    scene: &Scene,
-    frame: &Frame,
-    at: [f64; 3],
-    size: [usize; 2],
-) -> Result<Vec<u8>, png::EncodingError> {
-    let span = 1.3 * scene.domain.size[0];
-    let camera = Camera::close(at, span, size.map(|s| 2 * s));
+pub fn picture(scene: &Scene, frame: &Frame, at: [f64; 3]) -> Result<Vec<u8>, png::EncodingError> {
+    let width = section::width(scene) * 9 / 5;
+    let size = [width, width / 2].map(|s| 2 * s);
+    let camera = Camera::close(at, 1.3 * scene.domain.size[0], size);
     draw(scene, frame, &camera).halved().png()
 }
 

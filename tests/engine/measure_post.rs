@@ -9,7 +9,7 @@ use coronet::measure::letter;
 use coronet::measure::plot::{Curve, Line, Plot};
 use coronet::measure::post::{Post, PostError};
 use coronet::measure::report::Report;
-use coronet::measure::section::Section;
+use coronet::measure::section::{self, Section};
 use coronet::measure::view::{self, Camera};
 use coronet::particle::Frame;
 use coronet::scene::{Dimension, Reference, Scene};
@@ -159,7 +159,7 @@ fn drop_and_pool_have_their_colours_in_section_and_view() {
         section.top()
     );
     let picture = section.draw(&scene, section.top());
-    let scale = 880.0 / SIDE;
+    let scale = section::width(&scene) as f64 / SIDE;
     let jet = has(&picture, is_orange) as f64 / (scale * scale);
     assert!((jet - 16.0).abs() < 3.0, "the jet covers {jet} mm²");
     let blue = has(&picture, |c| i32::from(c[2]) > i32::from(c[0]) + 60) as f64 / (scale * scale);

@@ -53,7 +53,8 @@ pub enum PipelineError {
     #[error(
         "{job}: the same key {} gave two results: {first} (in {}) and {second} (in {}); \
          both are kept. The program is not deterministic here, or its VERSION stood still while \
-         its numbers changed: please report it. Remove the one that you do not trust, then run again",
+         its numbers changed: please report it. Remove the one that you do not trust and run \
+         again",
         key.short(), folder.display(), other.display()
     )]
     Nondeterministic {

@@ -165,7 +165,9 @@ impl Walk<'_> {
             .collect();
         let decide = || decide(run.store, run.pipeline, job, &done);
         let decision = decide();
+        let key = decision.key.expect("all inputs are done");
         if let Some(report) = fresh(run.store, decision) {
+            discard_work(run.store, &report.folder);
             return Ok(Attempt::Done(report));
         }
         let label = super::label(run.pipeline.jobs[job].as_ref());
@@ -173,7 +175,6 @@ impl Walk<'_> {
         if run.stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
-        let key = decide().key.expect("all inputs are done");
         let folder = run.store.folder(run.pipeline.jobs[job].name(), &key);
         let mut said = false;
         let lock = run.store.lock(&folder, &mut |holder| {
@@ -366,6 +367,17 @@ fn fresh(store: &Store, decision: Decision) -> Option<Box<Report>> {
         seconds: 0.0,
         cpu_seconds: 0.0,
     }))
+}
+
+/// Removes the work folder of a finished result, which is left when a run is killed right after it
+/// has written the stamp.
+fn discard_work(store: &Store, folder: &Path) {
+    let work = folder.join(WORK);
+    if work.exists()
+        && let Ok(Some(_lock)) = store.lock(folder, &mut |_| false)
+    {
+        let _ = fs::remove_dir_all(work);
+    }
 }
 
 /// Makes the work folder, empties the folder of finished files and counts the attempt.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -101,6 +102,26 @@ impl Program {
     pub fn plan(&self, more: &[&str]) -> Vec<Value> {
         let arguments = [&["plan", "tiny.toml", "--json"], more].concat();
         self.call(&arguments).well().objects()
+    }
+
+    /// Waits until the impact of a running `child` has written a checkpoint in flight; returns the
+    /// work folder.
+    pub fn in_flight(&self, child: &mut Child) -> PathBuf {
+        let is_checkpoint = |path: PathBuf| path.extension().is_some_and(|e| e == "checkpoint");
+        let list = |folder: PathBuf| fs::read_dir(folder).into_iter().flatten().flatten();
+        loop {
+            for entry in list(self.path("artifacts/impact")) {
+                let work = entry.path().join("work");
+                if list(work.clone()).any(|entry| is_checkpoint(entry.path())) {
+                    return work.canonicalize().unwrap();
+                }
+            }
+            assert!(
+                child.try_wait().unwrap().is_none(),
+                "it ended without a checkpoint"
+            );
+            std::thread::sleep(Duration::from_millis(2));
+        }
     }
 
     /// Folder of the newest result of that name: `impact`, `pack-drop`.

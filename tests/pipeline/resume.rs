@@ -124,24 +124,25 @@ fn another_end_continues_and_equals_a_run_from_the_start() {
 
 #[test]
 fn a_signal_stops_after_a_checkpoint_and_the_same_command_goes_on() {
+    let long = ["--set", "impact.end=8 ms"];
     let undisturbed = Program::new();
-    let expected = undisturbed.fingerprint(&undisturbed.run(&[]));
+    let expected = undisturbed.fingerprint(&undisturbed.run(&long));
     let program = Program::new();
     program.run(&["--until", "calibrate"]);
-    let child = program.start(&["run", "tiny.toml", "--json"]);
-    std::thread::sleep(Duration::from_millis(250));
+    let mut child = program.start(&[&["run", "tiny.toml", "--json"], &long[..]].concat());
+    program.in_flight(&mut child);
     let pid = i32::try_from(child.id()).unwrap();
     // SAFETY: sends a signal to a child that was not waited for, so the number is still its own.
     assert_eq!(unsafe { libc::kill(pid, libc::SIGINT) }, 0);
     let ended = crate::program::Ended::from(child.wait_with_output().unwrap());
     ended.badly(130, &["the same command goes on"]);
-    let plan = program.plan(&[]);
+    let plan = program.plan(&long);
     let next = plan.iter().find(|job| job["status"] != "fresh").unwrap();
     assert_eq!(
         (label(next).as_str(), next["status"].as_str()),
         ("impact", Some("resumes"))
     );
-    let objects = program.run(&[]);
+    let objects = program.run(&long);
     assert_eq!(members(&objects, "status")["impact"], "resumed");
     assert_eq!(program.fingerprint(&objects), expected);
 }

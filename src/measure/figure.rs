@@ -45,23 +45,7 @@ impl Figures<'_> {
                     &[("crown_height_m", "crown"), ("jet_height_m", "jet")],
                 ),
             ],
-            Kind::Wall(_) => vec![
-                self.plot(
-                    "Spread factor",
-                    "diameter / drop diameter",
-                    1.0,
-                    &[
-                        ("spread_factor", "wetted"),
-                        ("max_diameter_factor", "at any height"),
-                    ],
-                ),
-                self.plot(
-                    "Apex height",
-                    "height (mm)",
-                    mm,
-                    &[("apex_height_m", "this run")],
-                ),
-            ],
+            Kind::Wall(_) => self.wall_plots(),
             Kind::Shape => {
                 let amplitude = [("amplitude", "this run")];
                 let mut plot = self.plot("Oscillation", "amplitude / radius", 1.0, &amplitude);
@@ -91,6 +75,18 @@ impl Figures<'_> {
         plots.push(self.energy());
         plots.retain(Plot::has_points);
         plots
+    }
+
+    fn wall_plots(&self) -> Vec<Plot> {
+        let spread = [
+            ("spread_factor", "wetted"),
+            ("max_diameter_factor", "at any height"),
+        ];
+        let apex = [("apex_height_m", "this run")];
+        vec![
+            self.plot("Spread factor", "diameter / drop diameter", 1.0, &spread),
+            self.plot("Apex height", "height (mm)", 1e3, &apex),
+        ]
     }
 
     fn is_from_contact(&self) -> bool {

@@ -24,10 +24,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.rebuild();
         self.hold();
         let inner = acoustic * self.model.h / (self.model.sound_speed + self.fastest);
-        let outer = self
-            .limits_now()
-            .advective(advective)
-            .min(MOST * inner);
+        let outer = self.limits_now().advective(advective).min(MOST * inner);
         let count = (outer / inner).ceil();
         let dt = outer / count;
         if self.model.settings.shifting > 0.0 {

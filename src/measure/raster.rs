@@ -1,8 +1,6 @@
 //! Where the liquid is: the volume fraction on a grid of half the particle spacing.
 //!
-//! ```text
-//! φ(x) = Σ_j V_j W(x − x_j),    V_j = s0^d                                      (1)
-//! ```
+//! (1) `φ(x) = Σ_j V_j W(x − x_j)`, `V_j = s0^d`
 //!
 //! The surface is the level φ = 1/2. W is Wendland's C2 kernel with h = 1.3 s0, whatever the
 //! method uses, so that methods are measured alike: a flat lattice has its level exactly half a

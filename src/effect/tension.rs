@@ -19,7 +19,7 @@
 //! sigma_eff A = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not
 //! enter.
 //! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H.
-//! Tests: tests/engine/tension.rs, tests/validation.
+//! Test: tests/validation/drop.rs.
 
 mod pass;
 

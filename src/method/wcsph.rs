@@ -9,7 +9,7 @@
 //! extrapolation of Adami, Hu & Adams (2012). Time steps: [`super::limit`]; single-rate velocity
 //! Verlet in [`verlet`], dual-criteria stepping in [`dual`].
 //! Fails where: summation density thins out at a free surface (skin without pressure); negative
-//! pressure with few neighbours clumps. Tests: tests/engine/wcsph.rs, tests/validation.
+//! pressure with few neighbours clumps. Tests: tests/validation.
 
 mod dual;
 mod report;

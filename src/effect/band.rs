@@ -12,6 +12,11 @@ pub struct Band {
 }
 
 impl Band {
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        self.mark.capacity() + self.scratch.capacity()
+    }
+
     /// Marks the cells that hold a particle for which `is` holds.
     pub fn mark(&mut self, cells: &Cells, is: &(dyn Fn(usize) -> bool + Sync)) {
         let n = cells.start.len() - 1;

@@ -49,6 +49,14 @@ impl Limits {
             .min(self.capillary())
     }
 
+    /// The least limit of a single-rate step.
+    pub fn least(&self) -> f64 {
+        self.acoustic()
+            .min(self.force())
+            .min(self.viscous())
+            .min(self.capillary())
+    }
+
     /// Every limit of a single-rate step by name, least first.
     pub fn all(&self) -> Vec<(&'static str, f64)> {
         let mut all = vec![

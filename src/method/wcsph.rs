@@ -58,7 +58,16 @@ pub struct Wcsph<K, V> {
     around: Vec<Surroundings>,
     walls: walls::WallState,
     pool: bool,
+    scratch: Scratch,
     kernel: PhantomData<K>,
+}
+
+/// Kept, so that a step allocates nothing.
+#[derive(Default)]
+struct Scratch {
+    rate: Vec<f32>,
+    around: Vec<Surroundings>,
+    mist: Vec<bool>,
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -100,6 +109,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             around: vec![Surroundings::default(); n],
             walls: walls::WallState::default(),
             pool,
+            scratch: Scratch::default(),
             kernel: PhantomData,
         };
         solver
@@ -148,6 +158,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         max(self.flow.liquid(), square).max(0.0).sqrt()
     }
 
+    /// Largest acceleration held now, m/s^2.
+    fn acceleration(&self) -> f64 {
+        let square = |i: usize| self.held[i].iter().map(|a| (*a as f64).powi(2)).sum();
+        max(self.held.len(), square).max(0.0).sqrt()
+    }
+
     fn limits_now(&self) -> Limits {
         Limits {
             h: self.model.h,
@@ -172,13 +188,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 domain.size[a] > 0.0 && (x < 0.0 || x >= domain.size[a])
             })
         };
-        let mist: Vec<bool> = if self.pool {
-            (0..around.len())
-                .map(|i| crosses(i) && self.step > 0 && scale * around[i].sum < MIST)
-                .collect()
-        } else {
-            Vec::new()
-        };
+        let mist = &mut self.scratch.mist;
+        mist.clear();
+        if self.pool {
+            let is = |i| crosses(i) && self.step > 0 && scale * around[i].sum < MIST;
+            mist.extend((0..around.len()).map(is));
+        }
         if let Some(keep) = self.flow.confine(|i| self.pool && mist[i]) {
             if !self.rate.is_empty() {
                 super::flow::retain(&mut self.rate, &keep);
@@ -196,13 +211,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.flow.sort();
         let cells = &self.flow.liquid_cells;
         if !self.rate.is_empty() {
-            let mut scratch = Vec::with_capacity(self.rate.len());
-            cells.permute(&mut self.rate, &mut scratch);
+            cells.permute(&mut self.rate, &mut self.scratch.rate);
         }
         cells.permute(&mut self.held, &mut self.force);
         // Held over a sort inside an advective step: flags and shifting need them at its end.
-        let mut scratch = Vec::with_capacity(self.around.len());
-        cells.permute(&mut self.around, &mut scratch);
+        cells.permute(&mut self.around, &mut self.scratch.around);
         self.force.resize(self.flow.liquid(), [0.0; 3]);
         self.flow.find();
     }
@@ -316,7 +329,14 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
     }
 
     fn memory(&self) -> (f64, f64) {
-        let own = (4 + 12 + 12 + std::mem::size_of::<Surroundings>()) as f64;
+        let s = &self.scratch;
+        let (rate, around) = (self.rate.capacity(), self.around.capacity());
+        let bytes = 4 * (rate + s.rate.capacity())
+            + 12 * (self.held.capacity() + self.force.capacity())
+            + std::mem::size_of::<Surroundings>() * (around + s.around.capacity())
+            + s.mist.capacity()
+            + self.tension.as_ref().map_or(0, Tension::memory);
+        let own = bytes as f64 / self.len().max(1) as f64;
         let (bare, whole) = self.flow.memory();
         (bare + own, whole + own)
     }

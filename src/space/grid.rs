@@ -7,6 +7,12 @@
 //! Other axes have a range four times the covered length, so that nothing wraps by accident.
 
 use crate::scene::{Dimension, Domain, Side};
+use std::cell::Cell;
+
+thread_local! {
+    /// Columns of one particle: each thread keeps its room, so that a step allocates nothing.
+    pub(super) static COLUMNS: Cell<Vec<(u32, u32)>> = const { Cell::new(Vec::new()) };
+}
 
 /// Where the cells are.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Neighbour rows: for each target the indices of the records within a cutoff, each row padded to
 //! eight with the target itself, so that lanes are always full and a padding pair is at distance 0.
 
-use super::grid::Grid;
+use super::grid::{COLUMNS, Grid};
 use super::lane::{Lanes, Portable, Record, WIDTH};
 use super::sort::Cells;
 use rayon::prelude::*;
@@ -109,7 +109,7 @@ unsafe fn fill<L: Lanes>(
 ) {
     chunk.start.clear();
     chunk.index.clear();
-    let mut columns = Vec::with_capacity(64);
+    let mut columns = COLUMNS.take();
     for k in range {
         chunk.start.push(chunk.index.len() as u32);
         let x = [position[0][k], position[1][k], position[2][k]];
@@ -120,6 +120,7 @@ unsafe fn fill<L: Lanes>(
         }
     }
     chunk.start.push(chunk.index.len() as u32);
+    COLUMNS.set(columns);
 }
 
 /// Appends the neighbours of record `own` in `columns`, itself excluded.

@@ -4,7 +4,7 @@
 //! by
 //! one thread in the order of its row, so the result does not depend on the number of threads.
 
-use super::grid::Grid;
+use super::grid::{COLUMNS, Grid};
 use super::lane::{Lanes, Portable, Record, WIDTH};
 use super::row::{CHUNK, Rows, separation};
 
@@ -189,7 +189,7 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
     unsafe {
         let scale = L::splat3(field.scale);
         let far = L::splat(FAR);
-        let mut columns = Vec::with_capacity(128);
+        let mut columns = COLUMNS.take();
         for (&target, out) in targets.iter().zip(out) {
             let i = target as usize;
             let record = &field.records[i];
@@ -218,6 +218,7 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             }
             pass.finish(i, total::<L, N>(&sum), out);
         }
+        COLUMNS.set(columns);
     }
 }
 

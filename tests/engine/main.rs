@@ -1,10 +1,18 @@
 //! Tests of the engine, module by module.
 
+mod allocation;
+mod cloud;
+mod effect_tension;
+mod kernel_shape;
 mod measure_drop;
 mod measure_pool;
 mod measure_post;
 mod measure_series;
 mod measure_splash;
+mod method_conservation;
+mod method_operator;
+mod method_pair;
+mod method_scene;
 mod pack_completion;
 mod pack_lattice;
 mod pack_poisson;
@@ -21,3 +29,5 @@ mod scene_key;
 mod scene_number;
 mod scene_quantity;
 mod scene_schema;
+mod space_lane;
+mod space_row;

@@ -6,7 +6,7 @@ use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::Diverged;
-use crate::space::parallel::{Slots, each, max, slots3};
+use crate::space::parallel::{Slots, each, slots3};
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
@@ -46,14 +46,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.add_tension(|s| &mut s.held);
         // Pressure acceleration belongs to the acoustic criterion.
-        let held = &self.held;
-        let square = |i: usize| {
-            held[i]
-                .iter()
-                .map(|a| (*a as f64) * (*a as f64))
-                .sum::<f64>()
-        };
-        self.hardest = max(held.len(), square).max(0.0).sqrt();
+        self.hardest = self.acceleration();
     }
 
     fn acoustic_step(&mut self, dt: f64) -> Result<(), Diverged> {

@@ -7,7 +7,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::{Diverged, Solver};
 use crate::scene::TimeStepping;
-use crate::space::parallel::{Slots, each, max, slots3};
+use crate::space::parallel::{Slots, each, slots3};
 
 /// Most steps on one set of neighbour rows, so that restart points come often enough.
 const LONGEST: usize = 20;
@@ -28,7 +28,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         for k in 0..LONGEST {
             let dt = match self.model.settings.time_stepping {
                 TimeStepping::Fixed { step } => step,
-                TimeStepping::Adaptive { safety } => safety * self.limits_now().all()[0].1,
+                TimeStepping::Adaptive { safety } => safety * self.limits_now().least(),
                 TimeStepping::Dual { .. } => unreachable!("dual stepping has its own loop"),
             };
             let ahead = (self.fastest + self.hardest * dt) * dt;
@@ -96,13 +96,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.add_tension(|s| &mut s.force);
         std::mem::swap(&mut self.held, &mut self.force);
-        let held = &self.held;
-        let square = |i: usize| {
-            held[i]
-                .iter()
-                .map(|a| (*a as f64) * (*a as f64))
-                .sum::<f64>()
-        };
-        self.hardest = max(held.len(), square).max(0.0).sqrt();
+        self.hardest = self.acceleration();
     }
 }

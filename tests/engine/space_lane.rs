@@ -1,0 +1,216 @@
+//! Wide lanes and their scalar twin: the same bits.
+
+use super::cloud::{CHANNEL, Cloud, PERIODIC};
+use super::method_scene::{self, fingerprint};
+use coronet::scene::Dimension;
+use coronet::space::lane::{Lanes, Portable, Record, WIDTH, wide};
+use std::process::Command;
+
+#[inline(always)]
+unsafe fn load<L: Lanes>(x: &[f32; WIDTH]) -> L::F {
+    assert_eq!(size_of::<L::F>(), size_of::<[f32; WIDTH]>());
+    // Both kinds of lanes are eight f32 in a row.
+    unsafe { std::mem::transmute_copy(x) }
+}
+
+#[inline(always)]
+unsafe fn store<L: Lanes>(x: L::F, into: &mut Vec<u32>) {
+    let x: [f32; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
+    for x in x {
+        // A NaN is a NaN: its sign and payload mean nothing.
+        into.push(if x.is_nan() {
+            f32::NAN.to_bits()
+        } else {
+            x.to_bits()
+        });
+    }
+}
+
+/// Every operation on eight lanes.
+#[inline(always)]
+unsafe fn operate<L: Lanes>(x: [[f32; WIDTH]; 3], out: &mut Vec<u32>) {
+    unsafe {
+        let (a, b, c) = (load::<L>(&x[0]), load::<L>(&x[1]), load::<L>(&x[2]));
+        store::<L>(L::splat(x[0][1]), out);
+        store::<L>(L::add(a, b), out);
+        store::<L>(L::sub(a, b), out);
+        store::<L>(L::mul(a, b), out);
+        store::<L>(L::div(a, b), out);
+        store::<L>(L::fma(a, b, c), out);
+        store::<L>(L::sqrt(a), out);
+        store::<L>(L::max(a, b), out);
+        store::<L>(L::min(a, b), out);
+        store::<L>(L::if_less(a, b, c), out);
+        store::<L>(L::dot([a, b, c], [c, a, b]), out);
+        store::<L>(L::splat(L::sum(a)), out);
+        out.push(L::less_mask(a, b));
+        store::<L>(L::difference(x[0][0].to_bits() as i32, b), out);
+        for count in 0..=WIDTH {
+            store::<L>(L::first(count, a, b), out);
+        }
+    }
+}
+
+/// Loads, and every mask of a compression.
+#[inline(always)]
+unsafe fn move_about<L: Lanes>(records: &[Record], index: &[u32; WIDTH], out: &mut Vec<u32>) {
+    unsafe {
+        for column in L::gather(records.as_ptr(), index.as_ptr()) {
+            store::<L>(column, out);
+        }
+        for column in L::consecutive(records.as_ptr().add(3)) {
+            store::<L>(column, out);
+        }
+        for mask in 0..256 {
+            let mut room = [u32::MAX; WIDTH];
+            let count = L::compress(mask, 1000 * mask, room.as_mut_ptr());
+            out.push(count as u32);
+            out.extend_from_slice(&room[..count]);
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn everything<L: Lanes>(out: &mut Vec<u32>) {
+    let words = words();
+    let n = words.len();
+    for shift in [1, 5, 16, 33, 77, 1001] {
+        for k in (0..n - WIDTH).step_by(WIDTH) {
+            let mut x = [[0.0; WIDTH]; 3];
+            for (row, lanes) in x.iter_mut().enumerate() {
+                for (lane, x) in lanes.iter_mut().enumerate() {
+                    *x = f32::from_bits(words[(k + lane + row * shift) % n]);
+                }
+            }
+            unsafe { operate::<L>(x, out) };
+        }
+    }
+    let mut records = Vec::new();
+    for words in words.chunks_exact(WIDTH) {
+        let mut record = Record::default();
+        record.0.copy_from_slice(words);
+        records.push(record);
+    }
+    let index = [5, 0, 17, 3, 3, 40, 21, 8];
+    unsafe { move_about::<L>(&records, &index, out) };
+}
+
+/// Bits of special values, each beside each other, and of numbers of all sizes.
+fn words() -> Vec<u32> {
+    let special = [
+        0.0,
+        1.0,
+        2.0,
+        0.5,
+        1.0 + f32::EPSILON,
+        16777217.0,
+        f32::MIN_POSITIVE,
+        1e-45,
+        3e-39,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NAN,
+    ];
+    let mut words = Vec::new();
+    for a in special {
+        for b in special {
+            words.extend([a, -b, -a, b].map(f32::to_bits));
+        }
+    }
+    let mut seed = 1u64;
+    for k in 0..4096 {
+        seed = seed
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        let bits = (seed >> 32) as u32;
+        // Any bits at all, then numbers near one as the pair loops see them.
+        let near = f32::from_bits(bits >> 9 | 0x3F80_0000) - 1.5;
+        words.push(if k % 2 == 0 { bits } else { near.to_bits() });
+    }
+    words
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn every_operation_gives_the_bits_of_its_scalar_twin() {
+    use coronet::space::lane::Avx2;
+
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn everything_wide(out: &mut Vec<u32>) {
+        unsafe { everything::<Avx2>(out) }
+    }
+    if !is_x86_feature_detected!("avx2") || !is_x86_feature_detected!("fma") {
+        return;
+    }
+    let (mut fast, mut plain) = (Vec::new(), Vec::new());
+    unsafe {
+        everything_wide(&mut fast);
+        everything::<Portable>(&mut plain);
+    }
+    assert!(fast.len() > 500_000, "{}", fast.len());
+    assert_eq!(fast.len(), plain.len());
+    let differs = fast.iter().zip(&plain).position(|(a, b)| a != b);
+    let differs = differs.map(|k| (k, f32::from_bits(fast[k]), f32::from_bits(plain[k])));
+    assert_eq!(differs, None, "word, wide, portable");
+}
+
+/// What rows, sums and whole steps give, as lines `name bits`.
+fn passes() -> Vec<String> {
+    let mut lines = Vec::new();
+    let cases = [
+        (Dimension::Two, [16.0, 0.0, 9.0], CHANNEL),
+        (Dimension::Three, [7.0, 6.0, 8.0], CHANNEL),
+        (Dimension::Three, [7.0, 8.0, 9.0], PERIODIC),
+    ];
+    for (dimension, cells, sides) in cases {
+        let cloud = Cloud::new(dimension, cells, sides, [1.3, 0.4], |_| true);
+        let mut words: Vec<u64> = Vec::new();
+        for i in 0..cloud.flow.liquid() {
+            words.extend(cloud.flow.rows.row(i).iter().map(|&j| j as u64));
+        }
+        for i in 0..cloud.flow.walls() {
+            words.extend(cloud.flow.wall_rows.row(i).iter().map(|&j| j as u64));
+        }
+        lines.push(format!("rows {}", fingerprint(&words)));
+    }
+    // Paper and corrected: density, two-term viscosity, the normalised tension. Modern: continuity,
+    // Morris, surroundings, extrapolation, the raw tension.
+    for preset in ["paper", "corrected", "modern"] {
+        for dimension in [2, 3] {
+            let mut solver = method_scene::splash(preset, dimension);
+            solver.advance(&mut |_| ()).unwrap();
+            solver.advance(&mut |_| ()).unwrap();
+            for (name, words) in method_scene::words(&solver.state()) {
+                lines.push(format!(
+                    "{preset} {dimension}-D {name} {}",
+                    fingerprint(&words)
+                ));
+            }
+        }
+    }
+    lines
+}
+
+/// Runs itself again with the twin. Under `CORONET_LANES=portable` it only prints.
+#[test]
+fn whole_passes_give_the_bits_of_the_scalar_twin() {
+    let mark = "bits of ";
+    if std::env::var("CORONET_LANES").is_ok() {
+        assert!(!wide());
+        passes().iter().for_each(|line| println!("{mark}{line}"));
+        return;
+    }
+    let program = std::env::current_exe().unwrap();
+    let name = "space_lane::whole_passes_give_the_bits_of_the_scalar_twin";
+    let twin = Command::new(program)
+        .args([name, "--exact", "--nocapture", "--test-threads=1"])
+        .env("CORONET_LANES", "portable")
+        .output()
+        .unwrap();
+    let text = String::from_utf8(twin.stdout).unwrap();
+    assert!(twin.status.success(), "{text}");
+    let there: Vec<&str> = text.lines().filter_map(|l| l.split(mark).nth(1)).collect();
+    let here = passes();
+    assert!(here.len() > 40, "{}", here.len());
+    assert_eq!(here, there);
+}

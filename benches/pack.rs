@@ -3,6 +3,7 @@
 
 use coronet::particle::pack::pack;
 use coronet::scene::{Scene, file};
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -32,6 +33,7 @@ fn measure(scene: &Scene, body: usize, name: &str) {
             }
             (task, since) = (now.task, Instant::now());
         }
+        ControlFlow::Continue(())
     });
     println!("pack.{name}.{task} {:.2} s", since.elapsed().as_secs_f64());
     let (_, report) = packed.expect("a packing is found");

@@ -1,7 +1,7 @@
 //! `calibrate`: relaxed bodies -> the strength of the tension on this arrangement.
 
 use coronet::method;
-use coronet::pipeline::{Context, Output, Setting, Stage, StageError};
+use coronet::pipeline::{Context, Identity, Output, Stage, StageError};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::file::Loaded;
 
@@ -14,22 +14,12 @@ pub struct Calibrate<'a> {
     pub loaded: &'a Loaded,
     /// Jobs of the bodies, in the order of the scene.
     pub bodies: Vec<usize>,
-    pub settings: Vec<Setting>,
-    /// VERSION, see [`crate::jobs::version`].
-    pub version: u32,
+    pub identity: Identity,
 }
 
 impl Stage for Calibrate<'_> {
-    fn name(&self) -> &str {
-        "calibrate"
-    }
-
-    fn version(&self) -> u32 {
-        self.version
-    }
-
-    fn settings(&self) -> Vec<Setting> {
-        self.settings.clone()
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     fn inputs(&self) -> Vec<usize> {

@@ -7,7 +7,7 @@
 
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::{Particles, wall};
-use coronet::pipeline::{Context, Output, Relative, Setting, Stage, StageError, Work};
+use coronet::pipeline::{Context, Identity, Output, Relative, Stage, StageError, Work};
 use coronet::record::atomic::write_file;
 use coronet::record::checkpoint;
 use coronet::record::layout::Layout;
@@ -34,22 +34,12 @@ pub struct Impact<'a> {
     /// Jobs of the bodies, in the order of the scene.
     pub bodies: Vec<usize>,
     pub calibration: Option<usize>,
-    pub settings: Vec<Setting>,
-    /// VERSION, see [`crate::jobs::version`].
-    pub version: u32,
+    pub identity: Identity,
 }
 
 impl Stage for Impact<'_> {
-    fn name(&self) -> &str {
-        "impact"
-    }
-
-    fn version(&self) -> u32 {
-        self.version
-    }
-
-    fn settings(&self) -> Vec<Setting> {
-        self.settings.clone()
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     fn inputs(&self) -> Vec<usize> {

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::Result;
-use coronet::pipeline::{Pipeline, Stage};
+use coronet::pipeline::{Identity, Pipeline, Stage};
 use coronet::scene::file::Loaded;
-use coronet::scene::key;
+use coronet::scene::key::{self, Setting};
 
 use crate::calibrate::Calibrate;
 use crate::impact::Impact;
@@ -18,10 +18,19 @@ use crate::settings::list;
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
     pub const PACK: u32 = 1;
-    pub const RELAX: u32 = 1;
+    pub const RELAX: u32 = 2;
     pub const CALIBRATE: u32 = 1;
     pub const IMPACT: u32 = 1;
     pub const POST: u32 = 1;
+}
+
+fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {
+    Identity {
+        name,
+        part: part.to_string(),
+        version,
+        settings: list(settings),
+    }
 }
 
 /// The jobs of a scene, in an order in which they can run.
@@ -30,19 +39,18 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     let mut jobs: Vec<Box<dyn Stage + '_>> = Vec::new();
     let mut bodies = Vec::new();
     for body in 0..scene.bodies.len() {
+        let part = scene.bodies[body].name.as_str();
         jobs.push(Box::new(Pack {
             loaded,
             body,
-            settings: list(key::pack(scene, body)?),
-            version: version::PACK,
+            identity: identity("pack", part, version::PACK, key::pack(scene, body)?),
         }));
         if scene.relax.is_some() {
             jobs.push(Box::new(Relax {
                 loaded,
                 body,
                 pack: jobs.len() - 1,
-                settings: list(key::relax(scene, body)?),
-                version: version::RELAX,
+                identity: identity("relax", part, version::RELAX, key::relax(scene, body)?),
             }));
         }
         bodies.push(jobs.len() - 1);
@@ -52,8 +60,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         jobs.push(Box::new(Calibrate {
             loaded,
             bodies: bodies.clone(),
-            settings: list(settings),
-            version: version::CALIBRATE,
+            identity: identity("calibrate", "", version::CALIBRATE, settings),
         }));
         calibration = Some(jobs.len() - 1);
     }
@@ -61,15 +68,13 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         loaded,
         bodies,
         calibration,
-        settings: list(key::impact(scene)?),
-        version: version::IMPACT,
+        identity: identity("impact", "", version::IMPACT, key::impact(scene)?),
     }));
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
     jobs.push(Box::new(Post {
         loaded,
         impact: jobs.len() - 1,
-        settings: list(key::post(scene, folder)?),
-        version: version::POST,
+        identity: identity("post", "", version::POST, key::post(scene, folder)?),
     }));
     Ok(Pipeline {
         name: scene.name.clone(),

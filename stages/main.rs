@@ -24,8 +24,14 @@ use std::process::ExitCode;
 use arguments::{Arguments, Command};
 use clap::Parser;
 
-/// Name and version, for stamps and logs.
-pub const PROGRAM: &str = concat!("coronet ", env!("CARGO_PKG_VERSION"));
+/// Name, version, commit and compiler, for stamps and logs; in no key and no digest.
+pub const PROGRAM: &str = concat!(
+    "coronet ",
+    env!("CARGO_PKG_VERSION"),
+    " (",
+    env!("CORONET_BUILD"),
+    ")"
+);
 
 /// File of a packed or relaxed body.
 pub const BODY: &str = "body.checkpoint";

@@ -1,9 +1,10 @@
 //! `pack`: the shape of a body -> its particles, about the body's own origin.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use coronet::particle::pack::{PackProgress, PackReport, pack};
-use coronet::pipeline::{Context, Output, Progress, Setting, Stage, StageError};
+use coronet::particle::pack::{PackError, PackProgress, PackReport, pack};
+use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::file::Loaded;
 
@@ -16,26 +17,12 @@ pub struct Pack<'a> {
     pub loaded: &'a Loaded,
     /// Place in the scene.
     pub body: usize,
-    pub settings: Vec<Setting>,
-    /// VERSION, see [`crate::jobs::version`].
-    pub version: u32,
+    pub identity: Identity,
 }
 
 impl Stage for Pack<'_> {
-    fn name(&self) -> &str {
-        "pack"
-    }
-
-    fn part(&self) -> &str {
-        &self.loaded.scene.bodies[self.body].name
-    }
-
-    fn version(&self) -> u32 {
-        self.version
-    }
-
-    fn settings(&self) -> Vec<Setting> {
-        self.settings.clone()
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
@@ -46,9 +33,16 @@ impl Stage for Pack<'_> {
                 shown = Instant::now();
                 report(context, progress, started);
             }
+            match context.stopped() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
         };
         let packed = pack(&self.loaded.scene, self.body, &mut watch);
-        let (mut body, report) = packed.map_err(StageError::failed)?;
+        let (mut body, report) = packed.map_err(|error| match error {
+            PackError::Stopped { .. } => StageError::Interrupted,
+            error => StageError::failed(error),
+        })?;
         // Which place a scene gives to a body is no part of the body.
         body.body.fill(0);
         let path = context.output().join(BODY);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use coronet::measure::post;
-use coronet::pipeline::{Context, Output, Progress, Setting, Stage, StageError};
+use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError};
 use coronet::record::log;
 use coronet::scene::file::Loaded;
 
@@ -18,22 +18,12 @@ pub struct Post<'a> {
     pub loaded: &'a Loaded,
     /// Job that wrote the log.
     pub impact: usize,
-    pub settings: Vec<Setting>,
-    /// VERSION, see [`crate::jobs::version`].
-    pub version: u32,
+    pub identity: Identity,
 }
 
 impl Stage for Post<'_> {
-    fn name(&self) -> &str {
-        "post"
-    }
-
-    fn version(&self) -> u32 {
-        self.version
-    }
-
-    fn settings(&self) -> Vec<Setting> {
-        self.settings.clone()
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     fn inputs(&self) -> Vec<usize> {
@@ -70,6 +60,9 @@ impl Stage for Post<'_> {
                 100.0 * norm.l2,
                 100.0 * norm.max
             ));
+        }
+        for sentence in &report.missed {
+            context.warn(sentence);
         }
         let files = report
             .files

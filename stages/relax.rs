@@ -6,7 +6,7 @@
 
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
-use coronet::pipeline::{Context, Output, Setting, Stage, StageError, Work};
+use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::file::Loaded;
 
@@ -27,26 +27,12 @@ pub struct Relax<'a> {
     pub body: usize,
     /// Job that packs it.
     pub pack: usize,
-    pub settings: Vec<Setting>,
-    /// VERSION, see [`crate::jobs::version`].
-    pub version: u32,
+    pub identity: Identity,
 }
 
 impl Stage for Relax<'_> {
-    fn name(&self) -> &str {
-        "relax"
-    }
-
-    fn part(&self) -> &str {
-        &self.loaded.scene.bodies[self.body].name
-    }
-
-    fn version(&self) -> u32 {
-        self.version
-    }
-
-    fn settings(&self) -> Vec<Setting> {
-        self.settings.clone()
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     fn inputs(&self) -> Vec<usize> {

@@ -43,6 +43,8 @@ pub struct PostReport {
     /// Key results, as in the report.
     pub results: Vec<(String, String)>,
     pub norms: Vec<Norm>,
+    /// Sentences about panels and fields after the last frame.
+    pub missed: Vec<String>,
     /// Files, relative to the folder; `measures.csv` first, `report.html` last.
     pub files: Vec<PathBuf>,
 }
@@ -213,12 +215,14 @@ impl Post {
             })
             .collect();
         report.notes = self.notes();
+        let missed = self.missed();
         self.write("report.html", report.html().as_bytes())?;
         let (series, files) = (self.series, self.files);
         Ok(PostReport {
             series,
             results: report.results,
             norms,
+            missed,
             files,
         })
     }
@@ -258,16 +262,21 @@ impl Post {
                 1e3 * self.shift
             ));
         }
-        let missed = [("panel", &self.panels), ("field", &self.fields)];
-        for (what, instants) in missed {
-            for time in instants.left.iter().rev() {
-                notes.push(format!(
-                    "No {what} at {:.1} ms: the run ends before.",
-                    1e3 * time
-                ));
-            }
-        }
+        notes.extend(self.missed());
         notes
+    }
+
+    /// Instants asked for that no frame reaches.
+    fn missed(&self) -> Vec<String> {
+        let sentence = |what: &str, time: f64| {
+            let time = 1e3 * time;
+            format!("No {what} at {time:.1} ms: the run ends before.")
+        };
+        let of = |what, instants: &Instants| -> Vec<String> {
+            let left = instants.left.iter().rev();
+            left.map(|time| sentence(what, *time)).collect()
+        };
+        [of("panel", &self.panels), of("field", &self.fields)].concat()
     }
 
     fn draw_plots(&mut self, report: &mut Report) -> Result<(), PostError> {

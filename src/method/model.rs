@@ -2,12 +2,8 @@
 
 use super::Phase;
 use crate::scene::{
-    Body, Density, Dimension, Domain, Effects, Mass, Method, Motion, Scene, Shape, Side, Wcsph,
+    Body, Density, Dimension, Domain, Effects, Method, Scene, Shape, Side, Wcsph, numbers,
 };
-
-/// Sound speed of the relax phase in units of its own reference speed: density then varies by 0.1 %
-/// where Mach 0.1 allows 1 %, so that the packed spacing survives.
-const RELAX_STIFFNESS: f64 = 31.6;
 
 /// Derived constants, SI.
 #[derive(Clone, Debug)]
@@ -23,8 +19,6 @@ pub struct Model {
     pub density: f64,
     /// c, m/s.
     pub sound_speed: f64,
-    /// V of Nishio Eq. 8, m/s.
-    pub reference_speed: f64,
     /// Damping rate, 1/s; 0 in the impact.
     pub damping: f64,
 }
@@ -59,20 +53,18 @@ impl Model {
         let Method::Wcsph(settings) = &scene.method;
         let mut effects = scene.effects.clone();
         let mut domain = scene.domain.clone();
-        let (mut damping, mut body_speed) = (0.0, None);
+        let mut damping = 0.0;
+        let mut sound_speed = numbers::sound_speed(scene);
         if let Phase::Relax { damping: rate } = phase {
-            let body = &scene.bodies[body.expect("a body relaxes alone")];
+            let index = body.expect("a body relaxes alone");
+            let body = &scene.bodies[index];
             damping = rate;
+            sound_speed = numbers::rest_sound_speed(scene, index);
             domain = resting_domain(scene, body);
             if !rests(body) {
                 effects.gravity = None;
             }
-            body_speed = Some(body_reference(scene, body, &effects));
         }
-        let (reference, stiffness) = match body_speed {
-            Some(speed) => (speed, RELAX_STIFFNESS),
-            None => (reference_speed(scene), settings.sound_speed_factor),
-        };
         Model {
             settings: settings.clone(),
             dimension: scene.dimension,
@@ -81,8 +73,7 @@ impl Model {
             spacing: scene.pack.spacing,
             h: settings.smoothing * scene.pack.spacing,
             density: scene.density,
-            sound_speed: stiffness * reference,
-            reference_speed: reference,
+            sound_speed,
             damping,
         }
     }
@@ -118,77 +109,6 @@ impl Model {
         match self.settings.density {
             Density::Continuity { diffusion } => Some(diffusion),
             Density::Summation => None,
-        }
-    }
-}
-
-/// Mass of a particle, kg (kg/m in 2-D).
-pub fn mass(scene: &Scene) -> f64 {
-    let Method::Wcsph(s) = &scene.method;
-    let d = scene.dimension.count();
-    let s0 = scene.pack.spacing;
-    let nominal = scene.density * s0.powi(d as i32);
-    match s.mass {
-        Mass::Nominal => nominal,
-        Mass::LatticeSum => nominal / crate::kernel::lattice_sum(s.kernel, d, s0, s.smoothing * s0),
-    }
-}
-
-/// Radius that sets the capillary pressure of a body, if it is round; else its height, m.
-fn size(body: &Body) -> (Option<f64>, f64) {
-    match &body.shape {
-        Shape::Sphere { radius, .. } => (Some(*radius), 2.0 * radius),
-        Shape::Ellipsoid { semi_axes: a, .. } => {
-            let least = a
-                .iter()
-                .copied()
-                .filter(|r| *r > 0.0)
-                .fold(f64::INFINITY, f64::min);
-            (Some(least), 2.0 * a[2])
-        }
-        Shape::Block { low, high } => (None, high[2] - low[2]),
-        Shape::Layer { depth } => (None, *depth),
-    }
-}
-
-/// sqrt(2 g T) and sqrt(2 sigma / (rho R)) of one body, m/s; never below a capillary speed of the
-/// spacing, so that a body without any force still has a sound speed.
-fn body_reference(scene: &Scene, body: &Body, effects: &Effects) -> f64 {
-    let (radius, height) = size(body);
-    let mut v: f64 = 0.0;
-    if let Some(g) = effects.gravity {
-        let g = g.iter().map(|g| g * g).sum::<f64>().sqrt();
-        v = v.max((2.0 * g * height).sqrt());
-    }
-    if let Some(sigma) = effects.tension {
-        let r = radius.unwrap_or(height);
-        v = v.max((2.0 * sigma / (scene.density * r)).sqrt());
-    }
-    if v == 0.0 { 0.1 } else { v }
-}
-
-/// V of Nishio Eq. 8 for the impact, m/s.
-pub fn reference_speed(scene: &Scene) -> f64 {
-    let Method::Wcsph(s) = &scene.method;
-    if let Some(speed) = s.reference_speed {
-        return speed;
-    }
-    let mut v: f64 = 0.0;
-    for body in &scene.bodies {
-        v = v.max(motion_speed(body));
-        v = v.max(body_reference(scene, body, &scene.effects));
-    }
-    v
-}
-
-/// Largest speed that a body's motion gives, m/s.
-fn motion_speed(body: &Body) -> f64 {
-    match body.motion {
-        Motion::Uniform(v) => v.iter().map(|v| v * v).sum::<f64>().sqrt(),
-        Motion::TaylorGreen { speed } => speed,
-        Motion::Stretch { rate } => {
-            let (radius, height) = size(body);
-            rate.abs() * radius.unwrap_or(0.5 * height)
         }
     }
 }

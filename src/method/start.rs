@@ -1,7 +1,8 @@
 //! From bodies to states and back: where a body stands while it relaxes, and the state at t = 0.
 
 use super::Phase;
-use super::model::{Model, mass, rests};
+use super::model::{Model, rests};
+use crate::particle::pack::mass;
 use crate::particle::{Particles, State};
 use crate::scene::{Dimension, Motion, Scene, Shape};
 

@@ -18,6 +18,7 @@ use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
 use crate::scene::{Arrangement, KernelName, Mass, Method, Scene, Wcsph};
 use crate::space::grid::TooSmall;
 use std::marker::PhantomData;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Steps of repulsion at most, and the root mean square step, in spacings, that ends it.
@@ -64,7 +65,13 @@ pub enum PackError {
         iterations: usize,
         tolerance: f64,
     },
+    /// The watcher wanted no more.
+    #[error("body `{body}`: packing was stopped")]
+    Stopped { body: String },
 }
+
+/// Sees each step; a break stops the packing.
+pub type Watch<'a> = dyn FnMut(&PackProgress) -> ControlFlow<()> + 'a;
 
 /// What packing is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,11 +150,11 @@ pub fn mass(scene: &Scene) -> f64 {
 pub fn pack(
     scene: &Scene,
     body: usize,
-    progress: &mut dyn FnMut(&PackProgress),
+    watch: &mut Watch,
 ) -> Result<(Particles, PackReport), PackError> {
     match wcsph(scene).kernel {
-        KernelName::CubicSpline => Packing::<CubicSpline>::new(scene, body)?.run(progress),
-        KernelName::WendlandC2 => Packing::<WendlandC2>::new(scene, body)?.run(progress),
+        KernelName::CubicSpline => Packing::<CubicSpline>::new(scene, body)?.run(watch),
+        KernelName::WendlandC2 => Packing::<WendlandC2>::new(scene, body)?.run(watch),
     }
 }
 
@@ -215,56 +222,60 @@ impl<'a, K: Kernel> Packing<'a, K> {
         })
     }
 
-    fn run(
-        self,
-        progress: &mut dyn FnMut(&PackProgress),
-    ) -> Result<(Particles, PackReport), PackError> {
+    fn run(self, watch: &mut Watch) -> Result<(Particles, PackReport), PackError> {
         let start = match self.scene.pack.arrangement {
             Arrangement::Lattice => lattice::fill(&self.region, 1.0),
-            Arrangement::Poisson => self.repel(self.sample(progress), progress)?,
+            Arrangement::Poisson => self.repel(self.sample(watch)?, watch)?,
         };
         let completion = Completion::new::<K>(&self.region, self.measure.h);
         let mut crowd = self.crowd(start, 2.0 * self.measure.h)?;
         let (iterations, sweeps) = match self.scene.pack.arrangement {
             Arrangement::Lattice => (0, 0),
-            Arrangement::Poisson => self.optimise(&mut crowd, &completion, progress)?,
+            Arrangement::Poisson => self.optimise(&mut crowd, &completion, watch)?,
         };
         let mut report = self.report(&crowd, &completion);
         (report.iterations, report.sweeps) = (iterations, sweeps);
         Ok((self.particles(crowd), report))
     }
 
-    fn sample(&self, progress: &mut dyn FnMut(&PackProgress)) -> [Vec<f64>; 3] {
-        let mut tell = |done| {
-            progress(&PackProgress {
-                task: "sample",
-                done,
-                of: self.count,
-                spread: None,
-            });
+    /// Shows a step to the watcher.
+    fn tell(&self, watch: &mut Watch, progress: PackProgress) -> Result<(), PackError> {
+        match watch(&progress) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PackError::Stopped { body: self.name() }),
+        }
+    }
+
+    fn sample(&self, watch: &mut Watch) -> Result<[Vec<f64>; 3], PackError> {
+        let progress = |done| PackProgress {
+            task: "sample",
+            done,
+            of: self.count,
+            spread: None,
         };
-        tell(0);
+        self.tell(watch, progress(0))?;
         let position = poisson::sample(&self.region, self.count, self.scene.pack.seed);
-        tell(self.count);
-        position
+        self.tell(watch, progress(self.count))?;
+        Ok(position)
     }
 
     fn repel(
         &self,
         position: [Vec<f64>; 3],
-        progress: &mut dyn FnMut(&PackProgress),
+        watch: &mut Watch,
     ) -> Result<[Vec<f64>; 3], PackError> {
         let completion = Completion::new::<WendlandC2>(&self.region, repulse::SMOOTHING);
         let mut crowd = self.crowd(position, 2.0 * repulse::SMOOTHING)?;
         let mut last = Vec::new();
         for done in 1..=REPULSIONS {
             let moved = repulse::step(&mut crowd, &completion, self.measure.dimension, &mut last);
-            progress(&PackProgress {
+            let progress = PackProgress {
                 task: "repel",
                 done,
                 of: REPULSIONS,
                 spread: None,
-            });
+            };
+            self.tell(watch, progress)?;
             if moved < QUIET {
                 break;
             }
@@ -277,7 +288,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         &self,
         crowd: &mut Crowd,
         completion: &Completion,
-        progress: &mut dyn FnMut(&PackProgress),
+        watch: &mut Watch,
     ) -> Result<(usize, usize), PackError> {
         let pack = &self.scene.pack;
         let (mut local, mut work) = (Vec::new(), Work::default());
@@ -285,12 +296,13 @@ impl<'a, K: Kernel> Packing<'a, K> {
         loop {
             let level = self.level(crowd, completion, &mut local);
             let spread = optimise::spread(&local, level) * self.scene.density;
-            progress(&PackProgress {
+            let progress = PackProgress {
                 task: "optimise",
                 done,
                 of: pack.iterations,
                 spread: Some(spread),
-            });
+            };
+            self.tell(watch, progress)?;
             let closest = quality::closest(crowd);
             if spread <= pack.tolerance && closest >= PAIRED {
                 return Ok((done, sweeps));

@@ -80,21 +80,38 @@ impl Output {
     }
 }
 
+/// What a job is, and what its result depends on besides its inputs.
+#[derive(Clone, Debug)]
+pub struct Identity {
+    /// Name of the stage, of its table in the pipeline file and of its folder.
+    pub name: &'static str,
+    /// What it is applied to (the name of a body), or empty. Is in no key.
+    pub part: String,
+    /// Grows when the same settings give another result.
+    pub version: u32,
+    /// The settings that this stage reads, no others, in a fixed order.
+    pub settings: Vec<Setting>,
+}
+
 /// One job of a pipeline: a stage, applied to one thing.
 pub trait Stage: Sync {
-    /// Name of the stage, of its table in the pipeline file and of its folder.
-    fn name(&self) -> &str;
+    fn identity(&self) -> &Identity;
 
-    /// What it is applied to (the name of a body), or empty. Is in no key.
-    fn part(&self) -> &str {
-        ""
+    fn name(&self) -> &str {
+        self.identity().name
     }
 
-    /// Grows when the same settings give another result.
-    fn version(&self) -> u32;
+    fn part(&self) -> &str {
+        &self.identity().part
+    }
 
-    /// The settings that this stage reads, no others, in a fixed order.
-    fn settings(&self) -> Vec<Setting>;
+    fn version(&self) -> u32 {
+        self.identity().version
+    }
+
+    fn settings(&self) -> Vec<Setting> {
+        self.identity().settings.clone()
+    }
 
     /// Earlier jobs of the pipeline whose results it reads.
     fn inputs(&self) -> Vec<usize> {

@@ -10,6 +10,7 @@ mod measure_post;
 mod measure_series;
 mod measure_splash;
 mod method_conservation;
+mod method_model;
 mod method_operator;
 mod method_pair;
 mod method_scene;

@@ -75,6 +75,10 @@ fn a_run_becomes_a_table_plots_pictures_and_a_page() {
         }
         let provenance = [("key & digest".to_string(), "<0123>".to_string())];
         let report = post.finish(&provenance).unwrap();
+        assert_eq!(
+            report.missed,
+            ["No panel at 500.0 ms: the run ends before."]
+        );
         for file in &report.files {
             assert!(out.join(file).metadata().unwrap().len() > 100, "{file:?}");
         }

@@ -7,6 +7,7 @@ use super::method_scene::{
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
 use coronet::scene::Scene;
+use std::ops::ControlFlow::Continue;
 
 const PRESETS: [&str; 3] = ["paper", "corrected", "modern"];
 
@@ -127,7 +128,7 @@ fn a_restored_state_goes_on_bit_for_bit() {
 }
 
 fn body(scene: &Scene, body: usize) -> coronet::particle::Particles {
-    coronet::particle::pack::pack(scene, body, &mut |_| ())
+    coronet::particle::pack::pack(scene, body, &mut |_| Continue(()))
         .unwrap()
         .0
 }

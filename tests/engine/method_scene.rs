@@ -5,6 +5,7 @@ use coronet::method::{self, Phase, Solver};
 use coronet::particle::{State, pack::pack};
 use coronet::scene::{Scene, file};
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::ControlFlow::Continue;
 use std::path::Path;
 
 /// What every effect adds to a scene.
@@ -65,7 +66,7 @@ pub fn drop_scene(preset: &str, dimension: usize, effects: &str) -> Scene {
 pub fn disturbed(scene: &Scene, speed: f64) -> State {
     let mut random = Random(3);
     let bodies: Vec<_> = (0..scene.bodies.len())
-        .map(|body| pack(scene, body, &mut |_| ()).unwrap().0)
+        .map(|body| pack(scene, body, &mut |_| Continue(())).unwrap().0)
         .collect();
     let mut state = method::initial(scene, &bodies);
     let p = &mut state.particles;

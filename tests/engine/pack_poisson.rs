@@ -5,9 +5,10 @@ use coronet::kernel;
 use coronet::particle::pack::{PackError, PackReport, pack};
 use coronet::particle::{Particles, wall};
 use coronet::scene::*;
+use std::ops::ControlFlow::{Break, Continue};
 
 fn packed(scene: &Scene) -> (Particles, PackReport) {
-    let (particles, report) = pack(scene, 0, &mut |_| {}).unwrap();
+    let (particles, report) = pack(scene, 0, &mut |_| Continue(())).unwrap();
     assert_eq!(particles.len(), report.count);
     assert!(report.spread <= scene.pack.tolerance, "{report:?}");
     assert!(report.nearest.least >= 0.7, "{report:?}");
@@ -185,13 +186,13 @@ fn where_a_drop_hangs_does_not_matter() {
 fn what_cannot_be_packed_is_named() {
     let mut impatient = scene(Dimension::Three, [40.0; 3], drop(6.0));
     impatient.pack.iterations = 1;
-    let error = pack(&impatient, 0, &mut |_| {}).unwrap_err();
+    let error = pack(&impatient, 0, &mut |_| Continue(())).unwrap_err();
     assert!(
         matches!(error, PackError::NotReached { iterations: 1, .. }),
         "{error}"
     );
     let crumb = scene(Dimension::Three, [40.0; 3], drop(0.6));
-    let error = pack(&crumb, 0, &mut |_| {}).unwrap_err();
+    let error = pack(&crumb, 0, &mut |_| Continue(())).unwrap_err();
     assert!(
         matches!(error, PackError::TooFew { count: 1, .. }),
         "{error}"
@@ -201,6 +202,35 @@ fn what_cannot_be_packed_is_named() {
         [4.0, 0.0, 40.0],
         Shape::Layer { depth: 9.0 * S0 },
     );
-    let error = pack(&narrow, 0, &mut |_| {}).unwrap_err();
+    let error = pack(&narrow, 0, &mut |_| Continue(())).unwrap_err();
     assert!(matches!(error, PackError::Box { .. }), "{error}");
+}
+
+#[test]
+fn packing_stops_when_told_to() {
+    let scene = scene(
+        Dimension::Two,
+        [20.0, 0.0, 20.0],
+        Shape::Layer { depth: 8.0 * S0 },
+    );
+    for task in ["sample", "repel", "optimise"] {
+        let mut seen = Vec::new();
+        let stopped = pack(&scene, 0, &mut |progress| {
+            seen.push(progress.task);
+            if progress.task == task {
+                Break(())
+            } else {
+                Continue(())
+            }
+        });
+        assert!(
+            matches!(stopped, Err(PackError::Stopped { body }) if body == "liquid"),
+            "{task}"
+        );
+        assert_eq!(
+            seen.iter().filter(|seen| **seen == task).count(),
+            1,
+            "{seen:?}"
+        );
+    }
 }

@@ -93,6 +93,8 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
         ("method.preset=modern", &[]),
         ("method.wcsph.kernel=cubic-spline", &all),
         ("method.wcsph.exponent=7", &run),
+        ("method.wcsph.sound_speed_factor=12", &motion),
+        ("method.wcsph.reference_speed=2 m/s", &motion),
         (
             "method.wcsph.wall_pressure=summation",
             &["relax pool", "impact", "post"],

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::path::Path;
 
+use coronet::pipeline::Stamp;
 use serde_json::Value;
 
 use crate::program::{Program, TINY, label, members};
@@ -201,7 +203,7 @@ const TABLE: &[Row] = &[
     ),
     (
         "method.wcsph.sound_speed_factor=12",
-        RELAX,
+        IMPACT,
         "impact",
         "method.wcsph.sound_speed_factor 10 -> 12",
     ),
@@ -313,4 +315,22 @@ fn what_stays_fresh_would_come_out_the_same() {
         }
     }
     assert!(compared > 50, "{compared}");
+}
+
+#[test]
+fn a_stamp_names_the_build() {
+    let program = Program::new();
+    program.run(&["--until", "pack"]);
+    let stamp = Stamp::read(&program.latest("pack-drop")).unwrap().unwrap();
+    let version = format!("coronet {} (", env!("CARGO_PKG_VERSION"));
+    let build = stamp.program.strip_prefix(&version).expect(&stamp.program);
+    assert!(
+        build.contains("rustc 1.") && build.ends_with(')'),
+        "{build}"
+    );
+    if Path::new(env!("CARGO_MANIFEST_DIR")).join(".git").exists() {
+        let commit = build.strip_prefix("commit ").expect(build);
+        let digits = commit.chars().take_while(char::is_ascii_hexdigit).count();
+        assert!(digits >= 12, "{build}");
+    }
 }

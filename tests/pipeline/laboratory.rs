@@ -20,17 +20,41 @@ pub struct Lab {
     pub version: AtomicU32,
 }
 
-pub struct Grow<'a> {
-    pub lab: &'a Lab,
-    pub body: &'static str,
-    pub size: u32,
-    /// Does not influence the result, only the key.
-    pub idle: u32,
+struct Grow<'a> {
+    lab: &'a Lab,
+    identity: Identity,
+    size: u32,
 }
 
-pub struct Sum<'a> {
-    pub lab: &'a Lab,
-    pub end: u32,
+struct Sum<'a> {
+    lab: &'a Lab,
+    identity: Identity,
+    end: u32,
+}
+
+/// `idle` does not influence the result, only the key.
+pub fn grow<'a>(lab: &'a Lab, body: &str, size: u32, idle: u32) -> Box<dyn Stage + 'a> {
+    let identity = Identity {
+        name: "grow",
+        part: body.into(),
+        version: 1 + lab.version.load(Ordering::Relaxed),
+        settings: vec![setting("grow.size", size), setting("grow.idle", idle)],
+    };
+    Box::new(Grow {
+        lab,
+        identity,
+        size,
+    })
+}
+
+fn sum(lab: &Lab, end: u32) -> Box<dyn Stage + '_> {
+    let identity = Identity {
+        name: "sum",
+        part: String::new(),
+        version: 1,
+        settings: vec![setting("sum.end", end)],
+    };
+    Box::new(Sum { lab, identity, end })
 }
 
 pub fn setting(name: &str, value: u32) -> Setting {
@@ -59,20 +83,8 @@ pub fn write(context: &Context, value: f64) -> Result<Vec<Output>, StageError> {
 }
 
 impl Stage for Grow<'_> {
-    fn name(&self) -> &str {
-        "grow"
-    }
-    fn part(&self) -> &str {
-        self.body
-    }
-    fn version(&self) -> u32 {
-        1 + self.lab.version.load(Ordering::Relaxed)
-    }
-    fn settings(&self) -> Vec<Setting> {
-        vec![
-            setting("grow.size", self.size),
-            setting("grow.idle", self.idle),
-        ]
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
         self.lab.calls.fetch_add(1, Ordering::Relaxed);
@@ -82,14 +94,8 @@ impl Stage for Grow<'_> {
 }
 
 impl Stage for Sum<'_> {
-    fn name(&self) -> &str {
-        "sum"
-    }
-    fn version(&self) -> u32 {
-        1
-    }
-    fn settings(&self) -> Vec<Setting> {
-        vec![setting("sum.end", self.end)]
+    fn identity(&self) -> &Identity {
+        &self.identity
     }
     fn inputs(&self) -> Vec<usize> {
         vec![0, 1]
@@ -121,19 +127,9 @@ pub fn pipeline<'a>(lab: &'a Lab, drop: u32, end: u32) -> Pipeline<'a> {
     Pipeline {
         name: "toy".into(),
         jobs: vec![
-            Box::new(Grow {
-                lab,
-                body: "drop",
-                size: drop,
-                idle: 0,
-            }),
-            Box::new(Grow {
-                lab,
-                body: "pool",
-                size: 7,
-                idle: 0,
-            }),
-            Box::new(Sum { lab, end }),
+            grow(lab, "drop", drop, 0),
+            grow(lab, "pool", 7, 0),
+            sum(lab, end),
         ],
     }
 }

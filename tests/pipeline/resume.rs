@@ -148,6 +148,41 @@ fn a_signal_stops_after_a_checkpoint_and_the_same_command_goes_on() {
 }
 
 #[test]
+fn a_signal_stops_a_packing() {
+    let program = Program::new();
+    // Density sums in f32 never get there.
+    let endless = [
+        "run",
+        "tiny.toml",
+        "--set",
+        "pack.tolerance=1e-9 kg/m^3",
+        "--set",
+        "pack.iterations=1000000000",
+    ];
+    let mut child = program.start(&endless);
+    while !program.path("artifacts/pack").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    let pid = i32::try_from(child.id()).unwrap();
+    // SAFETY: sends a signal to a child that was not waited for, so the number is still its own.
+    assert_eq!(unsafe { libc::kill(pid, libc::SIGINT) }, 0);
+    let ended = crate::program::Ended::from(child.wait_with_output().unwrap());
+    ended.badly(
+        130,
+        &["pack pool: stopped on request", "the same command goes on"],
+    );
+    let plan = program.plan(&[]);
+    assert!(
+        plan.iter()
+            .filter(|job| job["stage"] == "pack")
+            .all(|job| job["status"] != "fresh")
+    );
+    program.run(&["--until", "pack"]);
+}
+
+#[test]
 fn a_second_run_is_fresh_and_quick() {
     let program = Program::new();
     program.run(&[]);

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use coronet::pipeline::store::{LATEST, set_aside};
 use coronet::pipeline::*;
 
-use crate::laboratory::{FILE, Grow, Lab, Notes, damage, go, pipeline, store, watched, words};
+use crate::laboratory::{FILE, Lab, Notes, damage, go, grow, pipeline, store, watched, words};
 
 #[test]
 fn second_run_is_fresh_and_a_change_reaches_only_what_reads_it() {
@@ -44,16 +44,13 @@ fn a_rerun_with_the_same_result_stops_there() {
     let lab = Lab::default();
     go(&store, &pipeline(&lab, 1, 0)).unwrap();
     let mut changed = pipeline(&lab, 1, 0);
-    changed.jobs[0] = Box::new(Grow {
-        lab: &lab,
-        body: "drop",
-        size: 1,
-        idle: 5,
-    });
+    changed.jobs[0] = grow(&lab, "drop", 1, 5);
     let reports = go(&store, &changed).unwrap();
     assert_eq!(words(&reports), ["ran", "fresh", "fresh"]);
     assert_eq!(reports[0].reasons, ["grow.idle 0 m -> 5 m"]);
     lab.version.store(1, Ordering::Relaxed);
+    let mut changed = pipeline(&lab, 1, 0);
+    changed.jobs[0] = grow(&lab, "drop", 1, 5);
     let reports = go(&store, &changed).unwrap();
     assert_eq!(words(&reports), ["ran", "ran", "fresh"]);
     assert_eq!(reports[1].reasons, ["grow.VERSION 1 -> 2"]);

@@ -8,6 +8,7 @@ mod wall;
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::{Frame, Particles, pack::pack};
 use coronet::scene::{Scene, file};
+use std::ops::ControlFlow::Continue;
 use std::path::Path;
 
 /// A verification scene with overrides.
@@ -61,7 +62,12 @@ pub fn relax(scene: &Scene, body: &Particles) -> Particles {
 /// Packs, relaxes, calibrates, builds.
 pub fn start(scene: &Scene) -> Box<dyn Solver> {
     let bodies: Vec<Particles> = (0..scene.bodies.len())
-        .map(|b| relax(scene, &pack(scene, b, &mut |_| ()).expect("packs").0))
+        .map(|b| {
+            relax(
+                scene,
+                &pack(scene, b, &mut |_| Continue(())).expect("packs").0,
+            )
+        })
         .collect();
     let strength = scene.effects.tension.map(|_| {
         let c = method::calibrate(scene, &bodies).expect("calibrates");

@@ -85,12 +85,17 @@ pub static FRAMES: &[Field] = &[
 ];
 
 pub static POST: &[Field] = &[
-    default("panels", INSTANTS, "[]", "Instants of the snapshot panels."),
+    default(
+        "panels",
+        INSTANTS,
+        "[]",
+        "Instants of the snapshot panels; none are made after the end.",
+    ),
     default(
         "fields",
         INSTANTS,
         "[]",
-        "Instants of the averaged pressure and velocity fields.",
+        "Instants of the averaged pressure and velocity fields; none are made after the end.",
     ),
     default(
         "references",

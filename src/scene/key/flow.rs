@@ -25,6 +25,19 @@ pub(super) fn physics(list: &mut List, scene: &Scene) {
         motion(list, scene, body, &tag);
     }
     flow(list, scene, true);
+    sound(list, wcsph(scene));
+}
+
+/// What sets the speed of sound; bodies at rest have their own.
+fn sound(list: &mut List, settings: &Wcsph) {
+    list.number(
+        "method.wcsph.sound_speed_factor",
+        settings.sound_speed_factor,
+        Unit::One,
+    );
+    if let Some(speed) = settings.reference_speed {
+        list.number("method.wcsph.reference_speed", speed, Unit::Speed);
+    }
 }
 
 pub(super) fn particle(list: &mut List, scene: &Scene) {
@@ -148,14 +161,6 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
     };
     list.word("method.wcsph.pressure", pressure);
     list.number("method.wcsph.exponent", settings.exponent, Unit::One);
-    list.number(
-        "method.wcsph.sound_speed_factor",
-        settings.sound_speed_factor,
-        Unit::One,
-    );
-    if let Some(speed) = settings.reference_speed {
-        list.number("method.wcsph.reference_speed", speed, Unit::Speed);
-    }
     let has_wall = scene
         .domain
         .boundary

@@ -1,0 +1,73 @@
+//! What a solver derives from a scene: the same numbers that the user is told.
+
+use super::method_scene::{EFFECTS, GRAVITY, disturbed, drop_scene, splash_scene};
+use coronet::method::{self, Phase};
+use coronet::particle::pack::{mass, pack};
+use coronet::scene::{Scene, numbers};
+use std::ops::ControlFlow::Continue;
+
+/// Speed of sound of the solver that is built, m/s.
+fn sound_speed(scene: &Scene, phase: Phase) -> f64 {
+    let state = match phase {
+        Phase::Impact => disturbed(scene, 0.0),
+        Phase::Relax { .. } => {
+            let body = pack(scene, 0, &mut |_| Continue(())).unwrap().0;
+            method::resting(scene, &body)
+        }
+    };
+    let state = method::build(scene, state, phase, Some(3.0))
+        .unwrap()
+        .state();
+    let found = state.scalars.iter().find(|s| s.0 == "sound_speed_m_s");
+    found.unwrap().1
+}
+
+const REST: Phase = Phase::Relax { damping: 1.0 };
+
+#[test]
+fn sound_is_as_fast_as_the_plan_says() {
+    for preset in ["paper", "modern"] {
+        for effects in ["", EFFECTS, GRAVITY] {
+            let splash = splash_scene(preset, 3, effects);
+            let drop = drop_scene(preset, 2, effects);
+            for scene in [splash, drop] {
+                let impact = sound_speed(&scene, Phase::Impact);
+                assert_eq!(impact, numbers::sound_speed(&scene));
+                assert_eq!(
+                    sound_speed(&scene, REST),
+                    numbers::rest_sound_speed(&scene, 0)
+                );
+                // A later end continues an earlier one: nothing of the motion may depend on it.
+                let mut longer = scene.clone();
+                longer.impact.end *= 3.0;
+                assert_eq!(sound_speed(&longer, Phase::Impact), impact);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_relaxation_does_not_read_what_sets_the_impact() {
+    let scene = splash_scene("modern", 3, &format!("{GRAVITY}{EFFECTS}"));
+    let rest = sound_speed(&scene, REST);
+    let mut other = scene.clone();
+    let coronet::scene::Method::Wcsph(settings) = &mut other.method;
+    settings.reference_speed = Some(9.0);
+    settings.sound_speed_factor = 20.0;
+    assert_eq!(sound_speed(&other, REST), rest);
+    assert_eq!(sound_speed(&other, Phase::Impact), 180.0);
+}
+
+#[test]
+fn particles_keep_the_mass_of_their_packing() {
+    for preset in ["paper", "corrected", "modern"] {
+        let scene = splash_scene(preset, 3, "");
+        let body = pack(&scene, 0, &mut |_| Continue(())).unwrap().0;
+        assert_eq!(body.mass, mass(&scene), "{preset}");
+        assert_eq!(method::resting(&scene, &body).particles.mass, body.mass);
+        assert_eq!(
+            method::initial(&scene, &[body]).particles.mass,
+            mass(&scene)
+        );
+    }
+}

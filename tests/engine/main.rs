@@ -2,6 +2,7 @@
 
 mod allocation;
 mod cloud;
+mod effect_select;
 mod effect_tension;
 mod kernel_shape;
 mod measure_drop;

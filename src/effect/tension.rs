@@ -185,13 +185,28 @@ impl Tension {
 
     /// sigma_eff A, J (N in 2-D), of the last update; `records` as it left them.
     pub fn virial(&self, flow: &Surface, records: &[Record]) -> f64 {
+        self.virial_moment(flow, records, &|_| 1.0)
+    }
+
+    /// The same with the share of every particle times `weight`.
+    pub fn virial_moment(
+        &self,
+        flow: &Surface,
+        records: &[Record],
+        weight: &dyn Fn(usize) -> f64,
+    ) -> f64 {
         match self.kernel {
-            KernelName::CubicSpline => self.virial_with::<CubicSpline>(flow, records),
-            KernelName::WendlandC2 => self.virial_with::<WendlandC2>(flow, records),
+            KernelName::CubicSpline => self.virial_with::<CubicSpline>(flow, records, weight),
+            KernelName::WendlandC2 => self.virial_with::<WendlandC2>(flow, records, weight),
         }
     }
 
-    fn virial_with<K: Kernel>(&self, flow: &Surface, records: &[Record]) -> f64 {
+    fn virial_with<K: Kernel>(
+        &self,
+        flow: &Surface,
+        records: &[Record],
+        weight: &dyn Fn(usize) -> f64,
+    ) -> f64 {
         let mut parts = vec![0.0f64; self.reached.len()];
         let scale = 1.0 / (self.dimension as f32 - 1.0);
         let pass = Virial::<K> {
@@ -199,7 +214,8 @@ impl Tension {
             kernel: PhantomData,
         };
         self.runs(flow, records, &self.reached, &pass, &mut parts);
-        let sum: f64 = parts.iter().sum();
+        let share = |(part, &i): (&f64, &u32)| part * weight(i as usize);
+        let sum: f64 = parts.iter().zip(&self.reached).map(share).sum();
         -0.5 * flow.mass * self.length * self.force_factor::<K>(flow.mass) * sum
     }
 

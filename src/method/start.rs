@@ -4,10 +4,10 @@ use super::Phase;
 use super::model::{Model, rests};
 use crate::particle::pack::mass;
 use crate::particle::{Particles, State};
-use crate::scene::{Dimension, Motion, Scene, Shape};
+use crate::scene::{Body, Dimension, Motion, Scene, Shape, Side};
 
 /// Where the origin of a packed body lies in the box of its relaxation, m.
-fn home(scene: &Scene, body: usize) -> [f64; 3] {
+pub(super) fn home(scene: &Scene, body: usize) -> [f64; 3] {
     let body = &scene.bodies[body];
     if rests(body) {
         return [0.0; 3];
@@ -26,17 +26,54 @@ fn shift(particles: &mut Particles, by: [f64; 3]) {
     }
 }
 
-/// The state in which a packed body starts to relax.
+/// The state in which a packed body starts to relax: with its pressure at rest, so that no sound
+/// wave has to die out first.
 pub fn resting(scene: &Scene, body: &Particles) -> State {
     let mut particles = body.clone();
     particles.mass = mass(scene);
     if let Some(index) = particles.body.first().copied() {
+        let model = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index as usize));
+        if model.diffusion().is_some() {
+            particles.density = rest_density(&model, &scene.bodies[index as usize], body);
+        }
         shift(&mut particles, home(scene, index as usize));
     }
     State {
         particles,
         ..State::default()
     }
+}
+
+/// Density of `body` in packed coordinates under its pressure at rest, kg/m^3: of the column above
+/// (Stevin) in a body that stands on walls, (d-1) sigma / R (Young, Laplace) in a round one.
+fn rest_density(model: &Model, spec: &Body, body: &Particles) -> Vec<f64> {
+    let d = model.dimension.count() as f64;
+    let laplace = |radius: f64| {
+        let pressure = (d - 1.0) * model.effects.tension.unwrap_or(0.0) / radius;
+        vec![model.density_at(pressure); body.len()]
+    };
+    let (low, high) = match &spec.shape {
+        Shape::Sphere { radius, .. } => return laplace(*radius),
+        Shape::Ellipsoid { semi_axes: a, .. } => {
+            let product: f64 = a.iter().filter(|a| **a > 0.0).product();
+            return laplace(product.powf(1.0 / d));
+        }
+        Shape::Block { low, high } => (*low, *high),
+        Shape::Layer { depth } => {
+            let [x, y, _] = model.domain.size;
+            ([0.0; 3], [x, y, *depth])
+        }
+    };
+    let g = model.effects.gravity.unwrap_or([0.0; 3]);
+    let column = |i: usize, a: usize| {
+        let top = if g[a] < 0.0 { high[a] } else { low[a] };
+        g[a] * (body.position[a][i] - top)
+    };
+    let stands = |a: &usize| model.domain.boundary[*a] != [Side::Periodic; 2];
+    let pressure = |i| model.density * (0..3).filter(stands).map(|a| column(i, a)).sum::<f64>();
+    (0..body.len())
+        .map(|i| model.density_at(pressure(i)))
+        .collect()
 }
 
 /// The body of a relaxing state, back about its own origin; at rest, sorted by id.
@@ -90,11 +127,14 @@ pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
         let spec = &scene.bodies[index as usize];
         let relax = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index as usize));
         // The same pressure under the other sound speed.
-        let relaxed = scene.relax.is_some() && impact.diffusion().is_some();
-        let ratio = if relaxed {
-            (relax.sound_speed / impact.sound_speed).powi(2)
-        } else {
-            1.0
+        let density: Vec<f64> = match (impact.diffusion(), &scene.relax) {
+            (None, _) => body.density.clone(),
+            (Some(_), None) => rest_density(&impact, spec, body),
+            (Some(_), Some(_)) => {
+                let ratio = (relax.sound_speed / impact.sound_speed).powi(2);
+                let excess = |rho: &f64| scene.density + ratio * (rho - scene.density);
+                body.density.iter().map(excess).collect()
+            }
         };
         let centre = centre(&spec.shape);
         let first = all.len() as u32;
@@ -105,8 +145,7 @@ pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
                 all.position[a].push(local[a] + centre[a]);
                 all.velocity[a].push(v[a]);
             }
-            all.density
-                .push(scene.density + ratio * (body.density[i] - scene.density));
+            all.density.push(density[i]);
             all.id.push(first + body.id[i]);
             all.body.push(index);
         }

@@ -14,6 +14,9 @@ const MOST: f64 = 20.0;
 /// Shifting never moves a particle by more than this, in spacings, in one advective step.
 const SHIFT_CAP: f64 = 0.1;
 
+/// Least factor of the shifting under tension, in h^2 a step (Lind et al. 2012).
+const LIND: f64 = 0.5;
+
 /// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
 /// eigenvalue of the renormalisation matrix, which a surface lowers like the kernel sum).
 const LOOSE: f32 = 0.55;
@@ -118,13 +121,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Particle shifting against the gradient of concentration (Lind et al. 2012; Skillen et al.
     /// 2013): dr = -A h v_max dt grad C, A = 2 times the setting; near a surface only along it, by
     /// the tension's normal, and not at all where there is none. The largest speed, not the local
-    /// one: voids
-    /// open at stagnation points.
+    /// one: voids open at stagnation points. Tension pulls particles together along the surface
+    /// even where nothing flows: there the factor of grad C is at least Lind's 0.5 h^2.
     fn shift(&mut self, dt: f64) {
         let model = &self.model;
         let d = model.dimension.count();
         let gradient = K::norm(d) * (model.spacing / model.h).powi(d as i32) / model.h;
-        let strength = 2.0 * model.settings.shifting * model.h * self.fastest * dt * gradient;
+        let flow = 2.0 * model.settings.shifting * model.h * self.fastest * dt;
+        let skin = flow.max(LIND * model.h * model.h) * gradient;
+        let flow = flow * gradient;
         let (cap, scale) = (SHIFT_CAP * model.spacing, self.sum_factor());
         let (around, records) = (&self.around, &self.flow.records);
         let tension = self.tension.is_some();
@@ -136,7 +141,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             if support < LOOSE || (support < SURFACE && !tension) {
                 return;
             }
-            let mut dr = s.gradient.map(|g| -strength * g as f64);
+            let mut dr = s.gradient.map(|g| -flow * g as f64);
             if tension {
                 // The tension left its normals in the records.
                 let u = [0, 1, 2].map(|a| records[i].payload(a) as f64);
@@ -145,6 +150,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                     return;
                 }
                 if u2 > 0.0 {
+                    dr = s.gradient.map(|g| -skin * g as f64);
                     let along = (0..3).map(|a| dr[a] * u[a]).sum::<f64>() / u2;
                     (0..3).for_each(|a| dr[a] -= along * u[a]);
                 }

@@ -1,0 +1,49 @@
+//! Orders of convergence: three spacings each, preset `modern`.
+
+use crate::drop::{rest, sphere};
+use crate::flow::{decay, front};
+use crate::scene;
+use crate::wall::poiseuille_errors;
+use coronet::method::Diverged;
+use coronet::scene::Scene;
+
+/// Prints errors and the orders between neighbours.
+fn order(case: &str, spacings: [&str; 3], error: impl Fn(&Scene) -> Result<f64, Diverged>) {
+    let mut last: Option<(f64, f64)> = None;
+    for spacing in spacings {
+        let scene = scene(case, "modern", &[&format!("pack.spacing={spacing}")]);
+        let e = error(&scene).expect("stays stable").abs();
+        let order = last.map(|(s, old)| (old / e).ln() / (s / scene.pack.spacing).ln());
+        let order = order.map_or("-".into(), |p: f64| format!("{p:.1}"));
+        println!("| {case} | {spacing} | {:.2} % | {order} |", 100.0 * e);
+        last = Some((scene.pack.spacing, e));
+    }
+}
+
+#[test]
+fn order_of_poiseuille() {
+    let error = |scene: &Scene| Ok(poiseuille_errors(scene)?[0]);
+    order("poiseuille", ["0.2 mm", "0.1 mm", "0.05 mm"], error);
+}
+
+#[test]
+fn order_of_taylor_green() {
+    let error = |scene: &Scene| decay(scene).map(|[rate, theory, _]| rate / theory - 1.0);
+    order("taylor-green", ["0.2 mm", "0.1 mm", "0.05 mm"], error);
+}
+
+#[test]
+fn order_of_static_drop_2d() {
+    let error = |scene: &Scene| {
+        let radius = sphere(scene);
+        let theory = scene.effects.tension.unwrap() / radius;
+        Ok(rest(scene, radius)?.pressure / theory - 1.0)
+    };
+    order("static-drop-2d", ["0.2 mm", "0.1 mm", "0.05 mm"], error);
+}
+
+#[test]
+fn order_of_dam_break() {
+    let error = |scene: &Scene| Ok(front(scene)?[0]);
+    order("dam-break", ["2.85 mm", "1.425 mm", "0.7125 mm"], error);
+}

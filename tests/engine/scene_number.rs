@@ -33,18 +33,18 @@ fn dimensionless_numbers_of_the_published_case() {
     }
     assert!(off(&sets, "Fr", 249.7) < 1e-3);
     assert!(off(&sets, "Bo", 0.6442) < 1e-3);
-    // c = 31.3 m/s, h = 0.65 mm, V = 3.13 m/s.
-    assert!(off(&sets, "acoustic", 0.25 * 0.65e-3 / 34.43) < 1e-12);
+    // c = 31.3 m/s, h = 0.75 mm, V = 3.13 m/s.
+    assert!(off(&sets, "acoustic", 0.25 * 0.75e-3 / 34.43) < 1e-12);
     assert!(off(&sets, "advective", 0.25 * 0.5e-3 / 3.13) < 1e-12);
     assert!(
         off(
             &sets,
             "viscous",
-            0.125 * 0.65e-3 * 0.65e-3 / (3.5e-3 / 1100.0)
+            0.125 * 0.75e-3 * 0.75e-3 / (3.5e-3 / 1100.0)
         ) < 1e-12
     );
     assert!(off(&sets, "capillary", 2.1176e-4) < 1e-4);
-    assert!(off(&sets, "force", 0.25 * (0.65e-3_f64 / 9.81).sqrt()) < 1e-12);
+    assert!(off(&sets, "force", 0.25 * (0.75e-3_f64 / 9.81).sqrt()) < 1e-12);
 }
 
 #[test]

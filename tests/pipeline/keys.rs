@@ -199,7 +199,7 @@ const TABLE: &[Row] = &[
         "method.wcsph.smoothing=1.4",
         ALL,
         "impact",
-        "method.wcsph.smoothing 1.3 -> 1.4",
+        "method.wcsph.smoothing 1.5 -> 1.4",
     ),
     (
         "method.wcsph.sound_speed_factor=12",

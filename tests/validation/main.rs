@@ -67,7 +67,7 @@ pub fn relax(scene: &Scene, body: &Particles) -> Result<Particles, Diverged> {
     // At rest means calm for a tenth of the time: at the very start nothing moves yet.
     let mut calm_since = f64::INFINITY;
     while solver.time() < relax.time && solver.time() - calm_since < 0.1 * relax.time {
-        solver.advance(&mut |_| Continue(()))?;
+        solver.advance(&mut |_| ())?;
         let (kinetic, spread) = solver.unrest();
         let calm = kinetic / mass < relax.kinetic_energy && spread < relax.density_spread;
         calm_since = if calm {
@@ -89,7 +89,7 @@ pub fn relax(scene: &Scene, body: &Particles) -> Result<Particles, Diverged> {
 pub fn start(scene: &Scene) -> Result<Box<dyn Solver>, Diverged> {
     let mut bodies = Vec::new();
     for b in 0..scene.bodies.len() {
-        let packed = pack(scene, b, &mut |_| ()).expect("packs").0;
+        let packed = pack(scene, b, &mut |_| Continue(())).expect("packs").0;
         bodies.push(relax(scene, &packed)?);
     }
     let coronet::scene::Method::Wcsph(settings) = &scene.method;

@@ -17,9 +17,12 @@
 //! ignores what is left). Wall particles count as liquid in n, so that a wetted wall is no surface.
 //!
 //! The liquid is one-sided, so alpha is not 1: it is calibrated by the virial of the pair forces,
-//! sigma_eff A = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not
-//! enter.
-//! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H.
+//! sigma_eff A_s = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not
+//! enter; A_s: [`crate::method::calibrate`].
+//! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H; where R
+//! is not much larger than H (the stress acts at a depth of 0.65 H); and where H is below 2.6 s0:
+//! the stress derives from no energy, its pull along the surface bunches the particles, and a drop
+//! at rest stirs by itself (docs/validation.md).
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
 mod pass;

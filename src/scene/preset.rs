@@ -58,7 +58,7 @@ pub fn wcsph_modern() -> Wcsph {
         viscosity_form: ViscosityForm::Morris, // Morris, Fox & Zhu 1997
         tension_form: TensionForm::RawColour, // depends little on the arrangement
         tension_strength: TensionStrength::Virial,
-        tension_smoothing: 1.75, // a static drop keeps currents of Ca 0.005, with 1.3 h 0.03
+        tension_smoothing: 1.75, // a static drop keeps currents of Ca 0.002, with 1.3 h 0.03
         wall_pressure: WallPressure::Extrapolated, // Adami, Hu & Adams 2012
         shifting: 6.0, // Taylor-Green: 6 and 12 leave 2 % of excess decay, less opens voids
         shock_dissipation: 0.0, // its damping outlasts shocks: Taylor-Green decays 20 % too fast

@@ -41,6 +41,8 @@ pub struct Rest {
     /// Capillary number of the largest speed, and largest net momentum over sum of m |v|.
     pub capillary: f64,
     pub net: f64,
+    /// Mass that left as spray over what is left.
+    pub lost: f64,
     /// Kinetic energy, J: last over largest of the run.
     pub energy: f64,
     /// Standard deviation over mean of the outline's distance at the end (2-D).
@@ -51,7 +53,7 @@ pub fn rest(scene: &Scene, radius: f64) -> Result<Rest, Diverged> {
     let d = scene.dimension.count() as f64;
     let mut solver = start(scene)?;
     let (mut pressures, mut radii, mut energy) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut speed, mut net, mut round) = (0.0, 0.0f64, 0.0);
+    let (mut speed, mut net, mut round, mut lost) = (0.0, 0.0f64, 0.0, 0.0);
     let end = scene.impact.end;
     run(solver.as_mut(), end, 0.01 * end, |f| {
         let r = distances(f);
@@ -66,6 +68,7 @@ pub fn rest(scene: &Scene, radius: f64) -> Result<Rest, Diverged> {
         radii.push((second * (d + 2.0) / d).sqrt());
         speed = f64::max(speed, scalar(f, "speed_max_m_s"));
         net = net.max(net_momentum(f));
+        lost = scalar(f, "mass_removed_kg") / scalar(f, "mass_kg");
         let edge = outline(f, &r);
         let (mean, deviation) = mean_and_deviation(&edge);
         round = deviation / mean;
@@ -78,6 +81,7 @@ pub fn rest(scene: &Scene, radius: f64) -> Result<Rest, Diverged> {
         radius: mean_and_deviation(&radii).0,
         capillary: scene.effects.viscosity.unwrap_or(0.0) * speed / sigma,
         net,
+        lost,
         energy: energy[energy.len() - 1] / energy.iter().fold(0.0, |m: f64, e| m.max(*e)),
         out_of_round: round,
     })
@@ -103,12 +107,14 @@ fn young_laplace(case: &str, preset: &str, sets: &[&str], target: f64) -> Result
     let theory = (scene.dimension.count() as f64 - 1.0) * scene.effects.tension.unwrap() / radius;
     let rest = rest(&scene, radius)?;
     println!(
-        "  R = {:.1} s0, scatter of p {:.2} %, Ca {:.1e}, radius {:+.2} %, KE {:.1e} of its peak",
+        "  R = {:.1} s0, scatter of p {:.2} %, Ca {:.1e}, radius {:+.2} %, KE {:.1e} of its peak, \
+         spray {:.1e}",
         radius / scene.pack.spacing,
         100.0 * rest.scatter / theory,
         rest.capillary,
         100.0 * (rest.radius / radius - 1.0),
-        rest.energy
+        rest.energy,
+        rest.lost
     );
     let figure = |what, got, theory, target| Figure {
         case,

@@ -18,7 +18,7 @@ impl Band {
     }
 
     /// Marks the cells that hold a particle for which `is` holds.
-    pub fn mark(&mut self, cells: &Cells, is: &(dyn Fn(usize) -> bool + Sync)) {
+    pub fn mark(&mut self, cells: &Cells, is: impl Fn(usize) -> bool + Sync) {
         let n = cells.start.len() - 1;
         self.mark.resize(n, false);
         self.mark
@@ -28,9 +28,15 @@ impl Band {
                 for (k, mark) in marks.iter_mut().enumerate() {
                     let cell = c * 4096 + k;
                     let run = cells.start[cell] as usize..cells.start[cell + 1] as usize;
-                    *mark = run.into_iter().any(is);
+                    *mark = run.into_iter().any(&is);
                 }
             });
+    }
+
+    /// Marks the cells that hold anything; `start`: first of each cell, and the number of all.
+    pub fn mark_filled(&mut self, start: &[u32]) {
+        self.mark.clear();
+        self.mark.extend(start.windows(2).map(|w| w[1] > w[0]));
     }
 
     /// Marks every cell within `reach` m of a marked one, axis by axis.

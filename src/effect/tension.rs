@@ -12,9 +12,12 @@
 //! for the densities in (5)
 //! (the stress of a colour-gradient energy, as in Kuri et al., Eq. 7): smooth where n vanishes.
 //!
-//! Only liquid within the reach of a surface is looked at. On a lattice the force ends at a depth
+//! Only liquid within the reach of a surface is looked at: on a lattice the force ends at a depth
 //! of 3.3 H (raw colour) or 4.6 H (normalised: volumes, colours and normals reach 2 H each, and (4)
-//! ignores what is left). Wall particles count as liquid in n, so that a wetted wall is no surface.
+//! ignores what is left). The stress of (6) ends where |n| H = 0.05, 1.2 H under a flat surface, so
+//! n is summed to 1.5 H only. The own part of (5), T_a . SUM grad W, needs no sum over pairs of its
+//! own; in (6) it vanishes, for there SUM grad W is along n and T . n = 0. What is left runs over
+//! the stressed particles alone. Wall particles count as liquid in n: a wetted wall is no surface.
 //!
 //! The liquid is one-sided, so alpha is not 1: it is calibrated by the virial of the pair forces,
 //! sigma_eff A_s = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not
@@ -26,18 +29,19 @@
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
 mod pass;
+mod stressed;
 
 use super::band::Band;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
 use crate::space::grid::Grid;
-use crate::space::lane::Record;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sort::Cells;
-use crate::space::sweep::{self, Field, Pass};
+use crate::space::sweep::{self, Field, Pass, Source};
 use pass::{Colour, Difference, Gradient, Summed, Virial, Volume};
 use rayon::prelude::*;
 use std::marker::PhantomData;
+use stressed::Stressed;
 
 /// Below |n| H = this there is no surface (Nishio Eq. 13).
 const EPSILON: f64 = 0.01;
@@ -46,12 +50,18 @@ const EPSILON: f64 = 0.01;
 /// the stress starts at zero here, so that the inside of the liquid has none.
 const FAINT: f64 = 0.05;
 
+/// Depth under a flat surface, in H, to which n of (6) is summed: |n| H is 0.007 there (Wendland
+/// C2), so that a surface five times as dense with liquid in reach is still served.
+const DEEP: f64 = 1.5;
+
 /// What the effect reads of a flow.
 pub struct Surface<'a> {
     pub grid: &'a Grid,
     pub liquid: &'a Cells,
-    /// Wall cells and the index of the first wall record, if there is a wall.
-    pub wall: Option<(&'a Cells, usize)>,
+    /// Fixed-point coordinates of liquid and wall, and eight spare ones.
+    pub at: &'a [Vec<i32>; 3],
+    /// Liquid and wall.
+    pub sources: &'a [Source<'a>],
     pub position: &'a [Vec<f64>; 3],
     pub density: &'a [f64],
     pub mass: f64,
@@ -77,8 +87,13 @@ pub struct Tension {
     reached: Vec<u32>,
     /// Particles whose volumes, then whose colours are needed.
     wider: [Vec<u32>; 2],
+    /// Per `near`: n and, for (3), SUM slope d; then u and, for (3), the own part of (5).
+    normals: Vec<([f32; 3], [f32; 3])>,
     vectors: Vec<[f32; 3]>,
     scalars: Vec<f32>,
+    /// Per particle and wall particle: V and c, then u = sqrt(|T|) n / |n| / rho or zero.
+    payload: [Vec<f32>; 3],
+    stressed: Stressed,
     /// Acceleration of `reached`, m/s^2.
     force: Vec<[f32; 3]>,
 }
@@ -105,8 +120,11 @@ impl Tension {
             near: Vec::new(),
             reached: Vec::new(),
             wider: Default::default(),
+            normals: Vec::new(),
             vectors: Vec::new(),
             scalars: Vec::new(),
+            payload: Default::default(),
+            stressed: Stressed::default(),
             force: Vec::new(),
         }
     }
@@ -117,7 +135,10 @@ impl Tension {
         let indices = [&self.near, &self.reached, volumes, colours];
         4 * indices.iter().map(|list| list.capacity()).sum::<usize>()
             + 12 * (self.vectors.capacity() + self.force.capacity())
-            + 4 * self.scalars.capacity()
+            + 24 * self.normals.capacity()
+            + 12 * self.payload[0].capacity()
+            + 24 * self.stressed.u[0].capacity()
+            + 4 * (self.scalars.capacity() + self.stressed.start.capacity())
             + self.band.memory()
     }
 
@@ -126,49 +147,60 @@ impl Tension {
         2.0 * self.length
     }
 
-    /// Evaluates a_s near the surface. `records`: positions current; payloads are overwritten with
-    /// the root of the stress, u = sqrt(|T|) n / |n| / rho, zero elsewhere.
-    pub fn update(
-        &mut self,
-        flow: &Surface,
-        records: &mut [Record],
-        is_surface: &(dyn Fn(usize) -> bool + Sync),
-    ) {
+    /// sqrt(|T|) n / |n| / rho of particle `i` as of the last update; zero far from a surface.
+    #[inline(always)]
+    pub fn root_of(&self, i: usize) -> [f32; 3] {
+        [0, 1, 2].map(|a| self.payload[a][i])
+    }
+
+    /// Evaluates a_s near the surface.
+    pub fn update(&mut self, flow: &Surface, is_surface: impl Fn(usize) -> bool + Sync) {
+        self.band.mark(flow.liquid, is_surface);
+        self.clear(flow);
         match self.kernel {
-            KernelName::CubicSpline => self.update_with::<CubicSpline>(flow, records, is_surface),
-            KernelName::WendlandC2 => self.update_with::<WendlandC2>(flow, records, is_surface),
+            KernelName::CubicSpline => self.update_with::<CubicSpline>(flow),
+            KernelName::WendlandC2 => self.update_with::<WendlandC2>(flow),
         }
     }
 
-    fn update_with<K: Kernel>(
-        &mut self,
-        flow: &Surface,
-        records: &mut [Record],
-        is_surface: &(dyn Fn(usize) -> bool + Sync),
-    ) {
+    fn update_with<K: Kernel>(&mut self, flow: &Surface) {
         let reach = self.support() + flow.slack;
-        self.band.mark(flow.liquid, is_surface);
         match self.form {
             TensionForm::RawColour => {
-                self.band.grow(flow.grid, reach);
+                let deep = DEEP * self.length + flow.slack;
+                self.band.grow(flow.grid, deep);
                 self.band.members(flow.liquid, &mut self.near);
-                self.sweep(flow, records, &Gradient::<K>(PhantomData));
+                let mut vectors = std::mem::take(&mut self.vectors);
+                vectors.resize(self.near.len(), [0.0; 3]);
+                self.runs(flow, &self.near, &Gradient::<K>(PhantomData), &mut vectors);
+                let pairs = vectors.par_iter().map(|v| (*v, [0.0; 3]));
+                pairs.collect_into_vec(&mut self.normals);
+                self.vectors = vectors;
             }
-            TensionForm::NormalisedColour => self.colour::<K>(flow, records, reach),
+            TensionForm::NormalisedColour => self.colour::<K>(flow, reach),
         }
-        self.root::<K>(flow, records);
-        let stressed = |i: usize| records[i].0[3..6] != [0; 3];
-        self.band.mark(flow.liquid, &stressed);
+        self.root::<K>(flow);
+        self.stressed.gather(flow, &self.near, &self.payload);
+        self.band.mark_filled(&self.stressed.start);
         self.band.grow(flow.grid, reach);
         self.band.members(flow.liquid, &mut self.reached);
         let mut force = std::mem::take(&mut self.force);
         force.resize(self.reached.len(), [0.0; 3]);
-        let factor = self.force_factor::<K>(flow.mass);
         let pass = Summed::<K> {
-            factor,
+            factor: self.force_factor::<K>(flow.mass),
             kernel: PhantomData,
         };
-        self.runs(flow, records, &self.reached, &pass, &mut force);
+        let source = Source {
+            start: &self.stressed.start,
+            offset: 0,
+        };
+        let field = Field {
+            at: &self.stressed.at,
+            payload: &self.stressed.u,
+            sources: &[source],
+            ..self.field(flow)
+        };
+        sweep::runs(field, &self.reached, &pass, &mut force);
         self.force = force;
     }
 
@@ -184,120 +216,111 @@ impl Tension {
             let a = unsafe { into.at(self.reached[k] as usize) };
             (0..3).for_each(|c| a[c] += self.force[k][c]);
         });
-    }
-
-    /// sigma_eff A, J (N in 2-D), of the last update; `records` as it left them.
-    pub fn virial(&self, flow: &Surface, records: &[Record]) -> f64 {
-        self.virial_moment(flow, records, &|_| 1.0)
-    }
-
-    /// The same with the share of every particle times `weight`.
-    pub fn virial_moment(
-        &self,
-        flow: &Surface,
-        records: &[Record],
-        weight: &dyn Fn(usize) -> f64,
-    ) -> f64 {
-        match self.kernel {
-            KernelName::CubicSpline => self.virial_with::<CubicSpline>(flow, records, weight),
-            KernelName::WendlandC2 => self.virial_with::<WendlandC2>(flow, records, weight),
+        if self.form == TensionForm::NormalisedColour {
+            each(self.near.len(), |k| {
+                let a = unsafe { into.at(self.near[k] as usize) };
+                (0..3).for_each(|c| a[c] += self.normals[k].1[c]);
+            });
         }
     }
 
-    fn virial_with<K: Kernel>(
-        &self,
-        flow: &Surface,
-        records: &[Record],
-        weight: &dyn Fn(usize) -> f64,
-    ) -> f64 {
+    /// sigma_eff A, J (N in 2-D), of the last update.
+    pub fn virial(&self, flow: &Surface) -> f64 {
+        self.virial_moment(flow, |_| 1.0)
+    }
+
+    /// The same with the share of every particle times `weight`.
+    pub fn virial_moment(&self, flow: &Surface, weight: impl Fn(usize) -> f64) -> f64 {
+        match self.kernel {
+            KernelName::CubicSpline => self.virial_with::<CubicSpline>(flow, weight),
+            KernelName::WendlandC2 => self.virial_with::<WendlandC2>(flow, weight),
+        }
+    }
+
+    fn virial_with<K: Kernel>(&self, flow: &Surface, weight: impl Fn(usize) -> f64) -> f64 {
         let mut parts = vec![0.0f64; self.reached.len()];
-        let scale = 1.0 / (self.dimension as f32 - 1.0);
         let pass = Virial::<K> {
-            scale,
+            scale: 1.0 / (self.dimension as f32 - 1.0),
             kernel: PhantomData,
         };
-        self.runs(flow, records, &self.reached, &pass, &mut parts);
+        self.runs(flow, &self.reached, &pass, &mut parts);
         let share = |(part, &i): (&f64, &u32)| part * weight(i as usize);
         let sum: f64 = parts.iter().zip(&self.reached).map(share).sum();
         -0.5 * flow.mass * self.length * self.force_factor::<K>(flow.mass) * sum
     }
 
+    /// All particles as sources, with the current payload.
+    fn field<'a>(&'a self, flow: &'a Surface) -> Field<'a> {
+        Field {
+            grid: flow.grid,
+            at: flow.at,
+            payload: &self.payload,
+            sources: flow.sources,
+            position: flow.position,
+            own: &self.payload,
+            cutoff: self.support() + flow.slack,
+            scale: flow.grid.scale(self.length),
+        }
+    }
+
     fn runs<const N: usize, P: Pass<N>>(
         &self,
         flow: &Surface,
-        records: &[Record],
         targets: &[u32],
         pass: &P,
         out: &mut [P::Out],
     ) {
-        let liquid = sweep::Source {
-            cells: flow.liquid,
-            offset: 0,
-        };
-        let wall = flow
-            .wall
-            .map(|(cells, offset)| sweep::Source { cells, offset });
-        let both = [liquid, wall.unwrap_or(liquid)];
-        let field = Field {
-            grid: flow.grid,
-            records,
-            sources: if wall.is_some() { &both } else { &both[..1] },
-            position: flow.position,
-            cutoff: self.support() + flow.slack,
-            scale: flow.grid.scale(self.length),
-        };
-        sweep::runs(field, targets, pass, out);
-    }
-
-    fn sweep<P: Pass<3, Out = [f32; 3]>>(&mut self, flow: &Surface, records: &[Record], pass: &P) {
-        let mut vectors = std::mem::take(&mut self.vectors);
-        vectors.resize(self.near.len(), [0.0; 3]);
-        self.runs(flow, records, &self.near, pass, &mut vectors);
-        self.vectors = vectors;
+        sweep::runs(self.field(flow), targets, pass, out);
     }
 
     /// (1)-(3): volumes, then colour, then normals, each in a narrower band.
-    fn colour<K: Kernel>(&mut self, flow: &Surface, records: &mut [Record], reach: f64) {
+    fn colour<K: Kernel>(&mut self, flow: &Surface, reach: f64) {
         let d = self.dimension as i32;
         let norm = K::norm(self.dimension) / self.length.powi(d);
         let own = K::w(0.0) as f32;
-        let wall = flow.wall.map_or(records.len(), |(_, offset)| offset);
-        // A wall particle far inside a wetted wall has the bulk's volume.
+        // A wall particle far inside a wetted wall has the bulk's volume, and colour 1.
         let bulk = (flow.mass / self.density) as f32;
-        for (i, record) in records.iter_mut().enumerate() {
-            let [x, y, z] = [record.at(0), record.at(1), record.at(2)];
-            let colour = if i >= wall { 1.0 } else { 0.0 };
-            *record = Record::new([x, y, z], [0.0, bulk, colour, 0.0, 0.0]);
-        }
+        self.payload[0].fill(bulk);
+        self.payload[1][flow.density.len()..].fill(1.0);
         self.nest(flow, reach);
         let wider = std::mem::take(&mut self.wider);
         for (stage, band) in wider.iter().enumerate() {
             let mut sums = std::mem::take(&mut self.scalars);
             sums.resize(band.len(), 0.0);
             if stage == 0 {
-                self.runs(flow, records, band, &Volume::<K>(PhantomData), &mut sums);
+                self.runs(flow, band, &Volume::<K>(PhantomData), &mut sums);
             } else {
-                self.runs(flow, records, band, &Colour::<K>(PhantomData), &mut sums);
+                self.runs(flow, band, &Colour::<K>(PhantomData), &mut sums);
             }
             for (&i, &sum) in band.iter().zip(&sums) {
-                let r = &mut records[i as usize];
-                let at = [r.at(0), r.at(1), r.at(2)];
-                let volume = if stage == 0 {
-                    (1.0 / (norm * (sum + own) as f64)) as f32
+                let i = i as usize;
+                if stage == 0 {
+                    self.payload[0][i] = (1.0 / (norm * (sum + own) as f64)) as f32;
                 } else {
-                    r.payload(1)
-                };
-                let colour = if stage == 1 {
-                    (norm * (sum + own * volume) as f64) as f32
-                } else {
-                    0.0
-                };
-                *r = Record::new(at, [0.0, volume, colour, 0.0, 0.0]);
+                    let c = norm * (sum + own * self.payload[0][i]) as f64;
+                    self.payload[1][i] = c as f32;
+                }
             }
             self.scalars = sums;
         }
         self.wider = wider;
-        self.sweep(flow, records, &Difference::<K>(PhantomData));
+        let mut normals = std::mem::take(&mut self.normals);
+        normals.resize(self.near.len(), Default::default());
+        self.runs(
+            flow,
+            &self.near,
+            &Difference::<K>(PhantomData),
+            &mut normals,
+        );
+        self.normals = normals;
+    }
+
+    /// Zero payload for every particle.
+    fn clear(&mut self, flow: &Surface) {
+        for words in &mut self.payload {
+            words.clear();
+            words.resize(flow.at[0].len(), 0.0);
+        }
     }
 
     /// Particles within 4, 3 and 2 reaches of the surface.
@@ -310,47 +333,49 @@ impl Tension {
         }
     }
 
-    /// (4): makes u of the normals of `near` and writes it into the records, zero elsewhere.
-    fn root<K: Kernel>(&mut self, flow: &Surface, records: &mut [Record]) {
+    /// (4): turns `normals` into u and the own part of (5), and the payload into u.
+    fn root<K: Kernel>(&mut self, flow: &Surface) {
         let d = self.dimension as i32;
         let gradient = K::norm(self.dimension) / self.length.powi(d + 1);
         let raw = self.form == TensionForm::RawColour;
         let tension = self.strength * self.coefficient;
         let epsilon = if raw { FAINT } else { EPSILON } / self.length;
-        let (density, length) = (self.density, self.length);
-        self.vectors
-            .par_iter_mut()
-            .zip(&self.near)
-            .for_each(|(v, &i)| {
-                let i = i as usize;
-                let (volume, rho) = if raw {
-                    (flow.mass / density, density)
-                } else {
-                    (
-                        flow.mass / flow.density[i],
-                        flow.mass / records[i].payload(1) as f64,
-                    )
-                };
-                let n = v.map(|v| gradient * volume * v as f64);
-                let size = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
-                if size <= epsilon {
-                    *v = [0.0; 3];
-                    return;
-                }
-                let squared = if raw {
-                    (size * size - epsilon * epsilon) * length
-                } else {
-                    size
-                };
-                let u = (tension * squared).sqrt() / rho / size;
-                *v = n.map(|n| (u * n) as f32);
-            });
-        records
-            .par_iter_mut()
-            .for_each(|record| record.0[3..].fill(0));
-        for (&i, u) in self.near.iter().zip(&self.vectors) {
-            let r = &mut records[i as usize];
-            *r = Record::new([r.at(0), r.at(1), r.at(2)], [u[0], u[1], u[2], 0.0, 0.0]);
-        }
+        let own_factor = self.force_factor::<K>(flow.mass);
+        let volumes = &self.payload[0];
+        let near = self.near.par_iter().zip(&mut self.normals);
+        near.for_each(|(&i, (v, own))| {
+            let i = i as usize;
+            let (volume, rho) = if raw {
+                (flow.mass / self.density, self.density)
+            } else {
+                (flow.mass / flow.density[i], flow.mass / volumes[i] as f64)
+            };
+            let n = v.map(|v| gradient * volume * v as f64);
+            let size = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+            if size <= epsilon {
+                (*v, *own) = Default::default();
+                return;
+            }
+            let squared = if raw {
+                (size * size - epsilon * epsilon) * self.length
+            } else {
+                size
+            };
+            let u = n.map(|n| (tension * squared).sqrt() / rho / size * n);
+            let g = own.map(f64::from);
+            let (u2, ug) = (
+                u.iter().map(|u| u * u).sum::<f64>(),
+                (0..3).map(|a| u[a] * g[a]).sum::<f64>(),
+            );
+            *own = [0, 1, 2].map(|a| (own_factor * (u2 * g[a] - ug * u[a])) as f32);
+            *v = u.map(|u| u as f32);
+        });
+        self.clear(flow);
+        let payload = slots3(&mut self.payload);
+        each(self.near.len(), |k| {
+            for a in 0..3 {
+                *unsafe { payload[a].at(self.near[k] as usize) } = self.normals[k].0[a];
+            }
+        });
     }
 }

@@ -87,18 +87,18 @@ fn virial_of(
     let Some(mut tension) = tension else {
         return Ok((0.0, 0.0));
     };
-    let mut records = std::mem::take(&mut flow.records);
+    let sources = flow.sources();
+    let surface = super::surface_of(&flow, &sources);
     // Every particle may be at the surface: no flags are needed for one evaluation.
-    tension.update(&super::surface_of(&flow), &mut records, &|_| true);
-    let surface = super::surface_of(&flow);
+    tension.update(&surface, |_| true);
     let origin = super::start::home(scene, index);
     let body = &scene.bodies[index];
     let depth = |i: usize| {
         let x = flow.position(i);
         depth(scene, body, [0, 1, 2].map(|a| x[a] - origin[a]))
     };
-    let whole = tension.virial(&surface, &records);
-    let moment = tension.virial_moment(&surface, &records, &depth);
+    let whole = tension.virial(&surface);
+    let moment = tension.virial_moment(&surface, depth);
     let mean = if whole == 0.0 { 0.0 } else { moment / whole };
     Ok((whole / sigma, mean))
 }

@@ -6,6 +6,7 @@
 
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Side};
+use crate::space::column;
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
 use crate::space::parallel::{Slots, each, slots3};
@@ -37,6 +38,8 @@ pub struct Flow {
     /// Sorted along cells once, never moved.
     pub wall: Wall,
     pub records: Vec<Record>,
+    /// Fixed-point coordinates in the order of the records, as of the last [`Flow::place`].
+    pub at: [Vec<i32>; 3],
     /// Rows of the liquid: liquid and wall neighbours.
     pub rows: Rows,
     /// Rows of the wall: liquid neighbours only.
@@ -70,7 +73,8 @@ impl Flow {
         let reach = lengths.support * (1.0 + SLACK);
         let margin = lengths.longest + reach;
         let longest = reach.max(lengths.longest);
-        let grid = Grid::new(domain, dimension, 0.5 * reach, margin, longest)?;
+        let edge = (0.5 * reach).max(margin / column::REACH as f64);
+        let grid = Grid::new(domain, dimension, edge, margin, longest)?;
         let mut wall_cells = Cells::default();
         wall_cells.sort(&grid, &wall.position);
         let mut scratch = Vec::new();
@@ -86,6 +90,7 @@ impl Flow {
             particles,
             wall,
             records: Vec::new(),
+            at: Default::default(),
             rows: Rows::default(),
             wall_rows: Rows::default(),
             liquid_cells: Cells::default(),
@@ -189,43 +194,54 @@ impl Flow {
         self.moved = 0.0;
     }
 
-    /// Finds all neighbour rows. Call after [`Flow::sort`].
-    pub fn find(&mut self) {
-        self.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
-        let n = self.liquid();
+    /// Brings `at` to the current positions.
+    pub fn place(&mut self) {
+        let (n, m) = (self.liquid(), self.walls());
+        for a in 0..3 {
+            self.at[a].resize(n + m + WIDTH, 0);
+            let (grid, at) = (&self.grid, Slots::new(&mut self.at[a]));
+            let (liquid, wall) = (&self.particles.position[a], &self.wall.position[a]);
+            each(n, |i| *unsafe { at.at(i) } = grid.fix(a, liquid[i]));
+            each(m, |i| *unsafe { at.at(n + i) } = grid.fix(a, wall[i]));
+        }
+    }
+
+    /// Where neighbours are: liquid, then walls if there are any.
+    pub fn sources(&self) -> impl std::ops::Deref<Target = [Source<'_>]> {
         let liquid = Source {
-            cells: &self.liquid_cells,
+            start: &self.liquid_cells.start,
             offset: 0,
         };
         let wall = Source {
-            cells: &self.wall_cells,
-            offset: n,
+            start: &self.wall_cells.start,
+            offset: self.liquid(),
         };
-        let both = [liquid, wall];
-        let sources = if self.walls() > 0 {
-            &both[..]
-        } else {
-            &both[..1]
-        };
+        Sources([liquid, wall], 1 + usize::from(self.walls() > 0))
+    }
+
+    /// Finds all neighbour rows. Call after [`Flow::sort`].
+    pub fn find(&mut self) {
+        self.place();
+        let mut rows = std::mem::take(&mut self.rows);
+        let mut wall_rows = std::mem::take(&mut self.wall_rows);
+        let sources = self.sources();
         let search = Search {
             grid: &self.grid,
-            records: &self.records,
-            sources,
+            at: &self.at,
+            sources: &sources,
             cutoff: self.lengths.support * (1.0 + SLACK),
         };
-        self.rows.build(search, 0, &self.particles.position);
+        rows.build(search, 0, &self.particles.position);
         if self.walls() > 0 {
-            let seen = if self.wall_sees_wall {
-                &both[..]
-            } else {
-                &both[..1]
-            };
+            let seen = if self.wall_sees_wall { 2 } else { 1 };
             let search = Search {
-                sources: seen,
+                sources: &sources[..seen],
                 ..search
             };
-            self.wall_rows.build(search, n, &self.wall.position);
+            wall_rows.build(search, self.liquid(), &self.wall.position);
         }
+        drop(sources);
+        (self.rows, self.wall_rows) = (rows, wall_rows);
     }
 
     /// Writes all records: current positions, payloads by liquid index and by wall index.
@@ -262,7 +278,7 @@ impl Flow {
     pub fn memory(&self) -> (f64, f64) {
         let n = self.liquid().max(1) as f64;
         let p = 8.0 * 7.0 + 5.0;
-        let records = self.records.capacity() as f64 * 32.0 / n;
+        let records = (self.records.capacity() * 32 + self.at[0].capacity() * 12) as f64 / n;
         let cells = (self.liquid_cells.order.capacity() * 8
             + self.liquid_cells.start.capacity() * 4) as f64
             / n;
@@ -272,6 +288,16 @@ impl Flow {
         let bare = p + records + cells + scratch;
         let rows = (self.rows.entries() + self.wall_rows.entries()) as f64 * 4.0 / n;
         (bare, bare + rows + 4.0)
+    }
+}
+
+/// One or two sources.
+struct Sources<'a>([Source<'a>; 2], usize);
+
+impl<'a> std::ops::Deref for Sources<'a> {
+    type Target = [Source<'a>];
+    fn deref(&self) -> &[Source<'a>] {
+        &self.0[..self.1]
     }
 }
 

@@ -18,6 +18,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State, Wall};
 use crate::scene::{Scene, Shape, TensionStrength};
+use crate::space::row::Source;
 use flow::{Flow, Lengths};
 use model::Model;
 
@@ -213,11 +214,12 @@ fn flow_of(
 }
 
 /// What the tension reads of a flow.
-fn surface_of(flow: &Flow) -> Surface<'_> {
+fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> {
     Surface {
         grid: &flow.grid,
         liquid: &flow.liquid_cells,
-        wall: (flow.walls() > 0).then(|| (&flow.wall_cells, flow.liquid())),
+        at: &flow.at,
+        sources,
         position: &flow.particles.position,
         density: &flow.particles.density,
         mass: flow.particles.mass,

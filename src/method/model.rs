@@ -90,7 +90,7 @@ impl Model {
         let p = self.density * self.sound_speed * self.sound_speed * p;
         match self.settings.pressure {
             crate::scene::Pressure::Clipped => p.max(0.0),
-            crate::scene::Pressure::Signed => p,
+            crate::scene::Pressure::Signed | crate::scene::Pressure::Controlled => p,
         }
     }
 

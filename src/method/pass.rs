@@ -10,7 +10,7 @@ use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
 #[inline(always)]
-unsafe fn difference<L: Lanes>(a: &[L::F; 5], b: &[L::F; 5]) -> [L::F; 3] {
+unsafe fn difference<L: Lanes>(a: &[L::F; 8], b: &[L::F; 5]) -> [L::F; 3] {
     unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
 }
 
@@ -78,31 +78,90 @@ impl<K: Kernel> Pass<1> for Continuity<K> {
     }
 }
 
-/// Pair force of pressure, of viscosity `V` and of shock dissipation (Nishio Eq. 5).
-/// Payload 3: P / rho^2, payload 4: 1 / rho^2 (read by viscosity).
-pub struct Force<K, V, const SHOCK: bool> {
+/// [`Continuity`], and what a shift of the target by dr changes there: velocity and density are
+/// those of the liquid at the new place, dr . grad v and dr . grad rho (Sun et al. 2019, Eq. 5).
+pub struct Transport<'a, K> {
+    pub continuity: Continuity<K>,
+    /// dr / h of each target.
+    pub shift: &'a [[f32; 3]],
+    /// m norm / (rho0 h^d), and rho0, kg/m^3.
+    pub factor: f64,
+    pub density: f64,
+}
+
+/// Sums of [`Transport`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Transported {
+    /// Rate of density, kg/m^3/s.
+    pub rate: f32,
+    /// Changes of density, kg/m^3, and of velocity, m/s.
+    pub density: f32,
+    pub velocity: [f32; 3],
+}
+
+impl<K: Kernel> Pass<5> for Transport<'_, K> {
+    type Out = Transported;
+    #[inline(always)]
+    fn own(&self, target: usize, [a, b, c, d, e]: [f32; 5]) -> [f32; 8] {
+        let [x, y, z] = self.shift[target];
+        [a, b, c, d, e, x, y, z]
+    }
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
+        unsafe {
+            let mut rate = [sum[4]];
+            self.continuity.pair::<L>(pair, &mut rate);
+            sum[4] = rate[0];
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let along = L::dot([pair.own[5], pair.own[6], pair.own[7]], pair.d);
+            let along = L::mul(slope, along);
+            for (c, sum) in sum.iter_mut().take(4).enumerate() {
+                *sum = L::fma(along, L::sub(pair.other[c], pair.own[c]), *sum);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, s: [f32; 5], out: &mut Transported) {
+        self.continuity.finish(target, [s[4]], &mut out.rate);
+        out.density = (self.density * self.factor * s[3] as f64) as f32;
+        out.velocity = [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32);
+    }
+}
+
+/// Pair force of pressure and of viscosity `V` (Nishio Eq. 5).
+/// Payload 3: P / rho^2, payload 4: 1 / rho^2, negative where tension is controlled.
+///
+/// `CONTROL`: where marked, a negative own pressure enters with its sign turned, so that the pair
+/// sees P_b - P_a, which is blind to a common tension and does not clump (Sun, Colagrossi, Marrone,
+/// Antuono & Zhang 2018).
+pub struct Force<K, V, const CONTROL: bool> {
     /// m norm / h^(d+1).
     pub factor: f64,
     pub viscosity: V,
-    /// c, m/s, and 1 / rho0, m^3/kg (shock dissipation only).
-    pub sound_speed: f32,
-    pub volume: f32,
     pub kernel: PhantomData<K>,
 }
 
-impl<K: Kernel, V: PairViscosity, const SHOCK: bool> Pass<3> for Force<K, V, SHOCK> {
+impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, CONTROL> {
     type Out = [f32; 3];
+    #[inline(always)]
+    fn own(&self, _: usize, [a, b, c, mut pressure, weight]: [f32; 5]) -> [f32; 8] {
+        if CONTROL && weight < 0.0 {
+            pressure = pressure.abs();
+        }
+        [a, b, c, pressure, weight, 0.0, 0.0, 0.0]
+    }
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
         unsafe {
             let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let mut p = L::add(pair.own[3], pair.other[3]);
-            if V::PRESENT || SHOCK {
+            let p = L::add(pair.own[3], pair.other[3]);
+            if V::PRESENT {
                 let v = difference::<L>(&pair.own, &pair.other);
-                if SHOCK {
-                    p = L::add(p, shock::<L>(pair, v, self.sound_speed, self.volume));
-                }
-                let weight = L::add(pair.own[4], pair.other[4]);
+                let weight = if CONTROL {
+                    L::add(L::abs(pair.own[4]), L::abs(pair.other[4]))
+                } else {
+                    L::add(pair.own[4], pair.other[4])
+                };
                 self.viscosity
                     .add::<L>(slope, pair.q2, pair.d, v, weight, sum);
             }
@@ -118,22 +177,36 @@ impl<K: Kernel, V: PairViscosity, const SHOCK: bool> Pass<3> for Force<K, V, SHO
     }
 }
 
-/// Twice the dissipative pressure over density squared of the low-dissipation Riemann flux (Zhang,
-/// Hu &
-/// Adams 2017): min(3 u / c, 1) c u / rho0 for approaching pairs, u = -v . r / |r|.
-#[inline(always)]
-unsafe fn shock<L: Lanes>(pair: &Pair<L>, v: [L::F; 3], c: f32, volume: f32) -> L::F {
-    unsafe {
-        let zero = L::splat(0.0);
-        let r = L::sqrt(L::max(pair.q2, L::splat(1e-12)));
-        let u = L::max(L::div(L::sub(zero, L::dot(v, pair.d)), r), zero);
-        let beta = L::min(L::mul(u, L::splat(3.0 / c)), L::splat(1.0));
-        L::mul(L::mul(beta, u), L::splat(c * volume))
+/// [`Force`] and, from the same pairs, SUM slope d: times norm s0^d / h^(d+1) it is grad C, 1/m.
+pub struct ForceAndGradient<K, V, const CONTROL: bool>(pub Force<K, V, CONTROL>);
+
+impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradient<K, V, CONTROL> {
+    type Out = ([f32; 3], [f32; 3]);
+    #[inline(always)]
+    fn own(&self, target: usize, payload: [f32; 5]) -> [f32; 8] {
+        self.0.own(target, payload)
+    }
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) {
+        unsafe {
+            let mut force = [sum[0], sum[1], sum[2]];
+            self.0.pair::<L>(pair, &mut force);
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            for a in 0..3 {
+                sum[a] = force[a];
+                sum[3 + a] = L::fma(slope, pair.d[a], sum[3 + a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, s: [f32; 6], out: &mut Self::Out) {
+        self.0.finish(target, [s[0], s[1], s[2]], &mut out.0);
+        out.1 = [s[3], s[4], s[5]];
     }
 }
 
-/// Everything that an advective step asks of the neighbourhood: viscosity, the kernel sum and its
-/// gradient (for shifting and for the free surface). Payload: velocity, unused, 1 / rho^2.
+/// Everything that an advective step asks of the neighbourhood: viscosity, and the kernel sum that
+/// shows the free surface. Payload: velocity, unused, 1 / rho^2.
 pub struct Neighbourhood<K, V> {
     /// m norm / h^(d+1).
     pub factor: f64,
@@ -144,44 +217,36 @@ pub struct Neighbourhood<K, V> {
 /// Sums of [`Neighbourhood`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Surroundings {
-    /// Viscous acceleration, m/s^2.
-    pub viscous: [f32; 3],
-    /// SUM slope d: times norm s0^d / h^(d+1) it is grad C, 1/m.
-    pub gradient: [f32; 3],
+    /// Viscous acceleration, m/s^2; once that is held, a normal of the surface of any length.
+    pub vector: [f32; 3],
     /// SUM w without the particle itself: times norm s0^d / h^d it is the kernel sum.
     pub sum: f32,
 }
 
-impl<K: Kernel, V: PairViscosity> Pass<7> for Neighbourhood<K, V> {
+impl<K: Kernel, V: PairViscosity> Pass<4> for Neighbourhood<K, V> {
     type Out = Surroundings;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) {
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
         unsafe {
             let q = L::sqrt(pair.q2);
-            let slope = K::slope_lanes::<L>(q);
             let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
-            let [mut a, mut b, mut c, d, e, f, g] = *sum;
             if V::PRESENT {
+                let slope = K::slope_lanes::<L>(q);
                 let v = difference::<L>(&pair.own, &pair.other);
-                let mut s = [a, b, c];
+                let mut s = [sum[0], sum[1], sum[2]];
                 let weight = L::add(pair.own[4], pair.other[4]);
                 self.viscosity
                     .add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
-                [a, b, c] = s;
+                [sum[0], sum[1], sum[2]] = s;
             }
-            let d = L::fma(slope, pair.d[0], d);
-            let e = L::fma(slope, pair.d[1], e);
-            let f = L::fma(slope, pair.d[2], f);
-            *sum = [a, b, c, d, e, f, L::add(g, w)];
+            sum[3] = L::add(sum[3], w);
         }
     }
     #[inline(always)]
-    fn finish(&self, _: usize, s: [f32; 7], out: &mut Surroundings) {
-        let viscous = [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32);
+    fn finish(&self, _: usize, s: [f32; 4], out: &mut Surroundings) {
         *out = Surroundings {
-            viscous,
-            gradient: [s[3], s[4], s[5]],
-            sum: s[6],
+            vector: [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32),
+            sum: s[3],
         };
     }
 }
@@ -213,7 +278,7 @@ impl<K: Kernel> Pass<8> for Extrapolation<K> {
             let w = K::w_lanes::<L>(L::sqrt(pair.q2));
             let w = L::if_less(L::splat(0.0), pair.q2, w);
             sum[0] = L::add(sum[0], w);
-            sum[1] = L::fma(w, L::div(pair.other[3], pair.other[4]), sum[1]);
+            sum[1] = L::fma(w, L::div(pair.other[3], L::abs(pair.other[4])), sum[1]);
             for a in 0..3 {
                 sum[2 + a] = L::fma(w, pair.d[a], sum[2 + a]);
                 sum[5 + a] = L::fma(w, pair.other[a], sum[5 + a]);

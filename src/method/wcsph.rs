@@ -20,7 +20,7 @@ mod walls;
 use super::flow::Flow;
 use super::limit::Limits;
 use super::model::Model;
-use super::pass::Surroundings;
+use super::pass::{Surroundings, Transported};
 use super::{Diverged, Solver};
 use crate::effect::tension::Tension;
 use crate::effect::viscosity::PairViscosity;
@@ -55,6 +55,11 @@ pub struct Wcsph<K, V> {
     /// Acceleration: the whole one (single rate), or what is held over an advective step (dual).
     held: Vec<[f32; 3]>,
     force: Vec<[f32; 3]>,
+    /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
+    driven: Vec<([f32; 3], [f32; 3])>,
+    /// dr / h of the last shift, and what it changed (the same).
+    shifted: Vec<[f32; 3]>,
+    transported: Vec<Transported>,
     around: Vec<Surroundings>,
     walls: walls::WallState,
     pool: bool,
@@ -106,6 +111,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             rate,
             held: vec![[0.0; 3]; n],
             force: vec![[0.0; 3]; n],
+            driven: Vec::new(),
+            shifted: Vec::new(),
+            transported: Vec::new(),
             around: vec![Surroundings::default(); n],
             walls: walls::WallState::default(),
             pool,
@@ -225,12 +233,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let Some(mut tension) = self.tension.take() else {
             return;
         };
+        if self.flow.moved > 0.0 {
+            self.flow.place();
+        }
         let scale = self.sum_factor();
         let around = &self.around;
-        let surface = |i: usize| scale * (around[i].sum + 1.0) < SURFACE;
-        let mut records = std::mem::take(&mut self.flow.records);
-        tension.update(&super::surface_of(&self.flow), &mut records, &surface);
-        self.flow.records = records;
+        let sources = self.flow.sources();
+        let flow = super::surface_of(&self.flow, &sources);
+        tension.update(&flow, |i| scale * (around[i].sum + 1.0) < SURFACE);
+        drop(sources);
         tension.add(into(self));
         self.tension = Some(tension);
     }
@@ -335,6 +346,9 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             + 12 * (self.held.capacity() + self.force.capacity())
             + std::mem::size_of::<Surroundings>() * (around + s.around.capacity())
             + s.mist.capacity()
+            + 24 * self.driven.capacity()
+            + 12 * self.shifted.capacity()
+            + std::mem::size_of::<Transported>() * self.transported.capacity()
             + self.tension.as_ref().map_or(0, Tension::memory);
         let own = bytes as f64 / self.len().max(1) as f64;
         let (bare, whole) = self.flow.memory();

@@ -10,6 +10,7 @@ use crate::space::parallel::{self, Slots, slots3};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Pass};
+use rayon::prelude::*;
 
 /// How far beyond the support neighbours are listed, so that a list serves several steps.
 const SLACK: f64 = 0.3;
@@ -24,6 +25,8 @@ pub struct Crowd {
     pub position: [Vec<f64>; 3],
     wall: [Vec<f64>; 3],
     records: Vec<Record>,
+    /// Fixed-point coordinates in the order of the records, as of the last rebuild.
+    fixed: [Vec<i32>; 3],
     rows: Rows,
     support: f64,
     /// Largest distance that anybody can have moved since the last rebuild.
@@ -53,6 +56,7 @@ impl Crowd {
             position,
             wall,
             records: Vec::new(),
+            fixed: Default::default(),
             rows: Rows::default(),
             support,
             moved: 0.0,
@@ -157,16 +161,22 @@ impl Crowd {
             let x = [0, 1, 2].map(|k| self.wall[k][j]);
             self.records[n + j] = Record::new(self.grid.fix3(x), [0.0; 5]);
         }
+        for (a, fixed) in self.fixed.iter_mut().enumerate() {
+            self.records
+                .par_iter()
+                .map(|r| r.at(a))
+                .collect_into_vec(fixed);
+        }
         let search = Search {
             grid: &self.grid,
-            records: &self.records,
+            at: &self.fixed,
             sources: &[
                 Source {
-                    cells: &self.cells,
+                    start: &self.cells.start,
                     offset: 0,
                 },
                 Source {
-                    cells: &self.wall_cells,
+                    start: &self.wall_cells.start,
                     offset: n,
                 },
             ],

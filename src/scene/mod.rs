@@ -209,8 +209,12 @@ pub enum Density {
 /// What a pressure below zero becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressure {
+    /// Zero.
     Clipped,
+    /// Itself.
     Signed,
+    /// Itself, with control of the tensile instability inside the liquid.
+    Controlled,
 }
 
 /// Mass of a particle.
@@ -293,8 +297,6 @@ pub struct Wcsph {
     pub wall_pressure: WallPressure,
     /// Strength of particle shifting (0 is off).
     pub shifting: f64,
-    /// Strength of the compression-only (shock) dissipation (0 is off).
-    pub shock_dissipation: f64,
     pub time_stepping: TimeStepping,
 }
 

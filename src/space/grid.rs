@@ -7,12 +7,6 @@
 //! Other axes have a range four times the covered length, so that nothing wraps by accident.
 
 use crate::scene::{Dimension, Domain, Side};
-use std::cell::Cell;
-
-thread_local! {
-    /// Columns of one particle: each thread keeps its room, so that a step allocates nothing.
-    pub(super) static COLUMNS: Cell<Vec<(u32, u32)>> = const { Cell::new(Vec::new()) };
-}
 
 /// Where the cells are.
 #[derive(Clone, Debug)]
@@ -26,6 +20,7 @@ pub struct Grid {
     /// Cells per axis.
     pub count: [usize; 3],
     pub periodic: [bool; 3],
+    /// Period, or four times the covered length, m.
     range: [f64; 3],
 }
 
@@ -145,77 +140,9 @@ impl Grid {
         }
     }
 
-    /// Writes the columns of cells (first, last) that may hold anything within `cutoff` of `x`, in
-    /// a
-    /// fixed order. No cell is in two of them.
-    #[inline]
-    pub fn columns(&self, x: [f64; 3], cutoff: f64, found: &mut Vec<(u32, u32)>) {
-        found.clear();
-        let mut visit = |first: usize, last: usize| found.push((first as u32, last as u32));
-        let c2 = cutoff * cutoff;
-        let (x0, x1) = self.reach(0, x[0], cutoff);
-        for a in x0..=x1 {
-            let dx = self.gap(0, x[0], a);
-            let (y0, y1) = self.reach(1, x[1], cutoff);
-            for b in y0..=y1 {
-                let dy = self.gap(1, x[1], b);
-                let left = c2 - dx * dx - dy * dy;
-                if left < 0.0 {
-                    continue;
-                }
-                let column = [self.bring(0, a), self.bring(1, b), 0];
-                let base = self.index(column);
-                let (z0, z1) = self.reach(2, x[2], left.sqrt());
-                let n = self.count[2] as i64;
-                let (w0, w1) = (z0.rem_euclid(n), z1.rem_euclid(n));
-                if z1 - z0 < n && w0 > w1 {
-                    visit(base, base + w1 as usize);
-                    visit(base + w0 as usize, base + n as usize - 1);
-                } else {
-                    visit(base + w0 as usize, base + w1 as usize);
-                }
-            }
-        }
-    }
-
-    /// First and last cell coordinate (unwrapped) within `cutoff` of `x`, never more than all
-    /// cells.
+    /// Wraps a cell coordinate of a periodic axis.
     #[inline(always)]
-    fn reach(&self, axis: usize, x: f64, cutoff: f64) -> (i64, i64) {
-        let n = self.count[axis] as i64;
-        if n == 1 {
-            return (0, 0);
-        }
-        let at = |x: f64| ((x - self.low[axis]) / self.edge[axis]).floor() as i64;
-        let (a, b) = (at(x - cutoff), at(x + cutoff));
-        if !self.periodic[axis] {
-            return (a.clamp(0, n - 1), b.clamp(0, n - 1));
-        }
-        if b - a + 1 >= n { (0, n - 1) } else { (a, b) }
-    }
-
-    /// Distance from `x` to cell slab `c` (unwrapped); 0 for the outermost slabs, which also hold
-    /// what lies beyond them, and where wrapping makes slabs ambiguous.
-    #[inline(always)]
-    fn gap(&self, axis: usize, x: f64, c: i64) -> f64 {
-        let n = self.count[axis] as i64;
-        let whole = self.periodic[axis] && c >= 0 && c < n;
-        if n == 1 || (!self.periodic[axis] && (c == 0 || c == n - 1)) {
-            return 0.0;
-        }
-        let low = self.low[axis] + c as f64 * self.edge[axis];
-        let direct = (low - x).max(x - low - self.edge[axis]).max(0.0);
-        if !whole {
-            return direct;
-        }
-        let period = self.range[axis];
-        let up = (low + period - x).max(0.0);
-        let down = (x - (low - period) - self.edge[axis]).max(0.0);
-        direct.min(up).min(down)
-    }
-
-    #[inline(always)]
-    fn bring(&self, axis: usize, c: i64) -> usize {
+    pub(super) fn bring(&self, axis: usize, c: i64) -> usize {
         c.rem_euclid(self.count[axis] as i64) as usize
     }
 }

@@ -60,6 +60,7 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     /// a b + c, rounded once.
     unsafe fn fma(a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     unsafe fn sqrt(a: Self::F) -> Self::F;
+    unsafe fn abs(a: Self::F) -> Self::F;
     unsafe fn max(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn min(a: Self::F, b: Self::F) -> Self::F;
     /// `value` where `a < b`, else 0.
@@ -70,8 +71,21 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     unsafe fn sum(a: Self::F) -> f32;
     /// Eight records, transposed: lane k of result c is word c of record k.
     unsafe fn gather(records: *const Record, index: *const u32) -> [Self::F; 8];
-    /// Eight consecutive records, transposed.
-    unsafe fn consecutive(records: *const Record) -> [Self::F; 8];
+    /// Eight consecutive words (any 32-bit type).
+    unsafe fn load<T>(words: *const T) -> Self::F;
+    /// Words `from .. from + 8` of three arrays.
+    #[inline(always)]
+    unsafe fn load_at<T>(words: &[Vec<T>; 3], from: usize) -> [Self::F; 3] {
+        let [x, y, z] = words;
+        debug_assert!(from + WIDTH <= x.len());
+        unsafe {
+            [
+                Self::load(x.as_ptr().add(from)),
+                Self::load(y.as_ptr().add(from)),
+                Self::load(z.as_ptr().add(from)),
+            ]
+        }
+    }
     /// (own - other) as f32, for fixed-point lanes `other`: exact difference, one rounding.
     unsafe fn difference(own: i32, other: Self::F) -> Self::F;
     /// `value` in the first `count` lanes, `other` in the rest.
@@ -138,6 +152,10 @@ impl Lanes for Portable {
         each(|k| a[k].sqrt())
     }
     #[inline(always)]
+    unsafe fn abs(a: [f32; 8]) -> [f32; 8] {
+        each(|k| a[k].abs())
+    }
+    #[inline(always)]
     unsafe fn max(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
         each(|k| if a[k] > b[k] { a[k] } else { b[k] })
     }
@@ -165,8 +183,8 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
-    unsafe fn consecutive(records: *const Record) -> [[f32; 8]; 8] {
-        std::array::from_fn(|c| each(|k| f32::from_bits(unsafe { (*records.add(k)).0[c] })))
+    unsafe fn load<T>(words: *const T) -> [f32; 8] {
+        unsafe { std::ptr::read_unaligned(words as *const [f32; 8]) }
     }
     #[inline(always)]
     unsafe fn difference(own: i32, other: [f32; 8]) -> [f32; 8] {
@@ -266,6 +284,10 @@ mod x86 {
             unsafe { _mm256_sqrt_ps(a) }
         }
         #[inline(always)]
+        unsafe fn abs(a: __m256) -> __m256 {
+            unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), a) }
+        }
+        #[inline(always)]
         unsafe fn max(a: __m256, b: __m256) -> __m256 {
             unsafe { _mm256_max_ps(a, b) }
         }
@@ -305,19 +327,8 @@ mod x86 {
             }
         }
         #[inline(always)]
-        unsafe fn consecutive(records: *const Record) -> [__m256; 8] {
-            unsafe {
-                transpose([
-                    _mm256_load_ps(records as *const f32),
-                    _mm256_load_ps(records.add(1) as *const f32),
-                    _mm256_load_ps(records.add(2) as *const f32),
-                    _mm256_load_ps(records.add(3) as *const f32),
-                    _mm256_load_ps(records.add(4) as *const f32),
-                    _mm256_load_ps(records.add(5) as *const f32),
-                    _mm256_load_ps(records.add(6) as *const f32),
-                    _mm256_load_ps(records.add(7) as *const f32),
-                ])
-            }
+        unsafe fn load<T>(words: *const T) -> __m256 {
+            unsafe { _mm256_loadu_ps(words as *const f32) }
         }
         #[inline(always)]
         unsafe fn difference(own: i32, other: __m256) -> __m256 {
@@ -354,7 +365,9 @@ pub fn wide() -> bool {
     *WIDE.get_or_init(|| {
         let forced = std::env::var("CORONET_LANES").is_ok_and(|v| v == "portable");
         #[cfg(target_arch = "x86_64")]
-        let able = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+        let able = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("popcnt");
         #[cfg(not(target_arch = "x86_64"))]
         let able = false;
         able && !forced

@@ -1,8 +1,9 @@
 //! Where things are: fixed-point coordinates, cells, neighbour rows, lanes.
 //!
 //! Reading order: [`grid`] (fixed-point positions and cells), [`sort`] (particles along cells),
-//! [`row`] (neighbour lists), [`sweep`] (pair sums over lists or over cell runs), [`lane`].
+//! [`column`] (cells about a point), [`row`] (neighbour lists), [`sweep`] (pair sums over lists or over cell runs), [`lane`].
 
+pub mod column;
 pub mod grid;
 pub mod lane;
 pub mod parallel;

@@ -1,9 +1,10 @@
 //! Neighbour rows: for each target the indices of the records within a cutoff, each row padded to
 //! eight with the target itself, so that lanes are always full and a padding pair is at distance 0.
+//! A target may also be in its own row: sums leave out what is at distance 0.
 
-use super::grid::{COLUMNS, Grid};
-use super::lane::{Lanes, Portable, Record, WIDTH};
-use super::sort::Cells;
+use super::column::Columns;
+use super::grid::Grid;
+use super::lane::{Lanes, Portable, WIDTH};
 use rayon::prelude::*;
 
 /// Rows per chunk; fixed, so that nothing depends on the number of threads.
@@ -24,19 +25,30 @@ pub struct Rows {
     pub first: usize,
 }
 
-/// Where candidates are: sorted records `offset..` of one kind.
+/// Where candidates are: sorted points `offset..` of one kind.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
-    pub cells: &'a Cells,
+    /// First of each cell, and the number of all.
+    pub start: &'a [u32],
     pub offset: usize,
+}
+
+impl Source<'_> {
+    /// The points of the cells `first..=last` (one column): first and end.
+    #[inline(always)]
+    pub(super) fn run(&self, (first, last): (u32, u32)) -> (usize, usize) {
+        let begin = self.start[first as usize] as usize;
+        let end = self.start[last as usize + 1] as usize;
+        (begin + self.offset, end + self.offset)
+    }
 }
 
 /// What a build needs.
 #[derive(Clone, Copy)]
 pub struct Search<'a> {
     pub grid: &'a Grid,
-    /// All records, with at least eight spare at the end.
-    pub records: &'a [Record],
+    /// Fixed-point coordinates of all points, with at least eight spare at the end.
+    pub at: &'a [Vec<i32>; 3],
     pub sources: &'a [Source<'a>],
     /// m.
     pub cutoff: f64,
@@ -65,7 +77,7 @@ impl Rows {
         self.chunks.iter().map(|c| c.index.len()).sum()
     }
 
-    /// Finds the neighbours of the records `first .. first + position.len()`, which lie at
+    /// Finds the neighbours of the points `first .. first + position.len()`, which lie at
     /// `position` (m).
     pub fn build(&mut self, search: Search, first: usize, position: &[Vec<f64>; 3]) {
         self.first = first;
@@ -88,7 +100,7 @@ impl Rows {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,popcnt")]
 unsafe fn fill_avx2(
     search: Search,
     first: usize,
@@ -109,21 +121,20 @@ unsafe fn fill<L: Lanes>(
 ) {
     chunk.start.clear();
     chunk.index.clear();
-    let mut columns = COLUMNS.take();
+    let mut columns = Columns::new(search.grid, search.cutoff);
     for k in range {
         chunk.start.push(chunk.index.len() as u32);
         let x = [position[0][k], position[1][k], position[2][k]];
-        search.grid.columns(x, search.cutoff, &mut columns);
-        unsafe { neighbours::<L>(search, first + k, &columns, &mut chunk.index) };
+        let found = columns.around(x);
+        unsafe { neighbours::<L>(search, first + k, found, &mut chunk.index) };
         while chunk.index.len() % WIDTH != 0 {
             chunk.index.push((first + k) as u32);
         }
     }
     chunk.start.push(chunk.index.len() as u32);
-    COLUMNS.set(columns);
 }
 
-/// Appends the neighbours of record `own` in `columns`, itself excluded.
+/// Appends the neighbours of point `own` in `columns`; it is its own neighbour at distance 0.
 #[inline(always)]
 unsafe fn neighbours<L: Lanes>(
     search: Search,
@@ -133,23 +144,22 @@ unsafe fn neighbours<L: Lanes>(
 ) {
     unsafe {
         let scale = L::splat3(search.grid.scale(search.cutoff));
-        let record = &search.records[own];
-        let at = [record.at(0), record.at(1), record.at(2)];
+        let [x, y, z] = search.at;
+        let at = [x[own], y[own], z[own]];
         let one = L::splat(1.0);
-        for &(low, high) in columns {
+        for &column in columns {
             for source in search.sources {
-                let (begin, end) = source.cells.run(low as usize, high as usize);
-                let (begin, end) = (begin + source.offset, end + source.offset);
-                index.reserve(end - begin + WIDTH);
+                let (mut j, end) = source.run(column);
+                if j == end {
+                    continue;
+                }
+                index.reserve(end - j + WIDTH);
                 let mut filled = index.len();
-                let mut j = begin;
                 while j < end {
-                    let r = L::consecutive(search.records.as_ptr().add(j));
-                    let d = separation::<L>(at, &r, scale);
+                    let d = separation::<L>(at, L::load_at(search.at, j), scale);
                     let mut mask = L::less_mask(L::dot(d, d), one);
-                    mask &= 0xFF >> WIDTH.saturating_sub(end - j);
-                    if own.wrapping_sub(j) < WIDTH {
-                        mask &= !(1 << (own - j));
+                    if end - j < WIDTH {
+                        mask &= (1 << (end - j)) - 1;
                     }
                     filled += L::compress(mask, j as u32, index.as_mut_ptr().add(filled));
                     j += WIDTH;
@@ -164,14 +174,14 @@ unsafe fn neighbours<L: Lanes>(
 #[inline(always)]
 pub(super) unsafe fn separation<L: Lanes>(
     at: [i32; 3],
-    r: &[L::F; 8],
+    other: [L::F; 3],
     scale: [L::F; 3],
 ) -> [L::F; 3] {
     unsafe {
         [
-            L::mul(L::difference(at[0], r[0]), scale[0]),
-            L::mul(L::difference(at[1], r[1]), scale[1]),
-            L::mul(L::difference(at[2], r[2]), scale[2]),
+            L::mul(L::difference(at[0], other[0]), scale[0]),
+            L::mul(L::difference(at[1], other[1]), scale[1]),
+            L::mul(L::difference(at[2], other[2]), scale[2]),
         ]
     }
 }

@@ -1,6 +1,8 @@
 //! Particles along cells: a stable counting sort.
 
 use super::grid::Grid;
+use super::parallel::{Slots, each};
+use rayon::prelude::*;
 
 /// First particle of each cell; `start[cells]` is the number of particles.
 #[derive(Clone, Debug, Default)]
@@ -19,11 +21,13 @@ impl Cells {
         self.order.resize(n, 0);
         self.start.clear();
         self.start.resize(grid.cells() + 1, 0);
-        for i in 0..n {
+        let key = Slots::new(&mut self.key);
+        each(n, |i| {
             let cell = grid.cell([position[0][i], position[1][i], position[2][i]]);
-            let key = grid.index(cell);
-            self.key[i] = key as u32;
-            self.start[key + 1] += 1;
+            *unsafe { key.at(i) } = grid.index(cell) as u32;
+        });
+        for &key in &self.key {
+            self.start[key as usize + 1] += 1;
         }
         for c in 1..self.start.len() {
             self.start[c] += self.start[c - 1];
@@ -42,14 +46,12 @@ impl Cells {
 
     /// Puts `data` into the order of the last sort; `scratch` is swapped with it.
     pub fn permute<T: Copy + Send + Sync>(&self, data: &mut Vec<T>, scratch: &mut Vec<T>) {
-        scratch.clear();
-        scratch.extend(self.order.iter().map(|&old| data[old as usize]));
+        let old = |&old: &u32| data[old as usize];
+        self.order
+            .par_iter()
+            .with_min_len(4096)
+            .map(old)
+            .collect_into_vec(scratch);
         std::mem::swap(data, scratch);
-    }
-
-    /// Particles of the cells `first..=last` (one column).
-    #[inline(always)]
-    pub fn run(&self, first: usize, last: usize) -> (usize, usize) {
-        (self.start[first] as usize, self.start[last + 1] as usize)
     }
 }

@@ -4,7 +4,8 @@
 //! by
 //! one thread in the order of its row, so the result does not depend on the number of threads.
 
-use super::grid::{COLUMNS, Grid};
+use super::column::Columns;
+use super::grid::Grid;
 use super::lane::{Lanes, Portable, Record, WIDTH};
 use super::row::{CHUNK, Rows, separation};
 
@@ -17,8 +18,8 @@ pub struct Pair<L: Lanes> {
     pub d: [L::F; 3],
     /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
     pub q2: L::F,
-    /// Payload of the target, splatted.
-    pub own: [L::F; 5],
+    /// [`Pass::own`] of the target, splatted.
+    pub own: [L::F; 8],
     /// Payload of the neighbours.
     pub other: [L::F; 5],
 }
@@ -26,6 +27,11 @@ pub struct Pair<L: Lanes> {
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
     type Out: Send;
+    /// What the pairs of a target see as its own: its payload, then three more at will.
+    #[inline(always)]
+    fn own(&self, _target: usize, [a, b, c, d, e]: [f32; 5]) -> [f32; 8] {
+        [a, b, c, d, e, 0.0, 0.0, 0.0]
+    }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
     ///
     /// # Safety
@@ -55,7 +61,7 @@ pub fn rows<const N: usize, P: Pass<N>>(
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,popcnt")]
 unsafe fn rows_avx2<const N: usize, P: Pass<N>>(
     records: &[Record],
     rows: &Rows,
@@ -82,11 +88,17 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             let target = rows.first + from + k;
             let record = &records[target];
             let at = [record.at(0), record.at(1), record.at(2)];
-            let own = payload::<L>(record);
+            let own = splat::<L>(pass.own(target, std::array::from_fn(|c| record.payload(c))));
             let mut sum = [L::splat(0.0); N];
             for group in rows.row(from + k).chunks_exact(WIDTH) {
                 let r = L::gather(records.as_ptr(), group.as_ptr());
-                let pair = separate::<L>(at, own, r, scale);
+                let d = separation::<L>(at, [r[0], r[1], r[2]], scale);
+                let pair = Pair {
+                    d,
+                    q2: L::dot(d, d),
+                    own,
+                    other: [r[3], r[4], r[5], r[6], r[7]],
+                };
                 pass.pair::<L>(&pair, &mut sum);
             }
             pass.finish(target, total::<L, N>(&sum), out);
@@ -95,15 +107,11 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
 }
 
 #[inline(always)]
-unsafe fn payload<L: Lanes>(record: &Record) -> [L::F; 5] {
+unsafe fn splat<L: Lanes>(own: [f32; 8]) -> [L::F; 8] {
     unsafe {
-        [
-            L::splat(record.payload(0)),
-            L::splat(record.payload(1)),
-            L::splat(record.payload(2)),
-            L::splat(record.payload(3)),
-            L::splat(record.payload(4)),
-        ]
+        let [a, b, c] = L::splat3([own[0], own[1], own[2]]);
+        let [d, e, f] = L::splat3([own[3], own[4], own[5]]);
+        [a, b, c, d, e, f, L::splat(own[6]), L::splat(own[7])]
     }
 }
 
@@ -116,33 +124,18 @@ unsafe fn total<L: Lanes, const N: usize>(sum: &[L::F; N]) -> [f32; N] {
     total
 }
 
-#[inline(always)]
-unsafe fn separate<L: Lanes>(
-    at: [i32; 3],
-    own: [L::F; 5],
-    r: [L::F; 8],
-    scale: [L::F; 3],
-) -> Pair<L> {
-    unsafe {
-        let d = separation::<L>(at, &r, scale);
-        Pair {
-            d,
-            q2: L::dot(d, d),
-            own,
-            other: [r[3], r[4], r[5], r[6], r[7]],
-        }
-    }
-}
-
 /// Where the pairs of [`runs`] are.
 #[derive(Clone, Copy)]
 pub struct Field<'a> {
     pub grid: &'a Grid,
-    /// All records, with at least eight spare at the end.
-    pub records: &'a [Record],
+    /// Fixed-point coordinates and payloads (the first three) of all points, with at least eight
+    /// spare at the end.
+    pub at: &'a [Vec<i32>; 3],
+    pub payload: &'a [Vec<f32>; 3],
     pub sources: &'a [Source<'a>],
-    /// Positions of the targets, m, indexed by target.
+    /// Positions, m, and payloads of the targets, indexed by target.
     pub position: &'a [Vec<f64>; 3],
+    pub own: &'a [Vec<f32>; 3],
     /// Search radius: support + what particles have moved since the sort, m.
     pub cutoff: f64,
     pub scale: [f32; 3],
@@ -169,7 +162,7 @@ pub fn runs<const N: usize, P: Pass<N>>(
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,popcnt")]
 unsafe fn runs_avx2<const N: usize, P: Pass<N>>(
     field: Field,
     targets: &[u32],
@@ -188,26 +181,28 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
 ) {
     unsafe {
         let scale = L::splat3(field.scale);
-        let far = L::splat(FAR);
-        let mut columns = COLUMNS.take();
+        let (far, zero) = (L::splat(FAR), L::splat(0.0));
+        let mut columns = Columns::new(field.grid, field.cutoff);
         for (&target, out) in targets.iter().zip(out) {
             let i = target as usize;
-            let record = &field.records[i];
-            let at = [record.at(0), record.at(1), record.at(2)];
-            let own = payload::<L>(record);
-            let p = field.position;
-            field
-                .grid
-                .columns([p[0][i], p[1][i], p[2][i]], field.cutoff, &mut columns);
-            let mut sum = [L::splat(0.0); N];
-            for &(low, high) in &columns {
+            let [x, y, z] = field.position;
+            let x = [x[i], y[i], z[i]];
+            let at = field.grid.fix3(x);
+            let [a, b, c] = field.own;
+            let own = splat::<L>(pass.own(i, [a[i], b[i], c[i], 0.0, 0.0]));
+            let mut sum = [zero; N];
+            for &column in columns.around(x) {
                 for source in field.sources {
-                    let (begin, end) = source.cells.run(low as usize, high as usize);
-                    let mut j = begin + source.offset;
-                    let end = end + source.offset;
+                    let (mut j, end) = source.run(column);
                     while j < end {
-                        let r = L::consecutive(field.records.as_ptr().add(j));
-                        let mut pair = separate::<L>(at, own, r, scale);
+                        let d = separation::<L>(at, L::load_at(field.at, j), scale);
+                        let [a, b, c] = L::load_at(field.payload, j);
+                        let mut pair = Pair {
+                            d,
+                            q2: L::dot(d, d),
+                            own,
+                            other: [a, b, c, zero, zero],
+                        };
                         if end - j < WIDTH {
                             pair.q2 = L::first(end - j, pair.q2, far);
                         }
@@ -218,7 +213,6 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             }
             pass.finish(i, total::<L, N>(&sum), out);
         }
-        COLUMNS.set(columns);
     }
 }
 

@@ -5,6 +5,7 @@ use super::pack_scene::S0;
 use coronet::effect::tension::{Surface, Tension};
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
 use coronet::scene::{Dimension, KernelName, TensionForm};
+use coronet::space::sweep::Source;
 use std::f64::consts::PI;
 
 const SIGMA: f64 = 0.067;
@@ -49,12 +50,13 @@ fn tension(cloud: &Cloud, form: TensionForm, kernel: KernelName, strength: f64) 
     Tension::new(form, kernel, cloud.h, SIGMA, strength, d, DENSITY)
 }
 
-fn surface(cloud: &Cloud) -> Surface<'_> {
+fn surface<'a>(cloud: &'a Cloud, sources: &'a [Source<'a>]) -> Surface<'a> {
     let flow = &cloud.flow;
     Surface {
         grid: &flow.grid,
         liquid: &flow.liquid_cells,
-        wall: (flow.walls() > 0).then(|| (&flow.wall_cells, flow.liquid())),
+        at: &flow.at,
+        sources,
         position: &flow.particles.position,
         density: &flow.particles.density,
         mass: flow.particles.mass,
@@ -68,11 +70,12 @@ fn evaluate(
     tension: &mut Tension,
     flag: impl Fn(usize) -> bool + Sync,
 ) -> (Vec<[f32; 3]>, f64) {
-    let mut records = cloud.flow.records.clone();
-    tension.update(&surface(cloud), &mut records, &flag);
+    let sources = cloud.flow.sources();
+    let surface = surface(cloud, &sources);
+    tension.update(&surface, flag);
     let mut a = vec![[0.0; 3]; cloud.flow.liquid()];
     tension.add(&mut a);
-    (a, tension.virial(&surface(cloud), &records))
+    (a, tension.virial(&surface))
 }
 
 /// SUM over all others within the support: `term(d, q, j)`, d in units of H.

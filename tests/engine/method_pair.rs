@@ -3,7 +3,9 @@
 use super::cloud::{CHANNEL, Cloud, OPEN, PERIODIC, dot};
 use coronet::effect::viscosity::{Morris, PairViscosity, TwoTerm};
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
-use coronet::method::pass::{Continuity, Extrapolation, Force, Neighbourhood, Summation};
+use coronet::method::pass::{
+    Continuity, Extrapolation, Force, ForceAndGradient, Neighbourhood, Summation,
+};
 use coronet::scene::Dimension;
 use coronet::space::sweep::{Pass, rows};
 use std::marker::PhantomData;
@@ -64,9 +66,10 @@ fn brute<const N: usize>(
 fn payloads(cloud: &mut Cloud) -> Vec<[f32; 5]> {
     let count = cloud.records();
     let mut random = || cloud.random.signed() as f32;
-    (0..count)
-        .map(|_| [random(), random(), random(), random(), 1.0 + 0.1 * random()])
-        .collect()
+    let mut weight = || (1.0 + 0.1 * random()) * if random() < 0.0 { -1.0 } else { 1.0 };
+    let weights: Vec<f32> = (0..count).map(|_| weight()).collect();
+    let payload = |w: f32| [random(), random(), random(), random(), w];
+    weights.into_iter().map(payload).collect()
 }
 
 /// 2-D and 3-D, periodic, with walls that count, and alone.
@@ -180,8 +183,6 @@ fn force<K: Kernel, V: PairViscosity>(viscosity: V, term: impl Fn(&Seen) -> [f64
     let pass = Force::<K, V, false> {
         factor: 2.0,
         viscosity,
-        sound_speed: 10.0,
-        volume: 0.3,
         kernel: PhantomData,
     };
     compare(
@@ -218,27 +219,30 @@ fn pressure_and_viscosity() {
     kernels!(check);
 }
 
+/// Where payload 4 is negative, a negative own pressure counts with its sign turned.
 #[test]
-fn shock_dissipation() {
+fn controlled_tension() {
     fn check<K: Kernel>() {
-        let (c, volume) = (2.5f32, 0.3f32);
-        let pass = Force::<K, (), true> {
+        let pass = ForceAndGradient(Force::<K, _, true> {
             factor: 2.0,
-            viscosity: (),
-            sound_speed: c,
-            volume,
+            viscosity: Morris { factor: 0.4 },
             kernel: PhantomData,
+        });
+        let numbers = |(force, gradient): &([f32; 3], [f32; 3])| {
+            let ([a, b, c], [d, e, f]) = (force.map(f64::from), gradient.map(f64::from));
+            // The force alone has the factor.
+            [a, b, c, 2.0 * d, 2.0 * e, 2.0 * f]
         };
-        compare(
-            &pass,
-            |out| out.map(f64::from),
-            2.0,
-            |p| {
-                let u = (-dot(p.v(), p.d) / p.q).max(0.0);
-                let shock = (3.0 * u / c as f64).min(1.0) * u * (c * volume) as f64;
-                p.d.map(|d| -K::slope(p.q) * (p.own(3) + p.other(3) + shock) * d)
-            },
-        );
+        compare(&pass, numbers, 2.0, |p| {
+            let marked = p.own(4) < 0.0 && p.own(3) < 0.0;
+            let own = if marked { -p.own(3) } else { p.own(3) };
+            let weight = p.own(4).abs() + p.other(4).abs();
+            let viscous = p.v().map(|v| 0.4f32 as f64 * K::slope(p.q) * weight * v);
+            let pressure = p.d.map(|d| -K::slope(p.q) * (own + p.other(3)) * d);
+            let [d, e, f] = p.d.map(|d| K::slope(p.q) * d);
+            let [a, b, c] = [0, 1, 2].map(|a| pressure[a] + viscous[a]);
+            [a, b, c, d, e, f]
+        });
     }
     kernels!(check);
 }
@@ -252,13 +256,12 @@ fn neighbourhood() {
             kernel: PhantomData::<K>,
         };
         let numbers = |out: &coronet::method::pass::Surroundings| {
-            let ([a, b, c], [d, e, f]) = (out.viscous, out.gradient);
-            [a, b, c, d, e, f, out.sum].map(f64::from)
+            let [a, b, c] = out.vector;
+            [a, b, c, out.sum].map(f64::from)
         };
         compare(&pass, numbers, 1.0, |p| {
             let [a, b, c] = morris::<K>(p, 0.4f32 as f64);
-            let [d, e, f] = p.d.map(|d| K::slope(p.q) * d);
-            [a, b, c, d, e, f, K::w(p.q)]
+            [a, b, c, K::w(p.q)]
         });
     }
     kernels!(check);
@@ -290,7 +293,7 @@ fn extrapolation_to_walls() {
     for (k, got) in out.iter().enumerate() {
         let [sum, size] = brute(&cloud, &payload, n + k, 0..n, |p| {
             let w = K::w(p.q);
-            let pressure = p.other(3) / p.other(4);
+            let pressure = p.other(3) / p.other(4).abs();
             let [lx, ly, lz] = p.d.map(|d| w * d);
             let [x, y, z] = [0, 1, 2].map(|a| w * p.other(a));
             [w, w * pressure, lx, ly, lz, x, y, z]

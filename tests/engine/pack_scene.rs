@@ -71,7 +71,6 @@ fn wcsph() -> Wcsph {
         tension_smoothing: 1.5,
         wall_pressure: WallPressure::Summation,
         shifting: 0.0,
-        shock_dissipation: 0.0,
         time_stepping: TimeStepping::Fixed { step: 1e-6 },
     }
 }

@@ -38,6 +38,7 @@ unsafe fn operate<L: Lanes>(x: [[f32; WIDTH]; 3], out: &mut Vec<u32>) {
         store::<L>(L::div(a, b), out);
         store::<L>(L::fma(a, b, c), out);
         store::<L>(L::sqrt(a), out);
+        store::<L>(L::abs(a), out);
         store::<L>(L::max(a, b), out);
         store::<L>(L::min(a, b), out);
         store::<L>(L::if_less(a, b, c), out);
@@ -58,9 +59,7 @@ unsafe fn move_about<L: Lanes>(records: &[Record], index: &[u32; WIDTH], out: &m
         for column in L::gather(records.as_ptr(), index.as_ptr()) {
             store::<L>(column, out);
         }
-        for column in L::consecutive(records.as_ptr().add(3)) {
-            store::<L>(column, out);
-        }
+        store::<L>(L::load(records.as_ptr().add(3)), out);
         for mask in 0..256 {
             let mut room = [u32::MAX; WIDTH];
             let count = L::compress(mask, 1000 * mask, room.as_mut_ptr());
@@ -135,11 +134,11 @@ fn words() -> Vec<u32> {
 fn every_operation_gives_the_bits_of_its_scalar_twin() {
     use coronet::space::lane::Avx2;
 
-    #[target_feature(enable = "avx2,fma")]
+    #[target_feature(enable = "avx2,fma,popcnt")]
     unsafe fn everything_wide(out: &mut Vec<u32>) {
         unsafe { everything::<Avx2>(out) }
     }
-    if !is_x86_feature_detected!("avx2") || !is_x86_feature_detected!("fma") {
+    if !wide() {
         return;
     }
     let (mut fast, mut plain) = (Vec::new(), Vec::new());

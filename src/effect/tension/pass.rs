@@ -43,7 +43,7 @@ impl<K: Kernel> Pass<1> for Volume<K> {
     }
 }
 
-/// SUM V_b w without the particle itself: (2). Payload 1: V.
+/// SUM V_b w without the particle itself: (2). Payload 0: V.
 pub struct Colour<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<1> for Colour<K> {
@@ -51,7 +51,7 @@ impl<K: Kernel> Pass<1> for Colour<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
-            let w = L::mul(pair.other[1], K::w_lanes::<L>(L::sqrt(pair.q2)));
+            let w = L::mul(pair.other[0], K::w_lanes::<L>(L::sqrt(pair.q2)));
             sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
         }
     }
@@ -61,28 +61,56 @@ impl<K: Kernel> Pass<1> for Colour<K> {
     }
 }
 
-/// SUM (c_b - c_a) slope d: (3). Payload 2: c.
+/// SUM (c_b - c_a) slope d: (3), then SUM slope d. Payload 1: c.
 pub struct Difference<K>(pub PhantomData<K>);
 
-impl<K: Kernel> Pass<3> for Difference<K> {
+impl<K: Kernel> Pass<6> for Difference<K> {
+    type Out = ([f32; 3], [f32; 3]);
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let f = L::mul(slope, L::sub(pair.other[1], pair.own[1]));
+            for a in 0..3 {
+                sum[a] = L::fma(f, pair.d[a], sum[a]);
+                sum[3 + a] = L::fma(slope, pair.d[a], sum[3 + a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, s: [f32; 6], out: &mut Self::Out) {
+        *out = ([s[0], s[1], s[2]], [s[3], s[4], s[5]]);
+    }
+}
+
+/// What the neighbours' stress adds to the acceleration, (5) without the own stress:
+/// T_b / rho^2 = |u|^2 I - u u. Payload: u.
+pub struct Summed<K> {
+    pub factor: f64,
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<3> for Summed<K> {
     type Out = [f32; 3];
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
         unsafe {
             let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let f = L::mul(slope, L::sub(pair.other[2], pair.own[2]));
-            for a in 0..3 {
-                sum[a] = L::fma(f, pair.d[a], sum[a]);
+            let u = [pair.other[0], pair.other[1], pair.other[2]];
+            let along = L::mul(L::sub(L::splat(0.0), slope), L::dot(u, pair.d));
+            let size = L::mul(slope, L::dot(u, u));
+            for c in 0..3 {
+                sum[c] = L::fma(size, pair.d[c], L::fma(along, u[c], sum[c]));
             }
         }
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum;
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
     }
 }
 
-/// The pair force (5) before its factor, with T / rho^2 = |u|^2 I - u u.
+/// The whole pair force (5) before its factor.
 #[inline(always)]
 unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
     unsafe {
@@ -98,29 +126,6 @@ unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
             force[c] = L::mul(slope, stress);
         }
         force
-    }
-}
-
-/// Acceleration.
-pub struct Summed<K> {
-    pub factor: f64,
-    pub kernel: PhantomData<K>,
-}
-
-impl<K: Kernel> Pass<3> for Summed<K> {
-    type Out = [f32; 3];
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let force = stress::<K, L>(pair);
-            for c in 0..3 {
-                sum[c] = L::add(sum[c], force[c]);
-            }
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum.map(|s| (self.factor * s as f64) as f32);
     }
 }
 

@@ -6,16 +6,17 @@ use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::Diverged;
-use crate::space::parallel::{Slots, each, slots3};
+use crate::space::parallel::{Slots, each, max, slots3};
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
 
-/// Shifting never moves a particle by more than this, in spacings, in one advective step.
-const SHIFT_CAP: f64 = 0.1;
+/// Shifting is never faster than this part of the largest speed (Sun et al. 2019).
+const SHIFT_CAP: f64 = 0.5;
 
-/// Least factor of the shifting under tension, in h^2 a step (Lind et al. 2012).
-const LIND: f64 = 0.5;
+/// Largest dr / grad C in h^2: beyond it the explicit diffusion of particles is unstable (Lind et
+/// al. 2012).
+const SHIFT_LIMIT: f64 = 0.5;
 
 /// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
 /// eigenvalue of the renormalisation matrix, which a surface lowers like the kernel sum).
@@ -30,9 +31,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let outer = self.limits_now().advective(advective).min(MOST * inner);
         let count = (outer / inner).ceil();
         let dt = outer / count;
-        if self.model.settings.shifting > 0.0 {
-            self.shift(dt * count);
-        }
         for _ in 0..count as usize {
             self.acoustic_step(dt)?;
         }
@@ -43,44 +41,74 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// What is held over the advective step: viscosity (from `look`), gravity, tension.
     fn hold(&mut self) {
         let (around, held) = (&self.around, Slots::new(&mut self.held));
-        each(around.len(), |i| *unsafe { held.at(i) } = around[i].viscous);
+        each(around.len(), |i| *unsafe { held.at(i) } = around[i].vector);
         if let Some(g) = self.model.effects.gravity {
             gravity::add(g, &mut self.held);
         }
         self.add_tension(|s| &mut s.held);
+        let (tension, around) = (&self.tension, Slots::new(&mut self.around));
+        each(self.held.len(), |i| {
+            let normal = tension.as_ref().map_or([0.0; 3], |t| t.root_of(i));
+            unsafe { around.at(i) }.vector = normal;
+        });
         // Pressure acceleration belongs to the acoustic criterion.
         self.hardest = self.acceleration();
     }
 
+    /// Rows are made anew first if this step could let a pair be missed; twice the largest speed
+    /// leaves room for what the step adds to it, and for shifting.
     fn acoustic_step(&mut self, dt: f64) -> Result<(), Diverged> {
+        if self.flow.stale(2.0 * self.fastest * dt) {
+            self.sort();
+        }
+        let shifts = self.model.settings.shifting > 0.0;
         self.drift(0.5 * dt);
         self.pack_force(0.0);
-        self.pair_force(());
-        let damp = 1.0 / (1.0 + self.model.damping * dt);
-        {
-            let n = self.flow.liquid();
-            let v = slots3(&mut self.flow.particles.velocity);
-            let (held, force) = (&self.held, &self.force);
-            each(n, |i| {
-                for a in 0..3 {
-                    let v = unsafe { v[a].at(i) };
-                    *v = damp * (*v + dt * (held[i][a] + force[i][a]) as f64);
-                }
-            });
+        if shifts {
+            self.driven.resize(self.flow.liquid(), Default::default());
+            self.pair_force_and_gradient();
+        } else {
+            self.pair_force(());
         }
+        self.kick(dt, shifts);
         self.fastest = self.speed();
         self.check()?;
         self.drift_position(0.5 * dt);
+        if shifts {
+            self.shift(dt);
+        }
         match self.model.diffusion() {
             None => self.sum_density(),
             Some(diffusion) => {
-                self.density_rate(diffusion);
+                if shifts {
+                    self.transport(diffusion);
+                } else {
+                    self.density_rate(diffusion);
+                }
                 self.drift_density(0.5 * dt);
             }
         }
         self.time += dt;
         self.step += 1;
         Ok(())
+    }
+
+    /// v += dt (held + pressure acceleration), damped.
+    fn kick(&mut self, dt: f64, shifts: bool) {
+        let damp = 1.0 / (1.0 + self.model.damping * dt);
+        let v = slots3(&mut self.flow.particles.velocity);
+        let (held, force, driven) = (&self.held, &self.force, &self.driven);
+        let push = |i: usize, force: [f32; 3]| {
+            for a in 0..3 {
+                let v = unsafe { v[a].at(i) };
+                *v = damp * (*v + dt * (held[i][a] + force[a]) as f64);
+            }
+        };
+        if shifts {
+            each(held.len(), |i| push(i, driven[i].0));
+        } else {
+            each(held.len(), |i| push(i, force[i]));
+        }
     }
 
     fn drift(&mut self, dt: f64) {
@@ -101,12 +129,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         });
     }
 
-    /// Moves everything by `dt` s; makes rows anew first if that would let a pair be missed.
+    /// Moves everything by `dt` s.
     fn drift_position(&mut self, dt: f64) {
-        let step = self.fastest * dt;
-        if self.flow.stale(step) {
-            self.sort();
-        }
         let n = self.flow.liquid();
         let p = &mut self.flow.particles;
         let (x, v) = (slots3(&mut p.position), &p.velocity);
@@ -115,50 +139,64 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 *unsafe { x[a].at(i) } += dt * v[a][i];
             }
         });
-        self.flow.moved += step;
+        self.flow.moved += self.fastest * dt;
     }
 
-    /// Particle shifting against the gradient of concentration (Lind et al. 2012; Skillen et al.
-    /// 2013): dr = -A h v_max dt grad C, A = 2 times the setting; near a surface only along it, by
-    /// the tension's normal, and not at all where there is none. The largest speed, not the local
-    /// one: voids open at stagnation points. Tension pulls particles together along the surface
-    /// even where nothing flows: there the factor of grad C is at least Lind's 0.5 h^2.
+    /// sqrt(sigma / (rho h)), m/s: of the shortest waves that the spacing carries.
+    fn capillary_speed(&self) -> f64 {
+        let sigma = self.model.effects.tension.unwrap_or(0.0);
+        (sigma / (self.model.density * self.model.h)).sqrt()
+    }
+
+    /// Particle shifting against the gradient of concentration (Lind et al. 2012; Sun et al. 2019):
+    /// dr = -2 A h v_max dt grad C. Near a surface only along it, by the tension's normal, with the
+    /// capillary speed in place of v_max, for that is how fast tension pulls particles together
+    /// there (v_max would smear a crown); and not at all where there is no tension. The largest
+    /// speed, not the local one: voids open at stagnation points. Density goes along: 2 rho dr . grad C is what the transport by dr leaves of the
+    /// divergence at constant density (Sun et al. 2019, Eq. 5), and without it the mean density
+    /// drifts, for particles are moved apart where the flow moved them together.
     fn shift(&mut self, dt: f64) {
         let model = &self.model;
         let d = model.dimension.count();
         let gradient = K::norm(d) * (model.spacing / model.h).powi(d as i32) / model.h;
-        let flow = 2.0 * model.settings.shifting * model.h * self.fastest * dt;
-        let skin = flow.max(LIND * model.h * model.h) * gradient;
-        let flow = flow * gradient;
-        let (cap, scale) = (SHIFT_CAP * model.spacing, self.sum_factor());
-        let (around, records) = (&self.around, &self.flow.records);
-        let tension = self.tension.is_some();
+        let strength = |speed: f64| {
+            let wanted = 2.0 * model.settings.shifting * model.h * speed * dt;
+            wanted.min(SHIFT_LIMIT * model.h * model.h) * gradient
+        };
+        let (fastest, capillary) = (self.fastest, self.capillary_speed());
+        let (inside, skin) = (strength(fastest), strength(capillary));
+        let (cap, scale) = (SHIFT_CAP * fastest.max(capillary) * dt, self.sum_factor());
+        let (around, driven) = (&self.around, &self.driven);
         let p = &mut self.flow.particles;
-        let x = slots3(&mut p.position);
-        each(around.len(), |i| {
-            let s = &around[i];
+        let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
+        let twice = 2.0 * model.density * gradient;
+        self.shifted.resize(around.len(), [0.0; 3]);
+        let shifted = Slots::new(&mut self.shifted);
+        let longest = max(around.len(), |i| {
+            let shifted = unsafe { shifted.at(i) };
+            *shifted = [0.0; 3];
+            let (s, gradient_of) = (&around[i], driven[i].1);
             let support = scale * (s.sum + 1.0);
-            if support < LOOSE || (support < SURFACE && !tension) {
-                return;
+            let u = s.vector.map(f64::from);
+            let u2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+            if support < LOOSE || (support < SURFACE && u2 == 0.0) {
+                return 0.0;
             }
-            let mut dr = s.gradient.map(|g| -flow * g as f64);
-            if tension {
-                // The tension left its normals in the records.
-                let u = [0, 1, 2].map(|a| records[i].payload(a) as f64);
-                let u2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-                if u2 == 0.0 && support < SURFACE {
-                    return;
-                }
-                if u2 > 0.0 {
-                    dr = s.gradient.map(|g| -skin * g as f64);
-                    let along = (0..3).map(|a| dr[a] * u[a]).sum::<f64>() / u2;
-                    (0..3).for_each(|a| dr[a] -= along * u[a]);
-                }
+            let strength = if u2 > 0.0 { skin } else { inside };
+            let mut dr = gradient_of.map(|g| -strength * g as f64);
+            if u2 > 0.0 {
+                let along = (0..3).map(|a| dr[a] * u[a]).sum::<f64>() / u2;
+                (0..3).for_each(|a| dr[a] -= along * u[a]);
             }
             let length = dr.iter().map(|d| d * d).sum::<f64>().sqrt();
             let limit = if length > cap { cap / length } else { 1.0 };
-            (0..3).for_each(|a| *unsafe { x[a].at(i) } += limit * dr[a]);
+            let dr = dr.map(|d| limit * d);
+            (0..3).for_each(|a| *unsafe { x[a].at(i) } += dr[a]);
+            *shifted = dr.map(|d| (d / model.h) as f32);
+            let spread = (0..3).map(|a| dr[a] * gradient_of[a] as f64).sum::<f64>();
+            *unsafe { density.at(i) } += twice * spread;
+            length.min(cap)
         });
-        self.flow.moved += cap;
+        self.flow.moved += longest.max(0.0);
     }
 }

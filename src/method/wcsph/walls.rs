@@ -1,9 +1,10 @@
 //! What wall particles carry: density, pressure, and the velocity that viscosity sees.
 
-use super::Wcsph;
+use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::pass::{Extrapolation, WallSums};
+use crate::scene::Pressure;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
 
@@ -39,6 +40,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// acceleration added to the velocity, and gives the walls their pressure.
     pub(super) fn pack_force(&mut self, ahead: f64) {
         let (model, held) = (&self.model, &self.held);
+        let controlled = model.settings.pressure == Pressure::Controlled;
+        let (around, sums) = (&self.around, self.sum_factor());
         let rho0 = model.density;
         let inverse = |rho: f64| 1.0 / (rho * rho);
         self.flow.pack(
@@ -50,7 +53,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                     [0, 1, 2].map(|a| (p.velocity[a][i] + ahead * held[i][a] as f64) as f32)
                 };
                 let pressure = (model.pressure(rho) * inverse(rho)) as f32;
-                [v[0], v[1], v[2], pressure, inverse(rho) as f32]
+                let inside = controlled && sums * (around[i].sum + 1.0) >= SURFACE;
+                let weight = inverse(rho) as f32 * if inside { -1.0 } else { 1.0 };
+                [v[0], v[1], v[2], pressure, weight]
             },
             |_, _| [0.0, 0.0, 0.0, 0.0, inverse(rho0) as f32],
         );

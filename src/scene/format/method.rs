@@ -39,7 +39,7 @@ pub static WCSPH: &[Field] = &[
     ),
     optional(
         "pressure",
-        Kind::Word(&["clipped", "signed"]),
+        Kind::Word(&["clipped", "controlled", "signed"]),
         "What a pressure below zero becomes.",
     ),
     optional(
@@ -74,11 +74,6 @@ pub static WCSPH: &[Field] = &[
         "shifting",
         Kind::Number(Range::NotNegative),
         "Strength of particle shifting.",
-    ),
-    optional(
-        "shock_dissipation",
-        Kind::Number(Range::NotNegative),
-        "Strength of the dissipation in compression.",
     ),
     optional(
         "time_stepping",

@@ -157,6 +157,7 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
     }
     let pressure = match settings.pressure {
         Pressure::Clipped => "clipped",
+        Pressure::Controlled => "controlled",
         Pressure::Signed => "signed",
     };
     list.word("method.wcsph.pressure", pressure);
@@ -175,11 +176,6 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
         list.word("method.wcsph.wall_pressure", wall_pressure);
     }
     list.number("method.wcsph.shifting", settings.shifting, Unit::One);
-    list.number(
-        "method.wcsph.shock_dissipation",
-        settings.shock_dissipation,
-        Unit::One,
-    );
     stepping(list, settings.time_stepping);
 }
 

@@ -1,0 +1,178 @@
+//! Which columns of cells may hold what lies within a cutoff of a point.
+//!
+//! The distance to a lateral slab of cells is known per axis, so a column at lateral distance l is
+//! looked at over +- sqrt(cutoff^2 - l^2) along z only.
+
+use super::grid::Grid;
+
+/// Most cells that a cutoff may reach to each side.
+pub const REACH: usize = 8;
+const SIDE: usize = 2 * REACH + 1;
+const MOST: usize = SIDE * SIDE;
+
+/// The search about one point after another; points of the same column of cells share work.
+pub struct Columns<'a> {
+    grid: &'a Grid,
+    cutoff: f64,
+    /// Lateral cell for which the rest was made.
+    at: [usize; 2],
+    /// Per lateral axis: first offset in cells, how many, and whether all slabs are looked at.
+    span: [(i32, usize, bool); 2],
+    /// First cell of each column.
+    base: [u32; MOST],
+    found: [(u32, u32); 2 * MOST],
+}
+
+impl<'a> Columns<'a> {
+    /// # Panics
+    /// If `cutoff`, m, reaches farther than [`REACH`] cells.
+    pub fn new(grid: &'a Grid, cutoff: f64) -> Self {
+        for a in 0..2 {
+            assert!(cutoff <= REACH as f64 * grid.edge[a], "cells too small");
+        }
+        Columns {
+            grid,
+            // Room for the rounding of f32 in `around`.
+            cutoff: cutoff * 1.00001,
+            at: [usize::MAX; 2],
+            span: [(0, 0, false); 2],
+            base: [0; MOST],
+            found: [(0, 0); 2 * MOST],
+        }
+    }
+
+    /// (First, last) cells of the columns that may hold anything within the cutoff of `x` m, in a
+    /// fixed order; no cell is in two of them.
+    #[inline(always)]
+    pub fn around(&mut self, x: [f64; 3]) -> &[(u32, u32)] {
+        let grid = self.grid;
+        let (cell, part) = self.place(x);
+        if self.at != [cell[0], cell[1]] {
+            self.enter([cell[0], cell[1]]);
+        }
+        let gaps = [self.gaps(0, part[0]), self.gaps(1, part[1])];
+        let c2 = (self.cutoff * self.cutoff) as f32;
+        let per_edge = (1.0 / grid.edge[2]) as f32;
+        let (z, n) = (cell[2] as i32, grid.count[2] as i32);
+        let rows = self.span[1].1;
+        let mut count = 0;
+        for i in 0..self.span[0].1 {
+            let left = c2 - gaps[0][i];
+            let mut range = [(0i32, 0i32); SIDE];
+            for j in 0..SIDE {
+                let r = (left - gaps[1][j]).max(0.0).sqrt() * per_edge;
+                // Finite, and far below 2^31: r is at most the cutoff in cells.
+                range[j] = unsafe {
+                    let low = (part[2] - r).floor().max(-1e9).to_int_unchecked();
+                    (low, (part[2] + r).floor().min(1e9).to_int_unchecked())
+                };
+            }
+            for j in 0..rows {
+                if left < gaps[1][j] {
+                    continue;
+                }
+                let base = self.base[i * rows + j];
+                let (low, high) = (z + range[j].0, z + range[j].1);
+                if !grid.periodic[2] {
+                    let (low, high) = (low.clamp(0, n - 1), high.clamp(0, n - 1));
+                    self.found[count] = (base + low as u32, base + high as u32);
+                    count += 1;
+                } else {
+                    count += wrapped(base, low, high, n, &mut self.found[count..]);
+                }
+            }
+        }
+        &self.found[..count]
+    }
+
+    /// Cell of `x` and where in it `x` is, in cells from its low side (outside 0..1 beyond the
+    /// grid).
+    #[inline(always)]
+    fn place(&self, x: [f64; 3]) -> ([usize; 3], [f32; 3]) {
+        let (mut cell, mut part) = ([0; 3], [0.0; 3]);
+        for a in 0..3 {
+            let t = (x[a] - self.grid.low[a]) / self.grid.edge[a];
+            let last = self.grid.count[a] as f64 - 1.0;
+            let mut c = t.floor();
+            if self.grid.periodic[a] {
+                part[a] = (t - c) as f32;
+                if c < 0.0 || c > last {
+                    c = self.grid.bring(a, c as i64) as f64;
+                }
+            } else {
+                c = c.max(0.0).min(last);
+                part[a] = (t - c) as f32;
+            }
+            cell[a] = c as usize;
+        }
+        (cell, part)
+    }
+
+    /// Squared distances, m^2, to the slabs of a lateral axis.
+    #[inline(always)]
+    fn gaps(&self, axis: usize, part: f32) -> [f32; SIDE] {
+        let (first, _, all) = self.span[axis];
+        let edge = self.grid.edge[axis];
+        let edge = if edge.is_finite() && !all {
+            edge as f32
+        } else {
+            0.0
+        };
+        let mut gaps = [0.0; SIDE];
+        for (k, gap) in gaps.iter_mut().enumerate() {
+            let offset = (first + k as i32) as f32;
+            let away = (offset - part).max(part - offset - 1.0).max(0.0) * edge;
+            *gap = if first + k as i32 == 0 {
+                0.0
+            } else {
+                away * away
+            };
+        }
+        gaps
+    }
+
+    /// Finds the columns about the lateral cell `at`.
+    #[inline(never)]
+    fn enter(&mut self, at: [usize; 2]) {
+        let grid = self.grid;
+        self.at = at;
+        for a in 0..2 {
+            let (n, c) = (grid.count[a] as i32, at[a] as i32);
+            let reach = (self.cutoff / grid.edge[a]).ceil() as i32;
+            self.span[a] = if grid.periodic[a] && 2 * reach + 1 >= n {
+                (-c, n as usize, true)
+            } else if grid.periodic[a] {
+                (-reach, 2 * reach as usize + 1, false)
+            } else {
+                let (low, high) = ((c - reach).max(0), (c + reach).min(n - 1));
+                (low - c, (high - low) as usize + 1, false)
+            };
+        }
+        let [xs, ys] = self.span;
+        for i in 0..xs.1 {
+            let x = grid.bring(0, at[0] as i64 + xs.0 as i64 + i as i64);
+            for j in 0..ys.1 {
+                let y = grid.bring(1, at[1] as i64 + ys.0 as i64 + j as i64);
+                self.base[i * ys.1 + j] = grid.index([x, y, 0]) as u32;
+            }
+        }
+    }
+}
+
+/// One or two runs of a periodic column.
+#[inline(always)]
+fn wrapped(base: u32, low: i32, high: i32, n: i32, out: &mut [(u32, u32)]) -> usize {
+    let run = |a: i32, b: i32| (base + a as u32, base + b as u32);
+    if high - low + 1 >= n {
+        out[0] = run(0, n - 1);
+        return 1;
+    }
+    let (low, high) = (low.rem_euclid(n), high.rem_euclid(n));
+    if low <= high {
+        out[0] = run(low, high);
+        return 1;
+    }
+    out[0] = run(0, high);
+    out[1] = run(low, n - 1);
+    2
+}

@@ -18,10 +18,6 @@ const SHIFT_CAP: f64 = 0.5;
 /// al. 2012).
 const SHIFT_LIMIT: f64 = 0.5;
 
-/// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
-/// eigenvalue of the renormalisation matrix, which a surface lowers like the kernel sum).
-const LOOSE: f32 = 0.55;
-
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// One advective step.
     pub(super) fn dual_step(&mut self, advective: f64, acoustic: f64) -> Result<(), Diverged> {
@@ -55,10 +51,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.hardest = self.acceleration();
     }
 
-    /// Rows are made anew first if this step could let a pair be missed; twice the largest speed
-    /// leaves room for what the step adds to it, and for shifting.
+    /// Rows are made anew first if this step could let a pair be missed; half as much again leaves
+    /// room for shifting.
     fn acoustic_step(&mut self, dt: f64) -> Result<(), Diverged> {
-        if self.flow.stale(2.0 * self.fastest * dt) {
+        if self.flow.stale(1.5 * self.fastest * dt) {
             self.sort();
         }
         let shifts = self.model.settings.shifting > 0.0;
@@ -142,30 +138,19 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.flow.moved += self.fastest * dt;
     }
 
-    /// sqrt(sigma / (rho h)), m/s: of the shortest waves that the spacing carries.
-    fn capillary_speed(&self) -> f64 {
-        let sigma = self.model.effects.tension.unwrap_or(0.0);
-        (sigma / (self.model.density * self.model.h)).sqrt()
-    }
-
     /// Particle shifting against the gradient of concentration (Lind et al. 2012; Sun et al. 2019):
-    /// dr = -2 A h v_max dt grad C. Near a surface only along it, by the tension's normal, with the
-    /// capillary speed in place of v_max, for that is how fast tension pulls particles together
-    /// there (v_max would smear a crown); and not at all where there is no tension. The largest
-    /// speed, not the local one: voids open at stagnation points. Density goes along: 2 rho dr . grad C is what the transport by dr leaves of the
-    /// divergence at constant density (Sun et al. 2019, Eq. 5), and without it the mean density
-    /// drifts, for particles are moved apart where the flow moved them together.
+    /// dr = -2 A h v_max dt grad C, in the inside only: along a surface it would smear a crown. The
+    /// largest speed, not the local one: voids open at stagnation points. Density goes along:
+    /// 2 rho dr . grad C is what the transport by dr leaves of the divergence at constant density
+    /// (Sun et al. 2019, Eq. 5), and without it the mean density drifts, for particles are moved
+    /// apart where the flow moved them together.
     fn shift(&mut self, dt: f64) {
         let model = &self.model;
         let d = model.dimension.count();
         let gradient = K::norm(d) * (model.spacing / model.h).powi(d as i32) / model.h;
-        let strength = |speed: f64| {
-            let wanted = 2.0 * model.settings.shifting * model.h * speed * dt;
-            wanted.min(SHIFT_LIMIT * model.h * model.h) * gradient
-        };
-        let (fastest, capillary) = (self.fastest, self.capillary_speed());
-        let (inside, skin) = (strength(fastest), strength(capillary));
-        let (cap, scale) = (SHIFT_CAP * fastest.max(capillary) * dt, self.sum_factor());
+        let wanted = 2.0 * model.settings.shifting * model.h * self.fastest * dt;
+        let strength = wanted.min(SHIFT_LIMIT * model.h * model.h) * gradient;
+        let (cap, scale) = (SHIFT_CAP * self.fastest * dt, self.sum_factor());
         let (around, driven) = (&self.around, &self.driven);
         let p = &mut self.flow.particles;
         let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
@@ -176,18 +161,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let shifted = unsafe { shifted.at(i) };
             *shifted = [0.0; 3];
             let (s, gradient_of) = (&around[i], driven[i].1);
-            let support = scale * (s.sum + 1.0);
-            let u = s.vector.map(f64::from);
-            let u2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-            if support < LOOSE || (support < SURFACE && u2 == 0.0) {
+            if scale * (s.sum + 1.0) < SURFACE || s.vector != [0.0; 3] {
                 return 0.0;
             }
-            let strength = if u2 > 0.0 { skin } else { inside };
-            let mut dr = gradient_of.map(|g| -strength * g as f64);
-            if u2 > 0.0 {
-                let along = (0..3).map(|a| dr[a] * u[a]).sum::<f64>() / u2;
-                (0..3).for_each(|a| dr[a] -= along * u[a]);
-            }
+            let dr = gradient_of.map(|g| -strength * g as f64);
             let length = dr.iter().map(|d| d * d).sum::<f64>().sqrt();
             let limit = if length > cap { cap / length } else { 1.0 };
             let dr = dr.map(|d| limit * d);

@@ -1,5 +1,6 @@
 //! The particles near a surface, found by whole cells: what a long kernel has to look at.
 
+use crate::space::dilate::dilate;
 use crate::space::grid::Grid;
 use crate::space::sort::Cells;
 use rayon::prelude::*;
@@ -41,36 +42,7 @@ impl Band {
 
     /// Marks every cell within `reach` m of a marked one, axis by axis.
     pub fn grow(&mut self, grid: &Grid, reach: f64) {
-        let count = grid.count;
-        let stride = [count[1] * count[2], count[2], 1];
-        for axis in 0..3 {
-            let n = count[axis] as i64;
-            let r = ((reach / grid.edge[axis]).ceil() as i64).min(n - 1);
-            if r <= 0 {
-                continue;
-            }
-            self.scratch.resize(self.mark.len(), false);
-            let mark = &self.mark;
-            self.scratch
-                .par_chunks_mut(4096)
-                .enumerate()
-                .for_each(|(chunk, out)| {
-                    for (k, out) in out.iter_mut().enumerate() {
-                        let cell = chunk * 4096 + k;
-                        let at = ((cell / stride[axis]) % count[axis]) as i64;
-                        let base = cell - at as usize * stride[axis];
-                        *out = (at - r..=at + r).any(|c| {
-                            let c = if grid.periodic[axis] {
-                                c.rem_euclid(n)
-                            } else {
-                                c
-                            };
-                            (0..n).contains(&c) && mark[base + c as usize * stride[axis]]
-                        });
-                    }
-                });
-            std::mem::swap(&mut self.mark, &mut self.scratch);
-        }
+        dilate(&mut self.mark, &mut self.scratch, grid, reach);
     }
 
     /// The particles of marked cells, in cell order.

@@ -7,14 +7,22 @@
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Side};
 use crate::space::column;
+use crate::space::dilate::dilate;
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
-use crate::space::parallel::{Slots, each, slots3};
+use crate::space::parallel::{Slots, each, max, slots3};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
 
-/// Extra reach of the rows, as a fraction of the support: pairs this much too far are listed.
+/// Extra reach of the rows where nothing is known of speeds, as a fraction of the support.
 const SLACK: f64 = 0.1;
+
+/// Least and largest extra reach in units of that.
+const LEAST: f64 = 0.25;
+const MOST: f64 = 2.5;
+
+/// How much farther than at its present speed a particle may go before rows are stale.
+const HASTE: f64 = 1.5;
 
 /// Lengths that shape a flow, m.
 #[derive(Clone, Copy, Debug)]
@@ -46,8 +54,15 @@ pub struct Flow {
     pub wall_rows: Rows,
     pub liquid_cells: Cells,
     pub wall_cells: Cells,
-    /// Sum of the largest displacements since the last rebuild, m.
-    pub moved: f64,
+    /// For how long rows should last at the speeds of their making, s; 0: rows reach equally far
+    /// about all particles.
+    pub lasting: f64,
+    /// Fixed-point coordinates of the liquid when the rows were made.
+    home: [Vec<i32>; 3],
+    /// What each particle may move from there before a pair could be missed, m.
+    allowed: Vec<f32>,
+    /// Cutoff of the rows of each liquid and wall particle, m.
+    reach: Vec<f32>,
     /// Mass that left through open sides, kg, and the number of particles.
     pub removed: (f64, u64),
     /// Whether the rows of the wall list wall neighbours too.
@@ -60,6 +75,9 @@ struct Scratch {
     f64s: Vec<f64>,
     u32s: Vec<u32>,
     u8s: Vec<u8>,
+    /// Per cell: the largest allowance in and about it.
+    peaks: Vec<f32>,
+    dilated: Vec<f32>,
 }
 
 impl Flow {
@@ -73,7 +91,8 @@ impl Flow {
         let reach = lengths.support * (1.0 + SLACK);
         let margin = lengths.longest + reach;
         let longest = reach.max(lengths.longest);
-        let edge = (0.5 * reach).max(margin / column::REACH as f64);
+        let widest = lengths.support + MOST * (SLACK * lengths.support + lengths.late);
+        let edge = (0.5 * reach).max(margin.max(widest) / column::REACH as f64);
         let grid = Grid::new(domain, dimension, edge, margin, longest)?;
         let mut wall_cells = Cells::default();
         wall_cells.sort(&grid, &wall.position);
@@ -95,7 +114,10 @@ impl Flow {
             wall_rows: Rows::default(),
             liquid_cells: Cells::default(),
             wall_cells,
-            moved: 0.0,
+            lasting: 0.0,
+            home: Default::default(),
+            allowed: Vec::new(),
+            reach: Vec::new(),
             removed: (0.0, 0),
             wall_sees_wall: false,
             scratch: Scratch::default(),
@@ -119,15 +141,33 @@ impl Flow {
         [p[0][i], p[1][i], p[2][i]]
     }
 
-    /// Whether the next `step` m of largest displacement would let a pair be missed.
-    pub fn stale(&self, step: f64) -> bool {
-        2.0 * (self.moved + step) > SLACK * self.lengths.support + self.lengths.late
+    /// Whether a pair could be missed after each particle moves by another `step(i)` m.
+    pub fn stale(&self, step: impl Fn(usize) -> f64 + Sync) -> bool {
+        let beyond = |i: usize| self.away(i) + step(i) - self.allowed[i] as f64;
+        max(self.liquid(), beyond) > 0.0
+    }
+
+    /// How far particle `i` is from where the rows were made, m.
+    #[inline(always)]
+    fn away(&self, i: usize) -> f64 {
+        let mut square = 0.0;
+        for a in 0..3 {
+            let now = self.grid.fix(a, self.particles.position[a][i]);
+            let d = now.wrapping_sub(self.home[a][i]) as f64 * self.grid.unit[a];
+            square += d * d;
+        }
+        square.sqrt()
+    }
+
+    /// The farthest that any particle is from where the rows were made, m.
+    pub fn moved(&self) -> f64 {
+        max(self.home[0].len(), |i| self.away(i)).max(0.0)
     }
 
     /// Search radius of cell columns that covers `support` in spite of what moved since the sort,
     /// m.
     pub fn cutoff(&self, support: f64) -> f64 {
-        support + 2.0 * self.moved
+        support + 2.0 * self.moved()
     }
 
     /// Wraps periodic axes and removes what left through open sides or is `doomed`; returns
@@ -191,7 +231,6 @@ impl Flow {
         cells.permute(&mut p.density, &mut s.f64s);
         cells.permute(&mut p.id, &mut s.u32s);
         cells.permute(&mut p.body, &mut s.u8s);
-        self.moved = 0.0;
     }
 
     /// Brings `at` to the current positions.
@@ -219,9 +258,60 @@ impl Flow {
         Sources([liquid, wall], 1 + usize::from(self.walls() > 0))
     }
 
+    /// Sets what each particle may move and how far the rows reach for it: the support, and what
+    /// it and the fastest one about it may move.
+    fn allow(&mut self) -> f64 {
+        let (n, support, late) = (self.liquid(), self.lengths.support, self.lengths.late);
+        let equal = 0.5 * (SLACK * support + late);
+        self.allowed.resize(n, 0.0);
+        self.reach.clear();
+        if self.lasting == 0.0 {
+            self.allowed.fill(equal as f32);
+            return support * (1.0 + SLACK);
+        }
+        let (v, haste) = (&self.particles.velocity, HASTE * self.lasting);
+        let (least, most) = (LEAST * equal, MOST * equal);
+        let allowed = Slots::new(&mut self.allowed);
+        each(n, |i| {
+            let speed = (v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]).sqrt();
+            *unsafe { allowed.at(i) } = (haste * speed).max(least).min(most) as f32;
+        });
+        let start = &self.liquid_cells.start;
+        let (peaks, scratch) = (&mut self.scratch.peaks, &mut self.scratch.dilated);
+        peaks.resize(start.len() - 1, 0.0);
+        let peak = Slots::new(peaks);
+        each(start.len() - 1, |cell| {
+            let run = start[cell] as usize..start[cell + 1] as usize;
+            let most = self.allowed[run].iter().fold(0.0, |m: f32, a| m.max(*a));
+            *unsafe { peak.at(cell) } = most;
+        });
+        let longest = support - late + 2.0 * most;
+        dilate(peaks, scratch, &self.grid, longest);
+        self.reach.resize(n + self.wall.position[0].len(), 0.0);
+        let (grid, peaks, base) = (&self.grid, &self.scratch.peaks, (support - late) as f32);
+        let (reach, allowed) = (Slots::new(&mut self.reach), &self.allowed);
+        let (liquid, wall) = (&self.particles.position, &self.wall.position);
+        let peak = |x: [f64; 3]| peaks[grid.index(grid.cell(x))];
+        each(n, |i| {
+            let x = [liquid[0][i], liquid[1][i], liquid[2][i]];
+            *unsafe { reach.at(i) } = base + allowed[i] + peak(x);
+        });
+        each(wall[0].len(), |i| {
+            let x = [wall[0][i], wall[1][i], wall[2][i]];
+            *unsafe { reach.at(n + i) } = base + peak(x);
+        });
+        longest
+    }
+
     /// Finds all neighbour rows. Call after [`Flow::sort`].
     pub fn find(&mut self) {
         self.place();
+        let n = self.liquid();
+        for (home, at) in self.home.iter_mut().zip(&self.at) {
+            home.clear();
+            home.extend_from_slice(&at[..n]);
+        }
+        let cutoff = self.allow();
         let mut rows = std::mem::take(&mut self.rows);
         let mut wall_rows = std::mem::take(&mut self.wall_rows);
         let sources = self.sources();
@@ -229,7 +319,8 @@ impl Flow {
             grid: &self.grid,
             at: &self.at,
             sources: &sources,
-            cutoff: self.lengths.support * (1.0 + SLACK),
+            cutoff,
+            each: &self.reach,
         };
         rows.build(search, 0, &self.particles.position);
         if self.walls() > 0 {
@@ -277,7 +368,9 @@ impl Flow {
     /// Bytes held per liquid particle, without neighbour rows and with them.
     pub fn memory(&self) -> (f64, f64) {
         let n = self.liquid().max(1) as f64;
-        let p = 8.0 * 7.0 + 5.0;
+        let own =
+            12 * self.home[0].capacity() + 4 * (self.allowed.capacity() + self.reach.capacity());
+        let p = 8.0 * 7.0 + 5.0 + own as f64 / n;
         let records = (self.records.capacity() * 32 + self.at[0].capacity() * 12) as f64 / n;
         let cells = (self.liquid_cells.order.capacity() * 8
             + self.liquid_cells.start.capacity() * 4) as f64

@@ -223,6 +223,6 @@ fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> {
         position: &flow.particles.position,
         density: &flow.particles.density,
         mass: flow.particles.mass,
-        slack: 2.0 * flow.moved,
+        slack: 2.0 * flow.moved(),
     }
 }

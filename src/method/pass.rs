@@ -10,7 +10,7 @@ use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
 #[inline(always)]
-unsafe fn difference<L: Lanes>(a: &[L::F; 8], b: &[L::F; 5]) -> [L::F; 3] {
+unsafe fn difference<L: Lanes>(a: &[L::F; 5], b: &[L::F; 5]) -> [L::F; 3] {
     unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
 }
 
@@ -78,56 +78,6 @@ impl<K: Kernel> Pass<1> for Continuity<K> {
     }
 }
 
-/// [`Continuity`], and what a shift of the target by dr changes there: velocity and density are
-/// those of the liquid at the new place, dr . grad v and dr . grad rho (Sun et al. 2019, Eq. 5).
-pub struct Transport<'a, K> {
-    pub continuity: Continuity<K>,
-    /// dr / h of each target.
-    pub shift: &'a [[f32; 3]],
-    /// m norm / (rho0 h^d), and rho0, kg/m^3.
-    pub factor: f64,
-    pub density: f64,
-}
-
-/// Sums of [`Transport`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Transported {
-    /// Rate of density, kg/m^3/s.
-    pub rate: f32,
-    /// Changes of density, kg/m^3, and of velocity, m/s.
-    pub density: f32,
-    pub velocity: [f32; 3],
-}
-
-impl<K: Kernel> Pass<5> for Transport<'_, K> {
-    type Out = Transported;
-    #[inline(always)]
-    fn own(&self, target: usize, [a, b, c, d, e]: [f32; 5]) -> [f32; 8] {
-        let [x, y, z] = self.shift[target];
-        [a, b, c, d, e, x, y, z]
-    }
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
-        unsafe {
-            let mut rate = [sum[4]];
-            self.continuity.pair::<L>(pair, &mut rate);
-            sum[4] = rate[0];
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let along = L::dot([pair.own[5], pair.own[6], pair.own[7]], pair.d);
-            let along = L::mul(slope, along);
-            for (c, sum) in sum.iter_mut().take(4).enumerate() {
-                *sum = L::fma(along, L::sub(pair.other[c], pair.own[c]), *sum);
-            }
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, target: usize, s: [f32; 5], out: &mut Transported) {
-        self.continuity.finish(target, [s[4]], &mut out.rate);
-        out.density = (self.density * self.factor * s[3] as f64) as f32;
-        out.velocity = [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32);
-    }
-}
-
 /// Pair force of pressure and of viscosity `V` (Nishio Eq. 5).
 /// Payload 3: P / rho^2, payload 4: 1 / rho^2, negative where tension is controlled.
 ///
@@ -144,11 +94,11 @@ pub struct Force<K, V, const CONTROL: bool> {
 impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, CONTROL> {
     type Out = [f32; 3];
     #[inline(always)]
-    fn own(&self, _: usize, [a, b, c, mut pressure, weight]: [f32; 5]) -> [f32; 8] {
+    fn own(&self, [a, b, c, mut pressure, weight]: [f32; 5]) -> [f32; 5] {
         if CONTROL && weight < 0.0 {
             pressure = pressure.abs();
         }
-        [a, b, c, pressure, weight, 0.0, 0.0, 0.0]
+        [a, b, c, pressure, weight]
     }
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
@@ -183,8 +133,8 @@ pub struct ForceAndGradient<K, V, const CONTROL: bool>(pub Force<K, V, CONTROL>)
 impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradient<K, V, CONTROL> {
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    fn own(&self, target: usize, payload: [f32; 5]) -> [f32; 8] {
-        self.0.own(target, payload)
+    fn own(&self, payload: [f32; 5]) -> [f32; 5] {
+        self.0.own(payload)
     }
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) {

@@ -20,7 +20,7 @@ mod walls;
 use super::flow::Flow;
 use super::limit::Limits;
 use super::model::Model;
-use super::pass::{Surroundings, Transported};
+use super::pass::Surroundings;
 use super::{Diverged, Solver};
 use crate::effect::tension::Tension;
 use crate::effect::viscosity::PairViscosity;
@@ -57,9 +57,6 @@ pub struct Wcsph<K, V> {
     force: Vec<[f32; 3]>,
     /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
     driven: Vec<([f32; 3], [f32; 3])>,
-    /// dr / h of the last shift, and what it changed (the same).
-    shifted: Vec<[f32; 3]>,
-    transported: Vec<Transported>,
     around: Vec<Surroundings>,
     walls: walls::WallState,
     pool: bool,
@@ -112,8 +109,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             held: vec![[0.0; 3]; n],
             force: vec![[0.0; 3]; n],
             driven: Vec::new(),
-            shifted: Vec::new(),
-            transported: Vec::new(),
             around: vec![Surroundings::default(); n],
             walls: walls::WallState::default(),
             pool,
@@ -233,7 +228,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let Some(mut tension) = self.tension.take() else {
             return;
         };
-        if self.flow.moved > 0.0 {
+        if self.flow.moved() > 0.0 {
             self.flow.place();
         }
         let scale = self.sum_factor();
@@ -347,8 +342,6 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             + std::mem::size_of::<Surroundings>() * (around + s.around.capacity())
             + s.mist.capacity()
             + 24 * self.driven.capacity()
-            + 12 * self.shifted.capacity()
-            + std::mem::size_of::<Transported>() * self.transported.capacity()
             + self.tension.as_ref().map_or(0, Tension::memory);
         let own = bytes as f64 / self.len().max(1) as f64;
         let (bare, whole) = self.flow.memory();

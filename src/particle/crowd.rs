@@ -181,6 +181,7 @@ impl Crowd {
                 },
             ],
             cutoff: self.support + SLACK,
+            each: &[],
         };
         self.rows.build(search, 0, &self.position);
         self.moved = 0.0;

@@ -32,8 +32,7 @@ impl<'a> Columns<'a> {
         }
         Columns {
             grid,
-            // Room for the rounding of f32 in `around`.
-            cutoff: cutoff * 1.00001,
+            cutoff,
             at: [usize::MAX; 2],
             span: [(0, 0, false); 2],
             base: [0; MOST],
@@ -41,17 +40,19 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// (First, last) cells of the columns that may hold anything within the cutoff of `x` m, in a
-    /// fixed order; no cell is in two of them.
+    /// (First, last) cells of the columns that may hold anything within `cutoff` m (at most that of
+    /// [`Columns::new`]) of `x` m, in a fixed order; no cell is in two of them.
     #[inline(always)]
-    pub fn around(&mut self, x: [f64; 3]) -> &[(u32, u32)] {
+    pub fn around(&mut self, x: [f64; 3], cutoff: f64) -> &[(u32, u32)] {
         let grid = self.grid;
         let (cell, part) = self.place(x);
         if self.at != [cell[0], cell[1]] {
             self.enter([cell[0], cell[1]]);
         }
         let gaps = [self.gaps(0, part[0]), self.gaps(1, part[1])];
-        let c2 = (self.cutoff * self.cutoff) as f32;
+        // Room for the rounding of f32.
+        let cutoff = (cutoff * 1.00001) as f32;
+        let c2 = cutoff * cutoff;
         let per_edge = (1.0 / grid.edge[2]) as f32;
         let (z, n) = (cell[2] as i32, grid.count[2] as i32);
         let rows = self.span[1].1;

@@ -93,8 +93,8 @@ impl Grid {
         if self.unit[axis] == 0.0 {
             return 0;
         }
-        let turns = (x - self.low[axis]) / self.range[axis];
-        (((turns - turns.floor()) * 4294967296.0) as u64) as u32 as i32
+        // The low 32 bits of the whole number of units are the place within the range.
+        ((x - self.low[axis]) / self.unit[axis]) as i64 as i32
     }
 
     /// Fixed-point position.

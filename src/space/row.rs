@@ -50,8 +50,10 @@ pub struct Search<'a> {
     /// Fixed-point coordinates of all points, with at least eight spare at the end.
     pub at: &'a [Vec<i32>; 3],
     pub sources: &'a [Source<'a>],
-    /// m.
+    /// Longest cutoff, m.
     pub cutoff: f64,
+    /// Cutoff of every point, m; none if it is the same for all.
+    pub each: &'a [f32],
 }
 
 impl Rows {
@@ -125,8 +127,12 @@ unsafe fn fill<L: Lanes>(
     for k in range {
         chunk.start.push(chunk.index.len() as u32);
         let x = [position[0][k], position[1][k], position[2][k]];
-        let found = columns.around(x);
-        unsafe { neighbours::<L>(search, first + k, found, &mut chunk.index) };
+        let cutoff = search
+            .each
+            .get(first + k)
+            .map_or(search.cutoff, |&c| c as f64);
+        let found = columns.around(x, cutoff);
+        unsafe { neighbours::<L>(search, first + k, cutoff, found, &mut chunk.index) };
         while chunk.index.len() % WIDTH != 0 {
             chunk.index.push((first + k) as u32);
         }
@@ -139,11 +145,12 @@ unsafe fn fill<L: Lanes>(
 unsafe fn neighbours<L: Lanes>(
     search: Search,
     own: usize,
+    cutoff: f64,
     columns: &[(u32, u32)],
     index: &mut Vec<u32>,
 ) {
     unsafe {
-        let scale = L::splat3(search.grid.scale(search.cutoff));
+        let scale = L::splat3(search.grid.scale(cutoff));
         let [x, y, z] = search.at;
         let at = [x[own], y[own], z[own]];
         let one = L::splat(1.0);

@@ -19,7 +19,7 @@ pub struct Pair<L: Lanes> {
     /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
     pub q2: L::F,
     /// [`Pass::own`] of the target, splatted.
-    pub own: [L::F; 8],
+    pub own: [L::F; 5],
     /// Payload of the neighbours.
     pub other: [L::F; 5],
 }
@@ -27,10 +27,10 @@ pub struct Pair<L: Lanes> {
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
     type Out: Send;
-    /// What the pairs of a target see as its own: its payload, then three more at will.
+    /// The payload of a target as its own pairs see it.
     #[inline(always)]
-    fn own(&self, _target: usize, [a, b, c, d, e]: [f32; 5]) -> [f32; 8] {
-        [a, b, c, d, e, 0.0, 0.0, 0.0]
+    fn own(&self, payload: [f32; 5]) -> [f32; 5] {
+        payload
     }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
     ///
@@ -88,7 +88,7 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             let target = rows.first + from + k;
             let record = &records[target];
             let at = [record.at(0), record.at(1), record.at(2)];
-            let own = splat::<L>(pass.own(target, std::array::from_fn(|c| record.payload(c))));
+            let own = splat::<L>(pass.own(std::array::from_fn(|c| record.payload(c))));
             let mut sum = [L::splat(0.0); N];
             for group in rows.row(from + k).chunks_exact(WIDTH) {
                 let r = L::gather(records.as_ptr(), group.as_ptr());
@@ -107,11 +107,10 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
 }
 
 #[inline(always)]
-unsafe fn splat<L: Lanes>(own: [f32; 8]) -> [L::F; 8] {
+unsafe fn splat<L: Lanes>(own: [f32; 5]) -> [L::F; 5] {
     unsafe {
         let [a, b, c] = L::splat3([own[0], own[1], own[2]]);
-        let [d, e, f] = L::splat3([own[3], own[4], own[5]]);
-        [a, b, c, d, e, f, L::splat(own[6]), L::splat(own[7])]
+        [a, b, c, L::splat(own[3]), L::splat(own[4])]
     }
 }
 
@@ -189,9 +188,9 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             let x = [x[i], y[i], z[i]];
             let at = field.grid.fix3(x);
             let [a, b, c] = field.own;
-            let own = splat::<L>(pass.own(i, [a[i], b[i], c[i], 0.0, 0.0]));
+            let own = splat::<L>(pass.own([a[i], b[i], c[i], 0.0, 0.0]));
             let mut sum = [zero; N];
-            for &column in columns.around(x) {
+            for &column in columns.around(x, field.cutoff) {
                 for source in field.sources {
                     let (mut j, end) = source.run(column);
                     while j < end {

@@ -157,7 +157,7 @@ fn steps_allocate_nothing() {
             for dimension in [2, 3] {
                 let mut solver = splash(preset, dimension);
                 // Buffers, rows of neighbours above all, grow to their size.
-                advance(solver.as_mut(), if preset == "modern" { 12 } else { 5 });
+                advance(solver.as_mut(), if preset == "modern" { 7 } else { 5 });
                 let (particles, advances) = (solver.len(), 4);
                 let count = counted(|| {
                     advance(solver.as_mut(), advances);

@@ -108,7 +108,7 @@ fn no_pair_is_missed_while_rows_are_not_stale() {
             .min_by(|&(i, j), &(k, l)| apart(&cloud, i, j).total_cmp(&apart(&cloud, k, l)))
             .unwrap();
         let mut step = 0.25 * S0;
-        while cloud.flow.stale(step) {
+        while cloud.flow.stale(|_| step) {
             step *= 0.99;
         }
         assert!(step > 0.03 * support, "{name}: rows last no time");
@@ -123,7 +123,6 @@ fn no_pair_is_missed_while_rows_are_not_stale() {
                 x[i] += step * d;
             }
         }
-        cloud.flow.moved += step;
         complete(name, &cloud, support, f64::INFINITY);
         let cutoff = cloud.flow.cutoff(support);
         assert!(
@@ -131,9 +130,35 @@ fn no_pair_is_missed_while_rows_are_not_stale() {
             "{name}: columns would be too short"
         );
         assert!(
-            cloud.flow.stale(0.02 * support),
+            cloud.flow.stale(|_| 0.02 * support),
             "{name}: stale far too late"
         );
+    }
+}
+
+/// Rows that were made for a time reach farther where something is fast, and hold until then.
+#[test]
+fn rows_last_as_long_as_asked() {
+    for (name, mut cloud) in clouds() {
+        let support = cloud.flow.lengths.support;
+        // Speeds are up to sqrt(3) m/s.
+        let time = 0.02 * support;
+        cloud.flow.lasting = time;
+        cloud.flow.find();
+        for a in 0..3 {
+            let (x, v) = (
+                &mut cloud.flow.particles.position[a],
+                &cloud.flow.particles.velocity[a],
+            );
+            x.iter_mut().zip(v).for_each(|(x, v)| *x += time * v);
+        }
+        assert!(!cloud.flow.stale(|_| 0.0), "{name}");
+        complete(name, &cloud, support, f64::INFINITY);
+        assert!(cloud.flow.moved() > 0.02 * support, "{name}");
+        for x in &mut cloud.flow.particles.position[2] {
+            *x += 0.2 * support;
+        }
+        assert!(cloud.flow.stale(|_| 0.0), "{name}");
     }
 }
 

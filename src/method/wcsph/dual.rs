@@ -6,13 +6,20 @@ use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::Diverged;
-use crate::space::parallel::{Slots, each, max, slots3};
+use crate::space::parallel::{Slots, each, slots3};
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
 
+/// Room for what a step adds to a speed, and for shifting.
+const HASTE: f64 = 1.5;
+
 /// Shifting is never faster than this part of the largest speed (Sun et al. 2019).
 const SHIFT_CAP: f64 = 0.5;
+
+/// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
+/// eigenvalue of the renormalisation matrix, which a surface lowers like the kernel sum).
+const LOOSE: f32 = 0.55;
 
 /// Largest dr / grad C in h^2: beyond it the explicit diffusion of particles is unstable (Lind et
 /// al. 2012).
@@ -21,9 +28,11 @@ const SHIFT_LIMIT: f64 = 0.5;
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// One advective step.
     pub(super) fn dual_step(&mut self, advective: f64, acoustic: f64) -> Result<(), Diverged> {
+        let inner = acoustic * self.model.h / (self.model.sound_speed + self.fastest);
+        let crossing = advective * self.model.h / self.fastest.max(1e-30);
+        self.flow.lasting = crossing.min(MOST * inner);
         self.rebuild();
         self.hold();
-        let inner = acoustic * self.model.h / (self.model.sound_speed + self.fastest);
         let outer = self.limits_now().advective(advective).min(MOST * inner);
         let count = (outer / inner).ceil();
         let dt = outer / count;
@@ -51,10 +60,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.hardest = self.acceleration();
     }
 
-    /// Rows are made anew first if this step could let a pair be missed; half as much again leaves
-    /// room for shifting.
+    /// Rows are made anew first if this step could let a pair be missed.
     fn acoustic_step(&mut self, dt: f64) -> Result<(), Diverged> {
-        if self.flow.stale(1.5 * self.fastest * dt) {
+        let v = &self.flow.particles.velocity;
+        let speed = |i: usize| (v[0][i].powi(2) + v[1][i].powi(2) + v[2][i].powi(2)).sqrt();
+        if self.flow.stale(|i| HASTE * speed(i) * dt) {
             self.sort();
         }
         let shifts = self.model.settings.shifting > 0.0;
@@ -76,11 +86,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         match self.model.diffusion() {
             None => self.sum_density(),
             Some(diffusion) => {
-                if shifts {
-                    self.transport(diffusion);
-                } else {
-                    self.density_rate(diffusion);
-                }
+                self.density_rate(diffusion);
                 self.drift_density(0.5 * dt);
             }
         }
@@ -135,45 +141,50 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 *unsafe { x[a].at(i) } += dt * v[a][i];
             }
         });
-        self.flow.moved += self.fastest * dt;
     }
 
     /// Particle shifting against the gradient of concentration (Lind et al. 2012; Sun et al. 2019):
-    /// dr = -2 A h v_max dt grad C, in the inside only: along a surface it would smear a crown. The
-    /// largest speed, not the local one: voids open at stagnation points. Density goes along:
-    /// 2 rho dr . grad C is what the transport by dr leaves of the divergence at constant density
-    /// (Sun et al. 2019, Eq. 5), and without it the mean density drifts, for particles are moved
-    /// apart where the flow moved them together.
+    /// dr = -2 A h v dt grad C. Inside v is the largest speed, not the local one: voids open at
+    /// stagnation points. Near a surface particles are shifted along it, by the tension's normal,
+    /// if tension is what moves them: v = v_c (1 - (v_max / v_c)^2), v_c^2 = sigma / (rho h), and not
+    /// at all once the Weber number of the smoothing length exceeds one, for that smears a crown.
+    ///
+    /// Density goes along: 2 rho dr . grad C is what the transport by dr leaves of the divergence at
+    /// constant density (Sun et al. 2019, Eq. 5), and without it the mean density drifts, for
+    /// particles are moved apart where the flow moved them together.
     fn shift(&mut self, dt: f64) {
-        let model = &self.model;
+        let (model, fastest) = (&self.model, self.fastest);
         let d = model.dimension.count();
         let gradient = K::norm(d) * (model.spacing / model.h).powi(d as i32) / model.h;
-        let wanted = 2.0 * model.settings.shifting * model.h * self.fastest * dt;
-        let strength = wanted.min(SHIFT_LIMIT * model.h * model.h) * gradient;
-        let (cap, scale) = (SHIFT_CAP * self.fastest * dt, self.sum_factor());
+        let factor = |speed: f64| {
+            let wanted = 2.0 * model.settings.shifting * model.h * speed * dt;
+            wanted.min(SHIFT_LIMIT * model.h * model.h) * gradient
+        };
+        let square = model.effects.tension.unwrap_or(0.0) / (model.density * model.h);
+        let surface = (square - fastest * fastest).max(0.0) / square.sqrt().max(1e-30);
+        let (inside, skin) = (factor(fastest), factor(surface));
+        let (cap, scale) = (SHIFT_CAP * fastest.max(surface) * dt, self.sum_factor());
         let (around, driven) = (&self.around, &self.driven);
         let p = &mut self.flow.particles;
         let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
         let twice = 2.0 * model.density * gradient;
-        self.shifted.resize(around.len(), [0.0; 3]);
-        let shifted = Slots::new(&mut self.shifted);
-        let longest = max(around.len(), |i| {
-            let shifted = unsafe { shifted.at(i) };
-            *shifted = [0.0; 3];
-            let (s, gradient_of) = (&around[i], driven[i].1);
-            if scale * (s.sum + 1.0) < SURFACE || s.vector != [0.0; 3] {
-                return 0.0;
+        each(around.len(), |i| {
+            let support = scale * (around[i].sum + 1.0);
+            let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
+            let n2: f64 = normal.iter().map(|n| n * n).sum();
+            if support < LOOSE || (support < SURFACE && n2 == 0.0) || (n2 > 0.0 && skin == 0.0) {
+                return;
             }
-            let dr = gradient_of.map(|g| -strength * g as f64);
+            let mut dr = slope.map(|g| -g * if n2 > 0.0 { skin } else { inside });
+            if n2 > 0.0 {
+                let along = (0..3).map(|a| dr[a] * normal[a]).sum::<f64>() / n2;
+                (0..3).for_each(|a| dr[a] -= along * normal[a]);
+            }
             let length = dr.iter().map(|d| d * d).sum::<f64>().sqrt();
             let limit = if length > cap { cap / length } else { 1.0 };
-            let dr = dr.map(|d| limit * d);
-            (0..3).for_each(|a| *unsafe { x[a].at(i) } += dr[a]);
-            *shifted = dr.map(|d| (d / model.h) as f32);
-            let spread = (0..3).map(|a| dr[a] * gradient_of[a] as f64).sum::<f64>();
+            (0..3).for_each(|a| *unsafe { x[a].at(i) } += limit * dr[a]);
+            let spread = (0..3).map(|a| limit * dr[a] * slope[a]).sum::<f64>();
             *unsafe { density.at(i) } += twice * spread;
-            length.min(cap)
         });
-        self.flow.moved += longest.max(0.0);
     }
 }

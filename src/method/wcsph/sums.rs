@@ -3,11 +3,8 @@
 use super::{Wcsph, velocity};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::pass::{
-    Continuity, Force, ForceAndGradient, Neighbourhood, Summation, Transport,
-};
+use crate::method::pass::{Continuity, Force, ForceAndGradient, Neighbourhood, Summation};
 use crate::scene::Pressure;
-use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sweep;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -75,41 +72,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (2): fills `rate`.
     pub(super) fn density_rate(&mut self, diffusion: f64) {
-        let pass = self.pack_continuity(diffusion);
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.rate);
-    }
-
-    /// (2) where particles were shifted by `shifted`: fills `rate` and moves velocity and density
-    /// along.
-    pub(super) fn transport(&mut self, diffusion: f64) {
-        let continuity = self.pack_continuity(diffusion);
-        let d = self.model.dimension.count();
-        let volume = self.flow.particles.mass / self.model.density;
-        let pass = Transport {
-            continuity,
-            shift: &self.shifted,
-            factor: volume * K::norm(d) / self.model.h.powi(d as i32),
-            density: self.model.density,
-        };
-        let scale = self.scale();
-        self.transported
-            .resize(self.flow.liquid(), Default::default());
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.transported);
-        let (moved, p) = (&self.transported, &mut self.flow.particles);
-        let (rate, density) = (Slots::new(&mut self.rate), Slots::new(&mut p.density));
-        let velocity = slots3(&mut p.velocity);
-        each(moved.len(), |i| unsafe {
-            let moved = &moved[i];
-            *rate.at(i) = moved.rate;
-            *density.at(i) += moved.density as f64;
-            (0..3).for_each(|a| *velocity[a].at(i) += moved.velocity[a] as f64);
-        });
-    }
-
-    fn pack_continuity(&mut self, diffusion: f64) -> Continuity<K> {
         let (model, rho0) = (&self.model, self.model.density);
         let c = model.sound_speed;
         let drift = match model.effects.gravity {
@@ -128,12 +90,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 [v[0], v[1], v[2], excess(density[i]), 0.0]
             },
         );
-        Continuity {
+        let pass = Continuity {
             factor: self.gradient_factor(),
             diffusion: (2.0 * diffusion * c) as f32,
             drift,
             kernel: self.kernel,
-        }
+        };
+        let scale = self.scale();
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.rate);
     }
 
     /// (4) without a_s, g and viscosity, and the gradient of the kernel sum, into `driven`.

@@ -24,15 +24,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         &mut self,
         on_step: &mut dyn FnMut(&dyn Solver),
     ) -> Result<(), Diverged> {
+        self.flow.lasting = LONGEST as f64 * self.next_step();
         self.rebuild();
         for k in 0..LONGEST {
-            let dt = match self.model.settings.time_stepping {
-                TimeStepping::Fixed { step } => step,
-                TimeStepping::Adaptive { safety } => safety * self.limits_now().least(),
-                TimeStepping::Dual { .. } => unreachable!("dual stepping has its own loop"),
-            };
-            let ahead = (self.fastest + self.hardest * dt) * dt;
-            if k > 0 && self.flow.stale(ahead) {
+            let dt = self.next_step();
+            let (v, push) = (&self.flow.particles.velocity, self.hardest * dt);
+            let speed = |i: usize| (v[0][i].powi(2) + v[1][i].powi(2) + v[2][i].powi(2)).sqrt();
+            if k > 0 && self.flow.stale(|i| (speed(i) + push) * dt) {
                 break;
             }
             self.verlet_step(dt);
@@ -40,6 +38,14 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             on_step(self);
         }
         Ok(())
+    }
+
+    fn next_step(&self) -> f64 {
+        match self.model.settings.time_stepping {
+            TimeStepping::Fixed { step } => step,
+            TimeStepping::Adaptive { safety } => safety * self.limits_now().least(),
+            TimeStepping::Dual { .. } => unreachable!("dual stepping has its own loop"),
+        }
     }
 
     fn verlet_step(&mut self, dt: f64) {
@@ -56,7 +62,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 }
             });
         }
-        self.flow.moved += (self.fastest + 0.5 * self.hardest * dt) * dt;
         self.evaluate(0.5 * dt, dt);
         let damp = 1.0 / (1.0 + self.model.damping * dt);
         {

@@ -201,6 +201,24 @@ impl<K: Kernel, V: PairViscosity> Pass<4> for Neighbourhood<K, V> {
     }
 }
 
+/// SUM of payload 0 over the support: how many neighbours are marked with 1.
+pub struct Marked;
+
+impl Pass<1> for Marked {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let seen = L::if_less(pair.q2, L::splat(4.0), pair.other[0]);
+            sum[0] = L::add(sum[0], seen);
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0];
+    }
+}
+
 /// Extrapolation of pressure and velocity from the liquid to a wall particle (Adami, Hu & Adams
 /// 2012, Eqs. 22-27). Payload: velocity, P / rho^2, 1 / rho^2.
 pub struct Extrapolation<K> {

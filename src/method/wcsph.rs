@@ -70,6 +70,7 @@ struct Scratch {
     rate: Vec<f32>,
     around: Vec<Surroundings>,
     mist: Vec<bool>,
+    marks: Vec<f32>,
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {

@@ -51,11 +51,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             gravity::add(g, &mut self.held);
         }
         self.add_tension(|s| &mut s.held);
-        let (tension, around) = (&self.tension, Slots::new(&mut self.around));
-        each(self.held.len(), |i| {
-            let normal = tension.as_ref().map_or([0.0; 3], |t| t.root_of(i));
-            unsafe { around.at(i) }.vector = normal;
-        });
+        if let Some(tension) = &self.tension {
+            let around = Slots::new(&mut self.around);
+            let normal = |i: usize| unsafe { around.at(i) }.vector = tension.root_of(i);
+            each(self.held.len(), normal);
+        } else if self.model.settings.shifting > 0.0 {
+            self.mark_surface();
+        }
         // Pressure acceleration belongs to the acoustic criterion.
         self.hardest = self.acceleration();
     }
@@ -148,6 +150,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// stagnation points. Near a surface particles are shifted along it, by the tension's normal,
     /// if tension is what moves them: v = v_c (1 - (v_max / v_c)^2), v_c^2 = sigma / (rho h), and not
     /// at all once the Weber number of the smoothing length exceeds one, for that smears a crown.
+    /// Without tension who has the surface in its support stays.
     ///
     /// Density goes along: 2 rho dr . grad C is what the transport by dr leaves of the divergence at
     /// constant density (Sun et al. 2019, Eq. 5), and without it the mean density drifts, for
@@ -172,7 +175,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let support = scale * (around[i].sum + 1.0);
             let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
             let n2: f64 = normal.iter().map(|n| n * n).sum();
-            if support < LOOSE || (support < SURFACE && n2 == 0.0) || (n2 > 0.0 && skin == 0.0) {
+            let spray = support < if n2 > 0.0 { LOOSE } else { SURFACE };
+            if spray || (n2 > 0.0 && skin == 0.0) {
                 return;
             }
             let mut dr = slope.map(|g| -g * if n2 > 0.0 { skin } else { inside });

@@ -31,8 +31,7 @@ pub struct Lengths {
     pub support: f64,
     /// Longest distance that anything asks for (2 H with tension).
     pub longest: f64,
-    /// A pair may be missing from the rows while it is this little inside the support: there the
-    /// kernel's slope is below 1e-3 of its largest value.
+    /// A pair may be missing while it is this little inside the support (slope below 1e-3).
     pub late: f64,
 }
 
@@ -46,7 +45,7 @@ pub struct Flow {
     /// Sorted along cells once, never moved.
     pub wall: Wall,
     pub records: Vec<Record>,
-    /// Fixed-point coordinates in the order of the records, as of the last [`Flow::place`].
+    /// Fixed-point coordinates in that order, as of the last [`Flow::place`].
     pub at: [Vec<i32>; 3],
     /// Rows of the liquid: liquid and wall neighbours.
     pub rows: Rows,
@@ -54,8 +53,7 @@ pub struct Flow {
     pub wall_rows: Rows,
     pub liquid_cells: Cells,
     pub wall_cells: Cells,
-    /// For how long rows should last at the speeds of their making, s; 0: rows reach equally far
-    /// about all particles.
+    /// For how long rows should last at the speeds of their making, s; 0: equal reach for all.
     pub lasting: f64,
     /// Fixed-point coordinates of the liquid when the rows were made.
     home: [Vec<i32>; 3],
@@ -258,8 +256,7 @@ impl Flow {
         Sources([liquid, wall], 1 + usize::from(self.walls() > 0))
     }
 
-    /// Sets what each particle may move and how far the rows reach for it: the support, and what
-    /// it and the fastest one about it may move.
+    /// Sets what each particle may move, and its reach: the support, that, and the most about it.
     fn allow(&mut self) -> f64 {
         let (n, support, late) = (self.liquid(), self.lengths.support, self.lengths.late);
         let equal = 0.5 * (SLACK * support + late);

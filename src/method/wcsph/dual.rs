@@ -148,12 +148,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Particle shifting against the gradient of concentration (Lind et al. 2012; Sun et al. 2019):
     /// dr = -2 A h v dt grad C. Inside v is the largest speed, not the local one: voids open at
     /// stagnation points. Near a surface particles are shifted along it, by the tension's normal,
-    /// if tension is what moves them: v = v_c (1 - (v_max / v_c)^2), v_c^2 = sigma / (rho h), and not
-    /// at all once the Weber number of the smoothing length exceeds one, for that smears a crown.
+    /// if tension is what moves them: v = v_c (1 - (v_max / v_c)^2), v_c^2 = sigma / (rho h), and
+    /// not at all once the Weber number of the smoothing length exceeds one, for that smears a
+    /// crown.
     /// Without tension who has the surface in its support stays.
     ///
-    /// Density goes along: 2 rho dr . grad C is what the transport by dr leaves of the divergence at
-    /// constant density (Sun et al. 2019, Eq. 5), and without it the mean density drifts, for
+    /// Density goes along: 2 rho dr . grad C is what the transport by dr leaves of the divergence
+    /// at constant density (Sun et al. 2019, Eq. 5), and without it the mean density drifts, for
     /// particles are moved apart where the flow moved them together.
     fn shift(&mut self, dt: f64) {
         let (model, fastest) = (&self.model, self.fastest);

@@ -1,8 +1,8 @@
 //! Where things are: fixed-point coordinates, cells, neighbour rows, lanes.
 //!
 //! Reading order: [`grid`] (fixed-point positions and cells), [`sort`] (particles along cells),
-//! [`column`] (cells about a point),
-//! [`dilate`] (largest values about a cell), [`row`] (neighbour lists), [`sweep`] (pair sums over lists or over cell runs), [`lane`].
+//! [`column`] (cells about a point), [`dilate`] (largest values about a cell), [`row`] (neighbour
+//! lists), [`sweep`] (pair sums over lists or over cell runs), [`lane`].
 
 pub mod column;
 pub mod dilate;

@@ -2,8 +2,8 @@
 
 use crate::space::dilate::dilate;
 use crate::space::grid::Grid;
+use crate::space::parallel::{Slots, each};
 use crate::space::sort::Cells;
-use rayon::prelude::*;
 
 /// Marked cells of a grid.
 #[derive(Clone, Debug, Default)]
@@ -22,16 +22,11 @@ impl Band {
     pub fn mark(&mut self, cells: &Cells, is: impl Fn(usize) -> bool + Sync) {
         let n = cells.start.len() - 1;
         self.mark.resize(n, false);
-        self.mark
-            .par_chunks_mut(4096)
-            .enumerate()
-            .for_each(|(c, marks)| {
-                for (k, mark) in marks.iter_mut().enumerate() {
-                    let cell = c * 4096 + k;
-                    let run = cells.start[cell] as usize..cells.start[cell + 1] as usize;
-                    *mark = run.into_iter().any(&is);
-                }
-            });
+        let mark = Slots::new(&mut self.mark);
+        each(n, |cell| {
+            let mut run = cells.start[cell] as usize..cells.start[cell + 1] as usize;
+            *unsafe { mark.at(cell) } = run.any(&is);
+        });
     }
 
     /// Marks the cells that hold anything; `start`: first of each cell, and the number of all.

@@ -38,7 +38,7 @@ use crate::space::grid::Grid;
 use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Field, Pass, Source};
-use pass::{Colour, Difference, Gradient, Summed, Virial, Volume};
+use pass::{Colour, Difference, Gradient, Summed, Virial};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
@@ -89,7 +89,6 @@ pub struct Tension {
     wider: [Vec<u32>; 2],
     /// Per `near`: n and, for (3), SUM slope d; then u and, for (3), the own part of (5).
     normals: Vec<([f32; 3], [f32; 3])>,
-    vectors: Vec<[f32; 3]>,
     scalars: Vec<f32>,
     /// Per particle and wall particle: V and c, then u = sqrt(|T|) n / |n| / rho or zero.
     payload: [Vec<f32>; 3],
@@ -121,7 +120,6 @@ impl Tension {
             reached: Vec::new(),
             wider: Default::default(),
             normals: Vec::new(),
-            vectors: Vec::new(),
             scalars: Vec::new(),
             payload: Default::default(),
             stressed: Stressed::default(),
@@ -134,7 +132,7 @@ impl Tension {
         let [volumes, colours] = &self.wider;
         let indices = [&self.near, &self.reached, volumes, colours];
         4 * indices.iter().map(|list| list.capacity()).sum::<usize>()
-            + 12 * (self.vectors.capacity() + self.force.capacity())
+            + 12 * self.force.capacity()
             + 24 * self.normals.capacity()
             + 12 * self.payload[0].capacity()
             + 24 * self.stressed.u[0].capacity()
@@ -170,12 +168,7 @@ impl Tension {
                 let deep = DEEP * self.length + flow.slack;
                 self.band.grow(flow.grid, deep);
                 self.band.members(flow.liquid, &mut self.near);
-                let mut vectors = std::mem::take(&mut self.vectors);
-                vectors.resize(self.near.len(), [0.0; 3]);
-                self.runs(flow, &self.near, &Gradient::<K>(PhantomData), &mut vectors);
-                let pairs = vectors.par_iter().map(|v| (*v, [0.0; 3]));
-                pairs.collect_into_vec(&mut self.normals);
-                self.vectors = vectors;
+                self.sum_normals(flow, &Gradient::<K>(PhantomData));
             }
             TensionForm::NormalisedColour => self.colour::<K>(flow, reach),
         }
@@ -280,17 +273,16 @@ impl Tension {
         let own = K::w(0.0) as f32;
         // A wall particle far inside a wetted wall has the bulk's volume, and colour 1.
         let bulk = (flow.mass / self.density) as f32;
-        self.payload[0].fill(bulk);
+        self.payload[0].fill(1.0);
         self.payload[1][flow.density.len()..].fill(1.0);
         self.nest(flow, reach);
         let wider = std::mem::take(&mut self.wider);
         for (stage, band) in wider.iter().enumerate() {
             let mut sums = std::mem::take(&mut self.scalars);
             sums.resize(band.len(), 0.0);
+            self.runs(flow, band, &Colour::<K>(PhantomData), &mut sums);
             if stage == 0 {
-                self.runs(flow, band, &Volume::<K>(PhantomData), &mut sums);
-            } else {
-                self.runs(flow, band, &Colour::<K>(PhantomData), &mut sums);
+                self.payload[0].fill(bulk);
             }
             for (&i, &sum) in band.iter().zip(&sums) {
                 let i = i as usize;
@@ -304,14 +296,18 @@ impl Tension {
             self.scalars = sums;
         }
         self.wider = wider;
+        self.sum_normals(flow, &Difference::<K>(PhantomData));
+    }
+
+    /// Fills `normals` by a pass over `near`.
+    fn sum_normals<const N: usize, P: Pass<N, Out = ([f32; 3], [f32; 3])>>(
+        &mut self,
+        flow: &Surface,
+        pass: &P,
+    ) {
         let mut normals = std::mem::take(&mut self.normals);
         normals.resize(self.near.len(), Default::default());
-        self.runs(
-            flow,
-            &self.near,
-            &Difference::<K>(PhantomData),
-            &mut normals,
-        );
+        self.runs(flow, &self.near, pass, &mut normals);
         self.normals = normals;
     }
 

@@ -266,12 +266,11 @@ impl Flow {
             self.allowed.fill(equal as f32);
             return support * (1.0 + SLACK);
         }
-        let (v, haste) = (&self.particles.velocity, HASTE * self.lasting);
+        let (p, haste) = (&self.particles, HASTE * self.lasting);
         let (least, most) = (LEAST * equal, MOST * equal);
         let allowed = Slots::new(&mut self.allowed);
         each(n, |i| {
-            let speed = (v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]).sqrt();
-            *unsafe { allowed.at(i) } = (haste * speed).max(least).min(most) as f32;
+            *unsafe { allowed.at(i) } = (haste * p.speed(i)).max(least).min(most) as f32
         });
         let start = &self.liquid_cells.start;
         let (peaks, scratch) = (&mut self.scratch.peaks, &mut self.scratch.dilated);

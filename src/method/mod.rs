@@ -214,7 +214,7 @@ fn flow_of(
 }
 
 /// What the tension reads of a flow.
-fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> {
+pub fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> {
     Surface {
         grid: &flow.grid,
         liquid: &flow.liquid_cells,

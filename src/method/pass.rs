@@ -173,6 +173,14 @@ pub struct Surroundings {
     pub sum: f32,
 }
 
+impl Surroundings {
+    /// The kernel sum: 1 inside, 0.77 at a flat surface. `factor`: norm s0^d / h^d.
+    #[inline(always)]
+    pub fn kernel_sum(&self, factor: f32) -> f32 {
+        factor * (self.sum + 1.0)
+    }
+}
+
 impl<K: Kernel, V: PairViscosity> Pass<4> for Neighbourhood<K, V> {
     type Out = Surroundings;
     #[inline(always)]

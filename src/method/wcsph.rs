@@ -236,7 +236,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let around = &self.around;
         let sources = self.flow.sources();
         let flow = super::surface_of(&self.flow, &sources);
-        tension.update(&flow, |i| scale * (around[i].sum + 1.0) < SURFACE);
+        tension.update(&flow, |i| around[i].kernel_sum(scale) < SURFACE);
         drop(sources);
         tension.add(into(self));
         self.tension = Some(tension);

@@ -34,6 +34,13 @@ pub struct Particles {
 }
 
 impl Particles {
+    /// Speed of particle `i`, m/s.
+    #[inline(always)]
+    pub fn speed(&self, i: usize) -> f64 {
+        let v = &self.velocity;
+        (v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]).sqrt()
+    }
+
     pub fn len(&self) -> usize {
         self.id.len()
     }

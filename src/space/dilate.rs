@@ -1,9 +1,7 @@
 //! Largest values about each cell.
 
 use super::grid::Grid;
-use rayon::prelude::*;
-
-const CHUNK: usize = 4096;
+use super::parallel::{Slots, each};
 
 /// Gives every cell the largest value within `reach` m of it, axis by axis.
 pub fn dilate<T: Copy + PartialOrd + Default + Send + Sync>(
@@ -39,11 +37,9 @@ pub fn dilate<T: Copy + PartialOrd + Default + Send + Sync>(
             }
             most
         };
-        let chunks = scratch.par_chunks_mut(CHUNK).enumerate();
-        chunks.for_each(|(chunk, out)| {
-            for (k, out) in out.iter_mut().enumerate() {
-                *out = largest(chunk * CHUNK + k);
-            }
+        let out = Slots::new(scratch);
+        each(values.len(), |cell| {
+            *unsafe { out.at(cell) } = largest(cell)
         });
         std::mem::swap(values, scratch);
     }

@@ -2,10 +2,10 @@
 
 use super::cloud::{CHANNEL, Cloud, OPEN, dot, length};
 use super::pack_scene::S0;
-use coronet::effect::tension::{Surface, Tension};
+use coronet::effect::tension::Tension;
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
+use coronet::method::surface_of;
 use coronet::scene::{Dimension, KernelName, TensionForm};
-use coronet::space::sweep::Source;
 use std::f64::consts::PI;
 
 const SIGMA: f64 = 0.067;
@@ -50,20 +50,6 @@ fn tension(cloud: &Cloud, form: TensionForm, kernel: KernelName, strength: f64) 
     Tension::new(form, kernel, cloud.h, SIGMA, strength, d, DENSITY)
 }
 
-fn surface<'a>(cloud: &'a Cloud, sources: &'a [Source<'a>]) -> Surface<'a> {
-    let flow = &cloud.flow;
-    Surface {
-        grid: &flow.grid,
-        liquid: &flow.liquid_cells,
-        at: &flow.at,
-        sources,
-        position: &flow.particles.position,
-        density: &flow.particles.density,
-        mass: flow.particles.mass,
-        slack: 0.0,
-    }
-}
-
 /// Accelerations, and sigma_eff A.
 fn evaluate(
     cloud: &Cloud,
@@ -71,7 +57,7 @@ fn evaluate(
     flag: impl Fn(usize) -> bool + Sync,
 ) -> (Vec<[f32; 3]>, f64) {
     let sources = cloud.flow.sources();
-    let surface = surface(cloud, &sources);
+    let surface = surface_of(&cloud.flow, &sources);
     tension.update(&surface, flag);
     let mut a = vec![[0.0; 3]; cloud.flow.liquid()];
     tension.add(&mut a);

@@ -5,11 +5,11 @@ use crate::space::lane::Lanes;
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
-/// SUM slope d: the raw normal.
+/// SUM slope d: the raw normal, and nothing beside it.
 pub struct Gradient<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<3> for Gradient<K> {
-    type Out = [f32; 3];
+    type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
         unsafe {
@@ -20,30 +20,12 @@ impl<K: Kernel> Pass<3> for Gradient<K> {
         }
     }
     #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum;
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut Self::Out) {
+        *out = (sum, [0.0; 3]);
     }
 }
 
-/// SUM w without the particle itself: (1).
-pub struct Volume<K>(pub PhantomData<K>);
-
-impl<K: Kernel> Pass<1> for Volume<K> {
-    type Out = f32;
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
-        *out = sum[0];
-    }
-}
-
-/// SUM V_b w without the particle itself: (2). Payload 0: V.
+/// SUM V_b w without the particle itself: (2), and with V = 1 the sum of (1). Payload 0: V.
 pub struct Colour<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<1> for Colour<K> {

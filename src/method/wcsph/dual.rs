@@ -64,9 +64,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Rows are made anew first if this step could let a pair be missed.
     fn acoustic_step(&mut self, dt: f64) -> Result<(), Diverged> {
-        let v = &self.flow.particles.velocity;
-        let speed = |i: usize| (v[0][i].powi(2) + v[1][i].powi(2) + v[2][i].powi(2)).sqrt();
-        if self.flow.stale(|i| HASTE * speed(i) * dt) {
+        if self
+            .flow
+            .stale(|i| HASTE * self.flow.particles.speed(i) * dt)
+        {
             self.sort();
         }
         let shifts = self.model.settings.shifting > 0.0;
@@ -173,7 +174,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
         let twice = 2.0 * model.density * gradient;
         each(around.len(), |i| {
-            let support = scale * (around[i].sum + 1.0);
+            let support = around[i].kernel_sum(scale);
             let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
             let n2: f64 = normal.iter().map(|n| n * n).sum();
             let spray = support < if n2 > 0.0 { LOOSE } else { SURFACE };

@@ -18,7 +18,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Kernel sum of particle `i`: 1 inside, 0.77 at a flat surface.
     #[inline(always)]
     pub(super) fn kernel_sum(&self, i: usize) -> f32 {
-        self.sum_factor() * (self.around[i].sum + 1.0)
+        self.around[i].kernel_sum(self.sum_factor())
     }
 
     /// Viscosity, kernel sums and their gradients of all particles.
@@ -74,7 +74,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Marks, by a normal that is not zero, who has a particle of the surface in its support.
     pub(super) fn mark_surface(&mut self) {
         let (around, factor) = (&self.around, self.sum_factor());
-        let marked = |i: usize| f32::from(factor * (around[i].sum + 1.0) < SURFACE);
+        let marked = |i: usize| f32::from(around[i].kernel_sum(factor) < SURFACE);
         self.flow
             .pack(|_, i| [marked(i), 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
         let n = self.flow.liquid();

@@ -28,9 +28,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.rebuild();
         for k in 0..LONGEST {
             let dt = self.next_step();
-            let (v, push) = (&self.flow.particles.velocity, self.hardest * dt);
-            let speed = |i: usize| (v[0][i].powi(2) + v[1][i].powi(2) + v[2][i].powi(2)).sqrt();
-            if k > 0 && self.flow.stale(|i| (speed(i) + push) * dt) {
+            let push = self.hardest * dt;
+            if k > 0
+                && self
+                    .flow
+                    .stale(|i| (self.flow.particles.speed(i) + push) * dt)
+            {
                 break;
             }
             self.verlet_step(dt);

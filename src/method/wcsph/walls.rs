@@ -53,7 +53,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                     [0, 1, 2].map(|a| (p.velocity[a][i] + ahead * held[i][a] as f64) as f32)
                 };
                 let pressure = (model.pressure(rho) * inverse(rho)) as f32;
-                let inside = controlled && sums * (around[i].sum + 1.0) >= SURFACE;
+                let inside = controlled && around[i].kernel_sum(sums) >= SURFACE;
                 let weight = inverse(rho) as f32 * if inside { -1.0 } else { 1.0 };
                 [v[0], v[1], v[2], pressure, weight]
             },

@@ -17,8 +17,10 @@ pub struct Model {
     pub h: f64,
     /// rho0, kg/m^3.
     pub density: f64,
-    /// c, m/s.
+    /// c now, m/s.
     pub sound_speed: f64,
+    /// Least and largest c of the run, m/s.
+    pub sound_speeds: [f64; 2],
     /// Damping rate, 1/s; 0 in the impact.
     pub damping: f64,
 }
@@ -54,12 +56,12 @@ impl Model {
         let mut effects = scene.effects.clone();
         let mut domain = scene.domain.clone();
         let mut damping = 0.0;
-        let mut sound_speed = numbers::sound_speed(scene);
+        let mut sound_speeds = numbers::sound_speeds(scene);
         if let Phase::Relax { damping: rate } = phase {
             let index = body.expect("a body relaxes alone");
             let body = &scene.bodies[index];
             damping = rate;
-            sound_speed = numbers::rest_sound_speed(scene, index);
+            sound_speeds = [numbers::rest_sound_speed(scene, index); 2];
             domain = resting_domain(scene, body);
             if !rests(body) {
                 effects.gravity = None;
@@ -73,7 +75,8 @@ impl Model {
             spacing: scene.pack.spacing,
             h: settings.smoothing * scene.pack.spacing,
             density: scene.density,
-            sound_speed,
+            sound_speed: sound_speeds[1],
+            sound_speeds,
             damping,
         }
     }

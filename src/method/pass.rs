@@ -171,6 +171,8 @@ pub struct Surroundings {
     pub vector: [f32; 3],
     /// SUM w without the particle itself: times norm s0^d / h^d it is the kernel sum.
     pub sum: f32,
+    /// SUM w |v_ab|^2 (where velocities are packed).
+    pub stir: f32,
 }
 
 impl Surroundings {
@@ -179,12 +181,18 @@ impl Surroundings {
     pub fn kernel_sum(&self, factor: f32) -> f32 {
         factor * (self.sum + 1.0)
     }
+
+    /// Root mean square of |v_ab| over the neighbours, weighted with W, m/s.
+    #[inline(always)]
+    pub fn relative_speed(&self) -> f32 {
+        (self.stir / self.sum.max(f32::MIN_POSITIVE)).sqrt()
+    }
 }
 
-impl<K: Kernel, V: PairViscosity> Pass<4> for Neighbourhood<K, V> {
+impl<K: Kernel, V: PairViscosity> Pass<5> for Neighbourhood<K, V> {
     type Out = Surroundings;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
         unsafe {
             let q = L::sqrt(pair.q2);
             let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
@@ -196,15 +204,18 @@ impl<K: Kernel, V: PairViscosity> Pass<4> for Neighbourhood<K, V> {
                 self.viscosity
                     .add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
                 [sum[0], sum[1], sum[2]] = s;
+                let v2 = L::fma(v[0], v[0], L::fma(v[1], v[1], L::mul(v[2], v[2])));
+                sum[4] = L::fma(w, v2, sum[4]);
             }
             sum[3] = L::add(sum[3], w);
         }
     }
     #[inline(always)]
-    fn finish(&self, _: usize, s: [f32; 4], out: &mut Surroundings) {
+    fn finish(&self, _: usize, s: [f32; 5], out: &mut Surroundings) {
         *out = Surroundings {
             vector: [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32),
             sum: s[3],
+            stir: s[4],
         };
     }
 }

@@ -96,6 +96,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             Some(_) => array("density_rate").map_or(vec![0.0; n], narrow),
             None => Vec::new(),
         };
+        let mut model = model;
+        if let Some(c) = named("sound_speed_m_s") {
+            model.sound_speed = c;
+        }
         let mut solver = Wcsph {
             model,
             flow,

@@ -217,6 +217,14 @@ pub enum Pressure {
     Controlled,
 }
 
+/// Speed of sound in the course of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SoundSpeed {
+    Constant,
+    /// Follows the largest speed (continuity density, signed pressure, dual-criteria stepping).
+    Adaptive,
+}
+
 /// Mass of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mass {
@@ -286,6 +294,7 @@ pub struct Wcsph {
     pub exponent: f64,
     /// c / V of Nishio Eq. 8 (10 is Mach 0.1).
     pub sound_speed_factor: f64,
+    pub sound_speed: SoundSpeed,
     /// V in m/s; `None`: the largest of impact speed, sqrt(2 g T), sqrt(2 sigma / (rho R)).
     pub reference_speed: Option<f64>,
     pub mass: Mass,

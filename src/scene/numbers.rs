@@ -4,7 +4,10 @@
 use std::fmt;
 
 use super::quantity::{Unit, human};
-use super::{Arrangement, Dimension, Method, Motion, Scene, Shape, Side, Wcsph};
+use super::{
+    Arrangement, Density, Dimension, Method, Motion, Pressure, Scene, Shape, Side, SoundSpeed,
+    TimeStepping, Wcsph,
+};
 
 /// A number with its name and definition.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,17 +118,31 @@ fn length(vector: [f64; 3]) -> f64 {
 /// speed of a fall through the liquid's height sqrt(2 g T), the capillary speed
 /// sqrt(2 sigma / (rho R)) of the smallest drop, and the speed of a sliding wall.
 pub fn reference_speed(scene: &Scene) -> f64 {
-    if let Some(speed) = wcsph(scene).reference_speed {
-        return speed;
-    }
+    let set = wcsph(scene).reference_speed;
+    set.unwrap_or_else(|| impact_speed(scene).max(standing_speed(scene)))
+}
+
+/// [`reference_speed`] without the impact, m/s: what is there even when nothing moves.
+fn standing_speed(scene: &Scene) -> f64 {
     let walls = scene.domain.wall_velocity.iter().flatten();
     let sliding = walls.fold(0.0, |speed: f64, wall| speed.max(length(*wall)));
     let shapes = scene.bodies.iter().map(|body| &body.shape);
-    let speed = shapes.fold(impact_speed(scene).max(sliding), |speed, shape| {
+    let speed = shapes.fold(sliding, |speed, shape| {
         let fall = fall_speed(scene, shape);
         speed.max(fall).max(capillary_speed(scene, shape))
     });
     moving(speed)
+}
+
+/// Least and largest speed of sound in the impact, m/s.
+pub fn sound_speeds(scene: &Scene) -> [f64; 2] {
+    let (settings, most) = (wcsph(scene), sound_speed(scene));
+    let follows = settings.sound_speed == SoundSpeed::Adaptive
+        && settings.pressure != Pressure::Clipped
+        && matches!(settings.density, Density::Continuity { .. })
+        && matches!(settings.time_stepping, TimeStepping::Dual { .. });
+    let least = settings.sound_speed_factor * standing_speed(scene);
+    [if follows { least.min(most) } else { most }, most]
 }
 
 /// Speed of sound, m/s: factor x reference speed.

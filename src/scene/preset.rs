@@ -7,19 +7,20 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
-    Density, KernelName, Mass, Pressure, TensionForm, TensionStrength, TimeStepping, ViscosityForm,
-    WallPressure, Wcsph,
+    Density, KernelName, Mass, Pressure, SoundSpeed, TensionForm, TensionStrength, TimeStepping,
+    ViscosityForm, WallPressure, Wcsph,
 };
 
 /// Nishio et al. 2010, Int. J. Numer. Meth. Fluids 63, 1435-1447, as printed.
 pub fn wcsph_paper() -> Wcsph {
     Wcsph {
-        kernel: KernelName::CubicSpline,               // Eq. 3
-        smoothing: 1.3,                                // with Eq. 3
-        density: Density::Summation,                   // Eq. 4
-        pressure: Pressure::Clipped,                   // text after Eq. 7
-        exponent: 7.0,                                 // Eq. 7
-        sound_speed_factor: 10.0,                      // Eq. 8
+        kernel: KernelName::CubicSpline, // Eq. 3
+        smoothing: 1.3,                  // with Eq. 3
+        density: Density::Summation,     // Eq. 4
+        pressure: Pressure::Clipped,     // text after Eq. 7
+        exponent: 7.0,                   // Eq. 7
+        sound_speed_factor: 10.0,        // Eq. 8
+        sound_speed: SoundSpeed::Constant,
         reference_speed: None, // Eq. 8 leaves V open: U0 whenever that is the largest
         mass: Mass::Nominal,   // rho0 s0^3; the lattice sum of Eq. 4 is 0.997 rho0
         viscosity_form: ViscosityForm::TwoTerm, // Eq. 6: 6/5 too viscous in 3-D, 5/4 in 2-D
@@ -52,6 +53,7 @@ pub fn wcsph_modern() -> Wcsph {
         pressure: Pressure::Signed,
         exponent: 1.0, // linear: densities stay within 1 % of rho0
         sound_speed_factor: 10.0,
+        sound_speed: SoundSpeed::Adaptive, // Mach 0.1 of what moves now
         reference_speed: None,
         mass: Mass::Nominal, // the continuity equation does not see the lattice sum
         viscosity_form: ViscosityForm::Morris, // Morris, Fox & Zhu 1997
@@ -102,6 +104,12 @@ fn override_flow(settings: &mut Wcsph, table: &Cursor<'_>) -> Result<(), SceneEr
             }
             "exponent" => settings.exponent = value.number()?,
             "sound_speed_factor" => settings.sound_speed_factor = value.number()?,
+            "sound_speed" => {
+                settings.sound_speed = match value.text()? {
+                    "adaptive" => SoundSpeed::Adaptive,
+                    _ => SoundSpeed::Constant,
+                }
+            }
             "reference_speed" => {
                 settings.reference_speed = match value.text() {
                     Ok("scene") => None,

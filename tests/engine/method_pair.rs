@@ -257,11 +257,12 @@ fn neighbourhood() {
         };
         let numbers = |out: &coronet::method::pass::Surroundings| {
             let [a, b, c] = out.vector;
-            [a, b, c, out.sum].map(f64::from)
+            [a, b, c, out.sum, out.stir].map(f64::from)
         };
         compare(&pass, numbers, 1.0, |p| {
             let [a, b, c] = morris::<K>(p, 0.4f32 as f64);
-            [a, b, c, K::w(p.q)]
+            let stir = p.v().iter().map(|v| v * v).sum::<f64>() * K::w(p.q);
+            [a, b, c, K::w(p.q), stir]
         });
     }
     kernels!(check);

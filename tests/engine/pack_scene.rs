@@ -63,6 +63,7 @@ fn wcsph() -> Wcsph {
         pressure: Pressure::Clipped,
         exponent: 7.0,
         sound_speed_factor: 10.0,
+        sound_speed: SoundSpeed::Constant,
         reference_speed: None,
         mass: Mass::Nominal,
         viscosity_form: ViscosityForm::TwoTerm,

@@ -11,11 +11,18 @@ use crate::space::parallel::{Slots, each, slots3};
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
 
+/// Least ratio of one speed of sound to the one an advective step before.
+const SLOWING: f64 = 0.98;
+
 /// Room for what a step adds to a speed, and for shifting.
 const HASTE: f64 = 1.5;
 
 /// Shifting is never faster than this part of the largest speed (Sun et al. 2019).
 const SHIFT_CAP: f64 = 0.5;
+
+/// Kernel sum of the outermost layer of a flat surface (lattice, Wendland C2, h = 1.5 s0: 0.753; an
+/// edge has 0.56, a sheet of two layers 0.737).
+const FLAT: f32 = 0.75;
 
 /// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
 /// eigenvalue of the renormalisation matrix, which a surface lowers like the kernel sum).
@@ -28,6 +35,7 @@ const SHIFT_LIMIT: f64 = 0.5;
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// One advective step.
     pub(super) fn dual_step(&mut self, advective: f64, acoustic: f64) -> Result<(), Diverged> {
+        self.follow();
         let inner = acoustic * self.model.h / (self.model.sound_speed + self.fastest);
         let crossing = advective * self.model.h / self.fastest.max(1e-30);
         self.flow.lasting = crossing.min(MOST * inner);
@@ -41,6 +49,24 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.last_step = dt;
         Ok(())
+    }
+
+    /// Lets the speed of sound follow the largest speed of the moment: up at once, down slowly.
+    /// Pressures stay what they are; densities change to what these mean under the new speed.
+    fn follow(&mut self) {
+        let (old, [least, most]) = (self.model.sound_speed, self.model.sound_speeds);
+        let wanted = self.model.settings.sound_speed_factor * self.fastest;
+        let new = wanted.max(SLOWING * old).clamp(least, most);
+        if new == old {
+            return;
+        }
+        self.model.sound_speed = new;
+        let (model, ratio) = (&self.model, (old / new).powi(2));
+        let density = Slots::new(&mut self.flow.particles.density);
+        each(self.around.len(), |i| {
+            let rho = unsafe { density.at(i) };
+            *rho = model.density_at(ratio * model.pressure(*rho));
+        });
     }
 
     /// What is held over the advective step: viscosity (from `look`), gravity, tension.
@@ -149,14 +175,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Particle shifting against the gradient of concentration (Lind et al. 2012; Sun et al. 2019):
     /// dr = -2 A h v dt grad C. Inside v is the largest speed, not the local one: voids open at
     /// stagnation points. Near a surface particles are shifted along it, by the tension's normal,
-    /// if tension is what moves them: v = v_c (1 - (v_max / v_c)^2), v_c^2 = sigma / (rho h), and
-    /// not at all once the Weber number of the smoothing length exceeds one, for that smears a
-    /// crown.
-    /// Without tension who has the surface in its support stays.
+    /// with the speed at which the flow disorders them, the root mean square u of |v_ab| over the
+    /// neighbours, or the one at which tension does, v_c (1 - (u / v_c)^2), v_c^2 = sigma / (rho
+    /// h). What has less support than a flat surface is a rim, a tip or a sheet, whose normal says
+    /// nothing, and stays. Without tension who has the surface in its support stays.
     ///
-    /// Density goes along: 2 rho dr . grad C is what the transport by dr leaves of the divergence
-    /// at constant density (Sun et al. 2019, Eq. 5), and without it the mean density drifts, for
-    /// particles are moved apart where the flow moved them together.
+    /// Inside density goes along: 2 rho dr . grad C is what the transport by dr leaves of the
+    /// divergence at constant density (Sun et al. 2019, Eq. 5), and without it the mean density
+    /// drifts, for particles are moved apart where the flow moved them together. Near a surface
+    /// grad C is the shape of the surface too: there it would suck a crown back into the pool.
     fn shift(&mut self, dt: f64) {
         let (model, fastest) = (&self.model, self.fastest);
         let d = model.dimension.count();
@@ -166,9 +193,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             wanted.min(SHIFT_LIMIT * model.h * model.h) * gradient
         };
         let square = model.effects.tension.unwrap_or(0.0) / (model.density * model.h);
-        let surface = (square - fastest * fastest).max(0.0) / square.sqrt().max(1e-30);
-        let (inside, skin) = (factor(fastest), factor(surface));
-        let (cap, scale) = (SHIFT_CAP * fastest.max(surface) * dt, self.sum_factor());
+        let (inside, capillary) = (factor(fastest), square.sqrt());
+        let (cap, scale) = (SHIFT_CAP * fastest.max(capillary) * dt, self.sum_factor());
         let (around, driven) = (&self.around, &self.driven);
         let p = &mut self.flow.particles;
         let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
@@ -177,20 +203,27 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let support = around[i].kernel_sum(scale);
             let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
             let n2: f64 = normal.iter().map(|n| n * n).sum();
-            let spray = support < if n2 > 0.0 { LOOSE } else { SURFACE };
-            if spray || (n2 > 0.0 && skin == 0.0) {
+            let near = n2 > 0.0;
+            if support < if near { LOOSE } else { SURFACE } || (near && capillary == 0.0) {
                 return;
             }
-            let mut dr = slope.map(|g| -g * if n2 > 0.0 { skin } else { inside });
-            if n2 > 0.0 {
+            let along = || {
+                let u = around[i].relative_speed() as f64;
+                let calm = (capillary - u * u / capillary).max(0.0);
+                factor(if support < FLAT { calm } else { calm.max(u) })
+            };
+            let mut dr = slope.map(|g| -g * if near { along() } else { inside });
+            if near {
                 let along = (0..3).map(|a| dr[a] * normal[a]).sum::<f64>() / n2;
                 (0..3).for_each(|a| dr[a] -= along * normal[a]);
             }
             let length = dr.iter().map(|d| d * d).sum::<f64>().sqrt();
             let limit = if length > cap { cap / length } else { 1.0 };
             (0..3).for_each(|a| *unsafe { x[a].at(i) } += limit * dr[a]);
-            let spread = (0..3).map(|a| limit * dr[a] * slope[a]).sum::<f64>();
-            *unsafe { density.at(i) } += twice * spread;
+            if !near {
+                let spread = (0..3).map(|a| limit * dr[a] * slope[a]).sum::<f64>();
+                *unsafe { density.at(i) } += twice * spread;
+            }
         });
     }
 }

@@ -10,7 +10,7 @@ use crate::space::parallel::sum;
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// An error if anything is not a number or ran away.
     pub(super) fn check(&self) -> Result<(), Diverged> {
-        let bad = !self.fastest.is_finite() || self.fastest > self.model.sound_speed;
+        let bad = !self.fastest.is_finite() || self.fastest > self.model.sound_speeds[1];
         if !bad {
             return Ok(());
         }
@@ -36,7 +36,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             what: format!(
                 "speed {:.4e} m/s above the sound speed {:.4e} m/s",
                 key(i).sqrt(),
-                self.model.sound_speed
+                self.model.sound_speeds[1]
             ),
             remedy: "a larger method.wcsph.sound_speed_factor or a smaller time step".into(),
         })

@@ -53,6 +53,11 @@ pub static WCSPH: &[Field] = &[
         "Speed of sound over the reference speed; 10 is Mach 0.1.",
     ),
     optional(
+        "sound_speed",
+        Kind::Word(&["adaptive", "constant"]),
+        "Whether the speed of sound follows the largest speed of the moment.",
+    ),
+    optional(
         "reference_speed",
         Kind::Either(&[
             Kind::Word(&["scene"]),

@@ -2,8 +2,8 @@
 
 use super::super::resolve::{AXES, ENDS};
 use super::super::{
-    Colour, Density, KernelName, Mass, Method, Pressure, Scene, Side, TensionForm, TensionStrength,
-    TimeStepping, ViscosityForm, WallPressure, Wcsph,
+    Colour, Density, KernelName, Mass, Method, Pressure, Scene, Side, SoundSpeed, TensionForm,
+    TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
 use super::body::{form, motion, place};
 use super::{List, Unit};
@@ -161,6 +161,11 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
         Pressure::Signed => "signed",
     };
     list.word("method.wcsph.pressure", pressure);
+    let sound = match settings.sound_speed {
+        SoundSpeed::Adaptive => "adaptive",
+        SoundSpeed::Constant => "constant",
+    };
+    list.word("method.wcsph.sound_speed", sound);
     list.number("method.wcsph.exponent", settings.exponent, Unit::One);
     let has_wall = scene
         .domain

@@ -28,6 +28,9 @@ pub enum Command {
     /// Bring all results of a pipeline up to date, going on where an earlier run ended
     #[command(after_help = EXIT_CODES)]
     Run(RunArguments),
+    /// Run a table of settings over one store; write what accuracy costs in time
+    #[command(after_help = EXIT_CODES)]
+    Study(StudyArguments),
     /// Show what would run, why, and about how long it would take
     Plan(PlanArguments),
     /// Hash all finished results again; set damaged files aside, so that `run` makes them anew
@@ -70,12 +73,27 @@ pub struct RunArguments {
     pub pipeline: PipelineArguments,
     #[command(flatten)]
     pub store: StoreArguments,
+    /// Name of the results under `latest/` [default: that of the file]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
     /// Stop after this stage
     #[arg(long, value_name = "STAGE")]
     pub until: Option<String>,
     /// Threads; results do not depend on their number [default: one a core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// The study file (see `scenes/study/`)
+    pub study: PathBuf,
+    #[command(flatten)]
+    pub store: StoreArguments,
+    /// Points to run side by side; they share the cores
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: u16,
 }
 
 #[derive(Debug, Args)]

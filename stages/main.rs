@@ -3,6 +3,7 @@
 mod arguments;
 mod calibrate;
 mod fault;
+mod finding;
 mod flight;
 mod impact;
 mod inspect;
@@ -16,6 +17,8 @@ mod post;
 mod relax;
 mod run;
 mod settings;
+mod study;
+mod trial;
 mod watch;
 
 use std::io::ErrorKind;
@@ -39,6 +42,7 @@ pub const BODY: &str = "body.checkpoint";
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Study(arguments) => study::study(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Verify(arguments) => keep::verify(&arguments),
         Command::Gc(arguments) => keep::sweep(&arguments),

@@ -15,7 +15,10 @@ use crate::watch::Screen;
 use crate::{PROGRAM, impact, jobs, plan, post};
 
 pub fn run(arguments: &RunArguments) -> Result<()> {
-    let loaded = plan::load(&arguments.pipeline)?;
+    let mut loaded = plan::load(&arguments.pipeline)?;
+    if let Some(name) = &arguments.name {
+        loaded.scene.name = name.clone();
+    }
     let pipeline = jobs::pipeline(&loaded)?;
     let store = Store::new(&arguments.store.artifacts);
     let threads = threads(arguments);

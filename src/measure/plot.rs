@@ -42,11 +42,12 @@ pub const PALETTE: [[u8; 3]; 6] = [
 /// Greys for reference curves.
 pub const REFERENCE: [[u8; 3]; 3] = [[40, 40, 40], [130, 130, 130], [90, 110, 130]];
 
-const SIZE: (u32, u32) = (640, 400);
-const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', Helvetica, Arial, sans-serif";
-const TEXT: RGBColor = RGBColor(45, 50, 58);
+pub(super) const SIZE: (u32, u32) = (640, 400);
+pub(super) const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', Helvetica, Arial, sans-serif";
+pub(super) const TEXT: RGBColor = RGBColor(45, 50, 58);
 
-type Failure = DrawingAreaErrorKind<std::io::Error>;
+/// A plot that cannot be drawn.
+pub type Failure = DrawingAreaErrorKind<std::io::Error>;
 
 impl Plot {
     /// Name of the file without folder.

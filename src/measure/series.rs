@@ -67,6 +67,23 @@ impl Series {
         self.place(name).map(|place| &mut self.columns[place])
     }
 
+    /// The rows from `from` to `to` s.
+    pub fn window(&self, from: f64, to: f64) -> Series {
+        let keep: Vec<bool> = self
+            .time()
+            .iter()
+            .map(|t| (from..=to).contains(t))
+            .collect();
+        let kept = |column: &Vec<f64>| {
+            let pairs = column.iter().zip(&keep).filter(|(_, keep)| **keep);
+            pairs.map(|(value, _)| *value).collect()
+        };
+        Series {
+            names: self.names.clone(),
+            columns: self.columns.iter().map(kept).collect(),
+        }
+    }
+
     /// Whether the column exists and has a value somewhere.
     pub fn has(&self, name: &str) -> bool {
         self.column(name)
@@ -236,7 +253,8 @@ pub fn compare(run: &Series, reference: &Series, label: &str, shift: f64) -> Vec
         .collect()
 }
 
-fn compare_column(
+/// The norms of one column; `None` if the reference is zero or blank where the run is known.
+pub fn compare_column(
     run: &Series,
     reference: &Series,
     label: &str,

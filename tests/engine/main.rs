@@ -10,6 +10,7 @@ mod measure_pool;
 mod measure_post;
 mod measure_series;
 mod measure_splash;
+mod measure_tradeoff;
 mod method_conservation;
 mod method_model;
 mod method_operator;

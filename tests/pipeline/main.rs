@@ -9,4 +9,5 @@ mod laboratory;
 mod program;
 mod resume;
 mod sharing;
+mod study;
 mod toy;

@@ -1,0 +1,164 @@
+//! What a study found: groups, table, figure, sentences.
+
+use anyhow::Result;
+use coronet::measure::plot::PALETTE;
+use coronet::measure::scatter::{Cloud, Scatter};
+use coronet::measure::tradeoff::{Sample, growth};
+
+use crate::fault;
+use crate::study::Study;
+use crate::trial::{Outcome, Trial};
+
+/// Names of the groups: the labels of a point without that of its spacing.
+fn group(trial: &Trial, trials: &[Trial]) -> String {
+    let varies = |axis: usize| {
+        // An axis belongs to the spacing if points that differ in it alone differ in spacing.
+        trials.iter().any(|other| {
+            let differ = |k: usize| other.labels[k] != trial.labels[k];
+            (0..trial.labels.len()).all(|k| differ(k) == (k == axis))
+                && other.spacing != trial.spacing
+        })
+    };
+    let kept = (0..trial.labels.len()).filter(|axis| !varies(*axis));
+    kept.map(|axis| trial.labels[axis].as_str())
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// All groups, in the order of their first points.
+pub fn groups(trials: &[Trial]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for trial in trials {
+        let name = group(trial, trials);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// The points as samples.
+pub fn samples(trials: &[Trial], outcomes: &[Outcome], errors: &[f64]) -> Vec<Sample> {
+    let names = groups(trials);
+    let own = |trial: &Trial| names.iter().position(|name| *name == group(trial, trials));
+    trials
+        .iter()
+        .zip(outcomes)
+        .zip(errors)
+        .map(|((trial, outcome), error)| Sample {
+            group: own(trial).unwrap_or(0),
+            spacing: trial.spacing,
+            count: trial.count,
+            error: *error,
+            seconds: match outcome {
+                Outcome::Done { cpu_seconds, .. } => *cpu_seconds,
+                Outcome::Failed { .. } => f64::NAN,
+            },
+        })
+        .collect()
+}
+
+/// The table, one row a point, as CSV.
+pub fn table(
+    study: &Study,
+    trials: &[Trial],
+    outcomes: &[Outcome],
+    samples: &[Sample],
+    on_front: &[bool],
+) -> Result<Vec<u8>> {
+    let mut file = csv::Writer::from_writer(Vec::new());
+    let axes = study.axis.iter().map(|axis| axis.name.as_str());
+    let rest = [
+        "spacing_m",
+        "particles",
+        "status",
+        "error",
+        "pareto",
+        "cpu_s",
+        "wall_s",
+    ];
+    file.write_record(["point"].into_iter().chain(axes).chain(rest))?;
+    for (k, trial) in trials.iter().enumerate() {
+        let (status, wall) = match &outcomes[k] {
+            Outcome::Done { wall_seconds, .. } => ("done", *wall_seconds),
+            Outcome::Failed {
+                code: fault::DIVERGED,
+                ..
+            } => ("diverged", f64::NAN),
+            Outcome::Failed { .. } => ("failed", f64::NAN),
+        };
+        let number = |value: f64| match value.is_finite() {
+            true => format!("{value}"),
+            false => String::new(),
+        };
+        let mut row = vec![trial.name.clone()];
+        row.extend(trial.labels.iter().cloned());
+        row.extend([
+            number(trial.spacing),
+            number(trial.count),
+            status.to_string(),
+        ]);
+        row.extend([number(samples[k].error), on_front[k].to_string()]);
+        row.extend([number(samples[k].seconds), number(wall)]);
+        file.write_record(row)?;
+    }
+    Ok(file.into_inner()?)
+}
+
+/// Error against time, one colour a group.
+pub fn figure(study: &Study, trials: &[Trial], samples: &[Sample], on_front: &[bool]) -> Scatter {
+    let place = |s: &Sample| [s.seconds, 100.0 * s.error];
+    let shown = |s: &&Sample| s.error > 0.0 && s.seconds > 0.0;
+    let clouds = groups(trials)
+        .into_iter()
+        .enumerate()
+        .map(|(g, label)| {
+            let own = samples
+                .iter()
+                .zip(trials)
+                .filter(|(s, _)| s.group == g && shown(s));
+            let mark = |(s, trial): (&Sample, &Trial)| {
+                (place(s), format!("{:.3} mm", 1e3 * trial.spacing))
+            };
+            let points = own.map(mark).collect();
+            Cloud {
+                label,
+                colour: PALETTE[g % PALETTE.len()],
+                points,
+            }
+        })
+        .collect();
+    let mut front: Vec<[f64; 2]> = samples
+        .iter()
+        .zip(on_front)
+        .filter(|(s, on)| **on && shown(s))
+        .map(|(s, _)| place(s))
+        .collect();
+    front.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    Scatter {
+        title: study.title.clone(),
+        x: "CPU time of the impact (s)".to_string(),
+        y: format!("error of {} (%)", study.error.column),
+        clouds,
+        front,
+    }
+}
+
+/// What a group's accuracy costs, in words.
+pub fn sentence(name: &str, samples: &[Sample], group: usize) -> Option<String> {
+    let growth = growth(samples, group);
+    let mut parts = Vec::new();
+    if let Some(order) = growth.order {
+        parts.push(format!("error ~ s0^{order:.2}"));
+    }
+    if let Some(work) = growth.work {
+        parts.push(format!("time ~ N^{work:.2}"));
+    }
+    if let Some(halving) = growth.halving {
+        parts.push(format!(
+            "each halving of the error costs {halving:.1} times the CPU time"
+        ));
+    }
+    let name = if name.is_empty() { "all" } else { name };
+    (!parts.is_empty()).then(|| format!("{name}: {}", parts.join("; ")))
+}

@@ -1,0 +1,94 @@
+//! One point of a study: a run of this program in a process of its own, so that points run side by
+//! side and a point that fails takes no other with it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context as _, Result, bail};
+use coronet::measure::series::Series;
+use coronet::pipeline::Stamp;
+use serde_json::Value;
+
+use crate::fault;
+
+/// What is run.
+pub struct Trial {
+    /// Of its results under `latest/`.
+    pub name: String,
+    pub pipeline: PathBuf,
+    pub sets: Vec<String>,
+    /// Label on each axis.
+    pub labels: Vec<String>,
+    /// Particle spacing, m, and number of particles.
+    pub spacing: f64,
+    pub count: f64,
+}
+
+/// What came of it.
+pub enum Outcome {
+    Done {
+        measures: Series,
+        /// Of the impact, all attempts, s.
+        cpu_seconds: f64,
+        wall_seconds: f64,
+        /// Whether nothing had to run.
+        fresh: bool,
+    },
+    /// The last line of its complaint, and the exit code.
+    Failed { why: String, code: u8 },
+}
+
+impl Trial {
+    /// Brings the point up to date.
+    ///
+    /// # Errors
+    /// If the program cannot be started or its answer not be read, or if it was stopped.
+    pub fn run(&self, artifacts: &Path, threads: usize) -> Result<Outcome> {
+        let program = std::env::current_exe().context("cannot find this program")?;
+        let mut command = Command::new(program);
+        command.arg("run").arg(&self.pipeline).arg("--json");
+        command.arg("--name").arg(&self.name);
+        command.arg("--artifacts").arg(artifacts);
+        command.arg("--threads").arg(threads.to_string());
+        for set in &self.sets {
+            command.arg("--set").arg(set);
+        }
+        let ended = command
+            .stdin(Stdio::null())
+            .output()
+            .with_context(|| format!("cannot start point {}", self.name))?;
+        let complaint = String::from_utf8_lossy(&ended.stderr);
+        if !ended.status.success() {
+            let code = ended.status.code().map_or(fault::FAILED, |code| code as u8);
+            let why = complaint.lines().last().unwrap_or("it was killed").trim();
+            if ended.status.code().is_none() || code == fault::INTERRUPTED {
+                bail!("point {} was stopped: {why}", self.name);
+            }
+            let why = why.trim_start_matches("error: ").to_string();
+            return Ok(Outcome::Failed { why, code });
+        }
+        self.read(&String::from_utf8_lossy(&ended.stdout))
+    }
+
+    fn read(&self, out: &str) -> Result<Outcome> {
+        let lines: Vec<Value> = out
+            .lines()
+            .map(serde_json::from_str)
+            .collect::<Result<_, _>>()
+            .with_context(|| format!("cannot read the answer of point {}", self.name))?;
+        let stages = || lines.iter().filter(|line| line["stage"].is_string());
+        let impact = stages().find(|line| line["stage"] == "impact");
+        let folder = impact.and_then(|line| line["folder"].as_str());
+        let table = lines.last().and_then(|line| line["measures"].as_str());
+        let (Some(folder), Some(table)) = (folder, table) else {
+            bail!("point {} tells neither impact nor measures", self.name);
+        };
+        let stamp = Stamp::read(Path::new(folder))?.context("the impact has no stamp")?;
+        Ok(Outcome::Done {
+            measures: Series::read(Path::new(table))?,
+            cpu_seconds: stamp.cpu_seconds,
+            wall_seconds: stamp.wall_seconds,
+            fresh: stages().all(|line| line["status"] == "fresh"),
+        })
+    }
+}

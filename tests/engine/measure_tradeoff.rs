@@ -1,0 +1,46 @@
+//! What accuracy costs.
+
+use coronet::measure::tradeoff::{Sample, exponent, front, growth};
+
+fn sample(group: usize, spacing: f64, error: f64, seconds: f64) -> Sample {
+    let count = spacing.powi(-3);
+    Sample {
+        group,
+        spacing,
+        count,
+        error,
+        seconds,
+    }
+}
+
+/// error = 2 s0^1.5, time = 3 N^1.25: a halving costs 2^(3 x 1.25 / 1.5).
+#[test]
+fn powers_are_found() {
+    let run = |s: f64| sample(0, s, 2.0 * s.powf(1.5), 3.0 * s.powf(-3.75));
+    let mut samples: Vec<Sample> = [0.1, 0.2, 0.4].map(run).to_vec();
+    samples.push(sample(1, 0.1, 0.5, 7.0));
+    let found = growth(&samples, 0);
+    assert!((found.order.unwrap() - 1.5).abs() < 1e-9);
+    assert!((found.work.unwrap() - 1.25).abs() < 1e-9);
+    assert!((found.halving.unwrap() - 2f64.powf(2.5)).abs() < 1e-9);
+    // One run tells no power.
+    assert_eq!(growth(&samples, 1).order, None);
+    assert_eq!(
+        exponent([(1.0, 2.0), (1.0, 3.0), (-1.0, 2.0)].into_iter()),
+        None
+    );
+}
+
+#[test]
+fn the_front_is_whom_nobody_beats() {
+    let runs = [
+        (0.10, 1.0),
+        (0.05, 4.0),
+        (0.06, 5.0),
+        (0.05, 4.0),
+        (f64::NAN, 0.5),
+        (0.2, 1.0),
+    ];
+    let samples: Vec<Sample> = runs.map(|(e, t)| sample(0, 1.0, e, t)).to_vec();
+    assert_eq!(front(&samples), [true, true, false, true, false, false]);
+}

@@ -1,0 +1,119 @@
+//! `coronet study` from outside.
+
+use super::program::Program;
+use std::fs;
+use std::thread::sleep;
+use std::time::Duration;
+
+const STUDY: &str = r#"
+title = "Depth of a tiny crater"
+pipeline = "tiny.toml"
+set = ["impact.end=2 ms", "post.panels=[]"]
+
+[[axis]]
+name = "spacing"
+key = "pack.spacing"
+values = ["0.6 mm", "0.4 mm", "0.3 mm"]
+
+[[axis]]
+name = "speed of sound"
+points = [
+    { label = "adaptive" },
+    { label = "constant", set = ["method.wcsph.sound_speed=constant"] },
+]
+
+[error]
+column = "kinetic_energy_J"
+finest = true
+"#;
+
+fn program() -> Program {
+    let program = Program::new();
+    fs::write(program.path("study.toml"), STUDY).unwrap();
+    program
+}
+
+/// The table without its costs and without who is on the front, which hangs on them.
+fn results(program: &Program) -> Vec<Vec<String>> {
+    let path = program.path("artifacts/latest/study/study.csv");
+    let text = fs::read_to_string(path).unwrap();
+    let rows = text.lines().map(|line| line.split(',').map(str::to_string));
+    rows.map(|row| row.take(7).collect()).collect()
+}
+
+#[test]
+fn a_killed_study_goes_on_to_the_same_table() {
+    let whole = program();
+    let said = whole.call(&["study", "study.toml"]).well();
+    let expected = results(&whole);
+    assert_eq!(expected.len(), 1 + 6);
+    assert_eq!(expected[0][1..3], ["spacing", "speed of sound"]);
+    // The finest point is what the others are measured against.
+    let errors: Vec<&str> = expected[1..].iter().map(|row| row[6].as_str()).collect();
+    assert_eq!(errors.iter().filter(|error| error.is_empty()).count(), 1);
+    for group in ["adaptive", "constant"] {
+        let line = said.out.lines().find(|line| line.starts_with(group));
+        assert!(
+            line.is_some_and(|l| l.contains("time ~ N^")),
+            "{}",
+            said.out
+        );
+    }
+    assert!(
+        whole
+            .path("artifacts/latest/study/error-against-time.svg")
+            .is_file()
+    );
+
+    let cut = program();
+    for wait in [300, 900, 1700] {
+        let mut child = cut.command(&["study", "study.toml"]).spawn().unwrap();
+        sleep(Duration::from_millis(wait));
+        let _ = child.kill();
+        child.wait().unwrap();
+    }
+    cut.call(&["study", "study.toml", "--jobs", "2"]).well();
+    assert_eq!(results(&cut), expected);
+    // Nothing is left to do.
+    let again = cut.call(&["study", "study.toml"]).well();
+    assert_eq!(again.err.matches("fresh").count(), 6, "{}", again.err);
+}
+
+#[test]
+fn mistakes_are_named_before_anything_runs() {
+    let cases = [
+        ("finest = true", "finest = true\nvalue = 1.0", "exactly one"),
+        (
+            "key = \"pack.spacing\"",
+            "key = \"pack.spaing\"",
+            "pack.spacing",
+        ),
+        ("column =", "colum =", "colum"),
+        ("values =", "points = []\nvalue =", "value"),
+    ];
+    for (old, new, word) in cases {
+        let program = program();
+        fs::write(program.path("study.toml"), STUDY.replace(old, new)).unwrap();
+        program
+            .call(&["study", "study.toml"])
+            .badly(2, &["study.toml", word]);
+        assert!(!program.path("artifacts").exists());
+    }
+}
+
+/// A point that fails is told in the table and takes no other with it.
+#[test]
+fn a_point_may_fail() {
+    let program = program();
+    let study = STUDY.replace("\"0.6 mm\", ", "").replace(
+        "set = [\"method.wcsph.sound_speed=constant\"]",
+        "set = [\"method.wcsph.reference_speed=0.01 m/s\"]",
+    );
+    fs::write(program.path("study.toml"), study).unwrap();
+    program.call(&["study", "study.toml"]).well();
+    let states: Vec<String> = results(&program)[1..]
+        .iter()
+        .map(|row| row[5].clone())
+        .collect();
+    assert_eq!(states, ["done", "diverged", "done", "diverged"]);
+}

@@ -4,6 +4,8 @@
 //! Records: liquid `0 .. liquid`, then wall `liquid .. liquid + walls`, then eight spare ones, so
 //! that eight lanes can be loaded anywhere.
 
+mod pack;
+
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Side};
 use crate::space::column;
@@ -13,6 +15,7 @@ use crate::space::lane::{Record, WIDTH};
 use crate::space::parallel::{Slots, each, max, slots3};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
+use rayon::prelude::*;
 
 /// Extra reach of the rows where nothing is known of speeds, as a fraction of the support.
 const SLACK: f64 = 0.1;
@@ -23,6 +26,9 @@ const MOST: f64 = 2.5;
 
 /// How much farther than at its present speed a particle may go before rows are stale.
 const HASTE: f64 = 1.5;
+
+/// Points that are placed together.
+const PART: usize = 512;
 
 /// Lengths that shape a flow, m.
 #[derive(Clone, Copy, Debug)]
@@ -236,10 +242,12 @@ impl Flow {
         let (n, m) = (self.liquid(), self.walls());
         for a in 0..3 {
             self.at[a].resize(n + m + WIDTH, 0);
-            let (grid, at) = (&self.grid, Slots::new(&mut self.at[a]));
             let (liquid, wall) = (&self.particles.position[a], &self.wall.position[a]);
-            each(n, |i| *unsafe { at.at(i) } = grid.fix(a, liquid[i]));
-            each(m, |i| *unsafe { at.at(n + i) } = grid.fix(a, wall[i]));
+            let (own, rest) = self.at[a].split_at_mut(n);
+            for (x, at) in [(liquid, own), (wall, &mut rest[..m])] {
+                let parts = at.par_chunks_mut(PART).zip(x.par_chunks(PART));
+                parts.for_each(|(at, x)| self.grid.fix_all(a, x, at));
+            }
         }
     }
 
@@ -329,36 +337,6 @@ impl Flow {
         }
         drop(sources);
         (self.rows, self.wall_rows) = (rows, wall_rows);
-    }
-
-    /// Writes all records: current positions, payloads by liquid index and by wall index.
-    pub fn pack(
-        &mut self,
-        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
-        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
-    ) {
-        let (n, m) = (self.liquid(), self.walls());
-        self.records.resize(n + m + WIDTH, Record::default());
-        let (grid, p, w) = (&self.grid, &self.particles, &self.wall);
-        let records = Slots::new(&mut self.records);
-        each(n, |i| {
-            let x = [p.position[0][i], p.position[1][i], p.position[2][i]];
-            *unsafe { records.at(i) } = Record::new(grid.fix3(x), liquid(p, i));
-        });
-        each(m, |i| {
-            let x = [w.position[0][i], w.position[1][i], w.position[2][i]];
-            *unsafe { records.at(n + i) } = Record::new(grid.fix3(x), wall(w, i));
-        });
-    }
-
-    /// Rewrites the payloads of the wall records.
-    pub fn pack_wall(&mut self, wall: impl Fn(usize) -> [f32; 5] + Sync) {
-        let n = self.liquid();
-        let records = Slots::new(&mut self.records);
-        each(self.wall.position[0].len(), |i| {
-            let record = unsafe { records.at(n + i) };
-            *record = Record::new([record.at(0), record.at(1), record.at(2)], wall(i));
-        });
     }
 
     /// Bytes held per liquid particle, without neighbour rows and with them.

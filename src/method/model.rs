@@ -87,6 +87,9 @@ impl Model {
         let e = density / self.density;
         let p = if self.settings.exponent == 1.0 {
             e - 1.0
+        } else if self.settings.exponent == 7.0 {
+            let e2 = e * e;
+            (e * e2 * (e2 * e2) - 1.0) / 7.0
         } else {
             (e.powi(self.settings.exponent as i32) - 1.0) / self.settings.exponent
         };

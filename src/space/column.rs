@@ -1,7 +1,7 @@
 //! Which columns of cells may hold what lies within a cutoff of a point.
 //!
 //! The distance to a lateral slab of cells is known per axis, so a column at lateral distance l is
-//! looked at over +- sqrt(cutoff^2 - l^2) along z only.
+//! looked at over +- sqrt(cutoff^2 - l^2) along z only. The same for a block of points in one cell.
 
 use super::grid::Grid;
 
@@ -9,6 +9,14 @@ use super::grid::Grid;
 pub const REACH: usize = 8;
 const SIDE: usize = 2 * REACH + 1;
 const MOST: usize = SIDE * SIDE;
+
+/// A cell and a place in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    pub cell: [usize; 3],
+    /// In cells from the low side; outside 0..1 beyond the grid.
+    pub part: [f32; 3],
+}
 
 /// The search about one point after another; points of the same column of cells share work.
 pub struct Columns<'a> {
@@ -44,12 +52,20 @@ impl<'a> Columns<'a> {
     /// [`Columns::new`]) of `x` m, in a fixed order; no cell is in two of them.
     #[inline(always)]
     pub fn around(&mut self, x: [f64; 3], cutoff: f64) -> &[(u32, u32)] {
+        let place = self.place(x);
+        self.about(&place, &place, cutoff)
+    }
+
+    /// The same for all points between two places, `high` counted from the cell of `low`. The order
+    /// is that of each point's own columns.
+    #[inline(always)]
+    pub fn about(&mut self, low: &Place, high: &Place, cutoff: f64) -> &[(u32, u32)] {
         let grid = self.grid;
-        let (cell, part) = self.place(x);
+        let cell = low.cell;
         if self.at != [cell[0], cell[1]] {
             self.enter([cell[0], cell[1]]);
         }
-        let gaps = [self.gaps(0, part[0]), self.gaps(1, part[1])];
+        let gaps = [0, 1].map(|a| self.gaps(a, low.part[a], high.part[a]));
         // Room for the rounding of f32.
         let cutoff = (cutoff * 1.00001) as f32;
         let c2 = cutoff * cutoff;
@@ -64,8 +80,9 @@ impl<'a> Columns<'a> {
                 let r = (left - gaps[1][j]).max(0.0).sqrt() * per_edge;
                 // Finite, and far below 2^31: r is at most the cutoff in cells.
                 range[j] = unsafe {
-                    let low = (part[2] - r).floor().max(-1e9).to_int_unchecked();
-                    (low, (part[2] + r).floor().min(1e9).to_int_unchecked())
+                    let first = (low.part[2] - r).floor().max(-1e9).to_int_unchecked();
+                    let last = (high.part[2] + r).floor().min(1e9).to_int_unchecked();
+                    (first, last)
                 };
             }
             for j in 0..rows {
@@ -86,10 +103,9 @@ impl<'a> Columns<'a> {
         &self.found[..count]
     }
 
-    /// Cell of `x` and where in it `x` is, in cells from its low side (outside 0..1 beyond the
-    /// grid).
+    /// Where `x` m is.
     #[inline(always)]
-    fn place(&self, x: [f64; 3]) -> ([usize; 3], [f32; 3]) {
+    pub fn place(&self, x: [f64; 3]) -> Place {
         let (mut cell, mut part) = ([0; 3], [0.0; 3]);
         for a in 0..3 {
             let t = (x[a] - self.grid.low[a]) / self.grid.edge[a];
@@ -106,12 +122,12 @@ impl<'a> Columns<'a> {
             }
             cell[a] = c as usize;
         }
-        (cell, part)
+        Place { cell, part }
     }
 
-    /// Squared distances, m^2, to the slabs of a lateral axis.
+    /// Squared distances, m^2, from `low..high` to the slabs of a lateral axis.
     #[inline(always)]
-    fn gaps(&self, axis: usize, part: f32) -> [f32; SIDE] {
+    fn gaps(&self, axis: usize, low: f32, high: f32) -> [f32; SIDE] {
         let (first, _, all) = self.span[axis];
         let edge = self.grid.edge[axis];
         let edge = if edge.is_finite() && !all {
@@ -122,7 +138,7 @@ impl<'a> Columns<'a> {
         let mut gaps = [0.0; SIDE];
         for (k, gap) in gaps.iter_mut().enumerate() {
             let offset = (first + k as i32) as f32;
-            let away = (offset - part).max(part - offset - 1.0).max(0.0) * edge;
+            let away = (offset - high).max(low - offset - 1.0).max(0.0) * edge;
             *gap = if first + k as i32 == 0 {
                 0.0
             } else {
@@ -168,7 +184,9 @@ fn wrapped(base: u32, low: i32, high: i32, n: i32, out: &mut [(u32, u32)]) -> us
         out[0] = run(0, n - 1);
         return 1;
     }
-    let (low, high) = (low.rem_euclid(n), high.rem_euclid(n));
+    // Less than n cells from a cell of the grid.
+    let into = |c: i32| c + if c < 0 { n } else { 0 } - if c >= n { n } else { 0 };
+    let (low, high) = (into(low), into(high));
     if low <= high {
         out[0] = run(low, high);
         return 1;

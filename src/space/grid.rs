@@ -97,6 +97,17 @@ impl Grid {
         ((x - self.low[axis]) / self.unit[axis]) as i64 as i32
     }
 
+    /// [`Grid::fix`] of many; the same for all that is less than 2^19 ranges away.
+    pub fn fix_all(&self, axis: usize, x: &[f64], out: &mut [i32]) {
+        #[cfg(target_arch = "x86_64")]
+        if super::lane::wide() && self.unit[axis] != 0.0 {
+            return unsafe { fix_avx2(self.low[axis], self.unit[axis], x, out) };
+        }
+        for (out, x) in out.iter_mut().zip(x) {
+            *out = self.fix(axis, *x);
+        }
+    }
+
     /// Fixed-point position.
     #[inline(always)]
     pub fn fix3(&self, x: [f64; 3]) -> [i32; 3] {
@@ -144,5 +155,15 @@ impl Grid {
     #[inline(always)]
     pub(super) fn bring(&self, axis: usize, c: i64) -> usize {
         c.rem_euclid(self.count[axis] as i64) as usize
+    }
+}
+
+/// The low 32 bits of the whole number of units, without a conversion to integers: 1.5 x 2^52 has
+/// the ones place in its last bit.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+unsafe fn fix_avx2(low: f64, unit: f64, x: &[f64], out: &mut [i32]) {
+    for (out, x) in out.iter_mut().zip(x) {
+        *out = (((x - low) / unit).trunc() + 6755399441055744.0).to_bits() as i32;
     }
 }

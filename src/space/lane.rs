@@ -20,6 +20,12 @@ impl Record {
         Record([x, y, z, a, b, c, d, e])
     }
 
+    /// Changes the payloads.
+    #[inline(always)]
+    pub fn carry(&mut self, payload: [f32; 5]) {
+        self.0[3..].copy_from_slice(&payload.map(f32::to_bits));
+    }
+
     /// Fixed-point coordinate of one axis.
     #[inline(always)]
     pub fn at(&self, axis: usize) -> i32 {
@@ -90,8 +96,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     unsafe fn difference(own: i32, other: Self::F) -> Self::F;
     /// `value` in the first `count` lanes, `other` in the rest.
     unsafe fn first(count: usize, value: Self::F, other: Self::F) -> Self::F;
-    /// Writes `base + k` for every set bit k of `mask` to `out` (room for 8); how many.
-    unsafe fn compress(mask: u32, base: u32, out: *mut u32) -> usize;
+    /// Writes `words[k]` for every set bit k of `mask` to `out` (room for 8); how many.
+    unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize;
 }
 
 /// Byte k of entry `m`: position of the k-th set bit of `m`.
@@ -195,10 +201,10 @@ impl Lanes for Portable {
         each(|k| if k < count { value[k] } else { other[k] })
     }
     #[inline(always)]
-    unsafe fn compress(mask: u32, base: u32, out: *mut u32) -> usize {
+    unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize {
         let count = mask.count_ones() as usize;
         for k in 0..count {
-            unsafe { *out.add(k) = base + COMPRESS[mask as usize][k] as u32 };
+            unsafe { *out.add(k) = *words.add(COMPRESS[mask as usize][k] as usize) };
         }
         count
     }
@@ -216,39 +222,21 @@ mod x86 {
     #[derive(Clone, Copy, Debug)]
     pub struct Avx2;
 
-    /// Rows of an 8 x 8 block of words become columns.
+    /// Rows of the two 4 x 4 blocks in the halves of `r` become columns.
     #[inline(always)]
-    unsafe fn transpose(r: [__m256; 8]) -> [__m256; 8] {
+    unsafe fn transpose(r: [__m256; 4]) -> [__m256; 4] {
         unsafe {
             let a = [
                 _mm256_unpacklo_ps(r[0], r[1]),
                 _mm256_unpackhi_ps(r[0], r[1]),
                 _mm256_unpacklo_ps(r[2], r[3]),
                 _mm256_unpackhi_ps(r[2], r[3]),
-                _mm256_unpacklo_ps(r[4], r[5]),
-                _mm256_unpackhi_ps(r[4], r[5]),
-                _mm256_unpacklo_ps(r[6], r[7]),
-                _mm256_unpackhi_ps(r[6], r[7]),
             ];
-            let b = [
+            [
                 _mm256_shuffle_ps::<0x44>(a[0], a[2]),
                 _mm256_shuffle_ps::<0xEE>(a[0], a[2]),
                 _mm256_shuffle_ps::<0x44>(a[1], a[3]),
                 _mm256_shuffle_ps::<0xEE>(a[1], a[3]),
-                _mm256_shuffle_ps::<0x44>(a[4], a[6]),
-                _mm256_shuffle_ps::<0xEE>(a[4], a[6]),
-                _mm256_shuffle_ps::<0x44>(a[5], a[7]),
-                _mm256_shuffle_ps::<0xEE>(a[5], a[7]),
-            ];
-            [
-                _mm256_permute2f128_ps::<0x20>(b[0], b[4]),
-                _mm256_permute2f128_ps::<0x20>(b[1], b[5]),
-                _mm256_permute2f128_ps::<0x20>(b[2], b[6]),
-                _mm256_permute2f128_ps::<0x20>(b[3], b[7]),
-                _mm256_permute2f128_ps::<0x31>(b[0], b[4]),
-                _mm256_permute2f128_ps::<0x31>(b[1], b[5]),
-                _mm256_permute2f128_ps::<0x31>(b[2], b[6]),
-                _mm256_permute2f128_ps::<0x31>(b[3], b[7]),
             ]
         }
     }
@@ -314,16 +302,22 @@ mod x86 {
         #[inline(always)]
         unsafe fn gather(records: *const Record, index: *const u32) -> [__m256; 8] {
             unsafe {
-                transpose([
-                    _mm256_load_ps(records.add(*index as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(1) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(2) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(3) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(4) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(5) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(6) as usize) as *const f32),
-                    _mm256_load_ps(records.add(*index.add(7) as usize) as *const f32),
-                ])
+                let mut half = [[_mm256_setzero_ps(); 4]; 2];
+                for k in 0..4 {
+                    let low = records.add(*index.add(k) as usize) as *const f32;
+                    let high = records.add(*index.add(k + 4) as usize) as *const f32;
+                    for (h, half) in half.iter_mut().enumerate() {
+                        // Joined as they are loaded: cheaper than to swap halves of registers, and
+                        // a pass that asks for no words of a half does not load it.
+                        half[k] = _mm256_insertf128_ps::<1>(
+                            _mm256_castps128_ps256(_mm_load_ps(low.add(4 * h))),
+                            _mm_load_ps(high.add(4 * h)),
+                        );
+                    }
+                }
+                let [a, b, c, d] = transpose(half[0]);
+                let [e, f, g, h] = transpose(half[1]);
+                [a, b, c, d, e, f, g, h]
             }
         }
         #[inline(always)]
@@ -346,12 +340,13 @@ mod x86 {
             }
         }
         #[inline(always)]
-        unsafe fn compress(mask: u32, base: u32, out: *mut u32) -> usize {
+        unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize {
             unsafe {
                 let bytes = super::COMPRESS[mask as usize].as_ptr() as *const __m128i;
                 let lane = _mm256_cvtepu8_epi32(_mm_loadl_epi64(bytes));
-                let index = _mm256_add_epi32(lane, _mm256_set1_epi32(base as i32));
-                _mm256_storeu_si256(out as *mut __m256i, index);
+                let words = _mm256_loadu_si256(words as *const __m256i);
+                let chosen = _mm256_permutevar8x32_epi32(words, lane);
+                _mm256_storeu_si256(out as *mut __m256i, chosen);
             }
             mask.count_ones() as usize
         }

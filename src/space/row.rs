@@ -2,7 +2,7 @@
 //! eight with the target itself, so that lanes are always full and a padding pair is at distance 0.
 //! A target may also be in its own row: sums leave out what is at distance 0.
 
-use super::column::Columns;
+use super::column::{Columns, Place};
 use super::grid::Grid;
 use super::lane::{Lanes, Portable, WIDTH};
 use rayon::prelude::*;
@@ -10,10 +10,15 @@ use rayon::prelude::*;
 /// Rows per chunk; fixed, so that nothing depends on the number of threads.
 pub const CHUNK: usize = 1024;
 
+/// Cells of a column whose targets look for neighbours together.
+const BLOCK: usize = 2;
+
 #[derive(Clone, Debug, Default)]
 struct Chunk {
     start: Vec<u32>,
     index: Vec<u32>,
+    /// For the building.
+    near: Near,
 }
 
 /// Neighbour rows of a contiguous range of targets.
@@ -54,6 +59,14 @@ pub struct Search<'a> {
     pub cutoff: f64,
     /// Cutoff of every point, m; none if it is the same for all.
     pub each: &'a [f32],
+}
+
+impl Search<'_> {
+    /// Cutoff of point `i`, m.
+    #[inline(always)]
+    fn cutoff_of(&self, i: usize) -> f64 {
+        self.each.get(i).map_or(self.cutoff, |&c| c as f64)
+    }
 }
 
 impl Rows {
@@ -124,56 +137,133 @@ unsafe fn fill<L: Lanes>(
     chunk.start.clear();
     chunk.index.clear();
     let mut columns = Columns::new(search.grid, search.cutoff);
-    for k in range {
-        chunk.start.push(chunk.index.len() as u32);
-        let x = [position[0][k], position[1][k], position[2][k]];
-        let cutoff = search
-            .each
-            .get(first + k)
-            .map_or(search.cutoff, |&c| c as f64);
-        let found = columns.around(x, cutoff);
-        unsafe { neighbours::<L>(search, first + k, cutoff, found, &mut chunk.index) };
-        while chunk.index.len() % WIDTH != 0 {
-            chunk.index.push((first + k) as u32);
+    let mut k = range.start;
+    while k < range.end {
+        // Targets that lie together look at the same candidates.
+        let mut cutoff = search.cutoff_of(first + k);
+        let mut low = columns.place(point(position, k));
+        let (mut high, mut end) = (low, k + 1);
+        while end < range.end && extend(&mut low, &mut high, columns.place(point(position, end))) {
+            cutoff = cutoff.max(search.cutoff_of(first + end));
+            end += 1;
         }
+        let found = columns.about(&low, &high, cutoff);
+        let count = chunk.near.gather(search, found);
+        for k in k..end {
+            chunk.start.push(chunk.index.len() as u32);
+            unsafe { neighbours::<L>(search, first + k, &chunk.near, count, &mut chunk.index) };
+        }
+        k = end;
     }
     chunk.start.push(chunk.index.len() as u32);
 }
 
-/// Appends the neighbours of point `own` in `columns`; it is its own neighbour at distance 0.
+#[inline(always)]
+fn point(position: &[Vec<f64>; 3], k: usize) -> [f64; 3] {
+    [position[0][k], position[1][k], position[2][k]]
+}
+
+/// Makes `low..high` reach to `place` if that is in the same block of cells, which `low` begins.
+#[inline(always)]
+fn extend(low: &mut Place, high: &mut Place, mut place: Place) -> bool {
+    let up = place.cell[2].wrapping_sub(low.cell[2]);
+    if place.cell[..2] != low.cell[..2] || up >= BLOCK {
+        return false;
+    }
+    place.part[2] += up as f32;
+    for a in 0..3 {
+        low.part[a] = low.part[a].min(place.part[a]);
+        high.part[a] = high.part[a].max(place.part[a]);
+    }
+    true
+}
+
+/// Candidates, copied together.
+#[derive(Clone, Debug, Default)]
+struct Near {
+    at: [Vec<i32>; 3],
+    index: Vec<u32>,
+}
+
+impl Near {
+    /// Copies the points of `columns`; how many there are. At least eight words more can be read.
+    #[inline(always)]
+    fn gather(&mut self, search: Search, columns: &[(u32, u32)]) -> usize {
+        let (mut count, last) = (0, search.at[0].len() - WIDTH);
+        for &column in columns {
+            for source in search.sources {
+                let (begin, end) = source.run(column);
+                let room = count + end - begin + 2 * WIDTH;
+                if self.index.len() < room {
+                    self.at.iter_mut().for_each(|at| at.resize(room, 0));
+                    self.index.resize(room, 0);
+                }
+                // Mostly two times eight or less: a loop would be mispredicted.
+                unsafe {
+                    self.copy(search.at, begin, count);
+                    self.copy(search.at, (begin + WIDTH).min(last), count + WIDTH);
+                }
+                for j in (begin + 2 * WIDTH..end).step_by(WIDTH) {
+                    unsafe { self.copy(search.at, j, count + j - begin) };
+                }
+                count += end - begin;
+            }
+        }
+        count
+    }
+
+    /// Eight points from `j` on become those from `to` on.
+    #[inline(always)]
+    unsafe fn copy(&mut self, at: &[Vec<i32>; 3], j: usize, to: usize) {
+        unsafe {
+            for (near, at) in self.at.iter_mut().zip(at) {
+                let from = at.as_ptr().add(j) as *const [i32; WIDTH];
+                let to = near.as_mut_ptr().add(to) as *mut [i32; WIDTH];
+                to.write_unaligned(from.read_unaligned());
+            }
+            let mut index = [0; WIDTH];
+            for (k, index) in index.iter_mut().enumerate() {
+                *index = (j + k) as u32;
+            }
+            let to = self.index.as_mut_ptr().add(to) as *mut [u32; WIDTH];
+            to.write_unaligned(index);
+        }
+    }
+}
+
+/// Appends the row of point `own`: who of the first `count` of `near` is within the cutoff, itself
+/// at distance 0 among them, then padding.
 #[inline(always)]
 unsafe fn neighbours<L: Lanes>(
     search: Search,
     own: usize,
-    cutoff: f64,
-    columns: &[(u32, u32)],
+    near: &Near,
+    count: usize,
     index: &mut Vec<u32>,
 ) {
     unsafe {
-        let scale = L::splat3(search.grid.scale(cutoff));
+        let scale = L::splat3(search.grid.scale(search.cutoff_of(own)));
         let [x, y, z] = search.at;
         let at = [x[own], y[own], z[own]];
         let one = L::splat(1.0);
-        for &column in columns {
-            for source in search.sources {
-                let (mut j, end) = source.run(column);
-                if j == end {
-                    continue;
-                }
-                index.reserve(end - j + WIDTH);
-                let mut filled = index.len();
-                while j < end {
-                    let d = separation::<L>(at, L::load_at(search.at, j), scale);
-                    let mut mask = L::less_mask(L::dot(d, d), one);
-                    if end - j < WIDTH {
-                        mask &= (1 << (end - j)) - 1;
-                    }
-                    filled += L::compress(mask, j as u32, index.as_mut_ptr().add(filled));
-                    j += WIDTH;
-                }
-                index.set_len(filled);
+        index.reserve(count + 2 * WIDTH);
+        let mut filled = index.len();
+        let (out, words) = (index.as_mut_ptr(), near.index.as_ptr());
+        let [x, y, z] = [0, 1, 2].map(|a| near.at[a].as_ptr());
+        let mut j = 0;
+        while j < count {
+            let other = [L::load(x.add(j)), L::load(y.add(j)), L::load(z.add(j))];
+            let d = separation::<L>(at, other, scale);
+            let mut mask = L::less_mask(L::dot(d, d), one);
+            if count - j < WIDTH {
+                mask &= (1 << (count - j)) - 1;
             }
+            filled += L::compress(mask, words.add(j), out.add(filled));
+            j += WIDTH;
         }
+        let padding = out.add(filled) as *mut [u32; WIDTH];
+        padding.write_unaligned([own as u32; WIDTH]);
+        index.set_len(filled.next_multiple_of(WIDTH));
     }
 }
 

@@ -62,7 +62,7 @@ unsafe fn move_about<L: Lanes>(records: &[Record], index: &[u32; WIDTH], out: &m
         store::<L>(L::load(records.as_ptr().add(3)), out);
         for mask in 0..256 {
             let mut room = [u32::MAX; WIDTH];
-            let count = L::compress(mask, 1000 * mask, room.as_mut_ptr());
+            let count = L::compress(mask, index.as_ptr(), room.as_mut_ptr());
             out.push(count as u32);
             out.extend_from_slice(&room[..count]);
         }

@@ -97,7 +97,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 });
             }
         }
-        self.pack_force(ahead);
+        self.repack_force(ahead);
         self.pair_force(self.viscosity);
         if let Some(g) = self.model.effects.gravity {
             gravity::add(g, &mut self.force);

@@ -4,6 +4,7 @@ use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::pass::{Extrapolation, WallSums};
+use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
@@ -39,26 +40,38 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Packs records for a force pass: velocity, P/rho^2, 1/rho^2, with `ahead` s of the held
     /// acceleration added to the velocity, and gives the walls their pressure.
     pub(super) fn pack_force(&mut self, ahead: f64) {
+        self.write_force(ahead, true);
+    }
+
+    /// The same when the records hold the present positions.
+    pub(super) fn repack_force(&mut self, ahead: f64) {
+        self.write_force(ahead, false);
+    }
+
+    fn write_force(&mut self, ahead: f64, moved: bool) {
         let (model, held) = (&self.model, &self.held);
         let controlled = model.settings.pressure == Pressure::Controlled;
         let (around, sums) = (&self.around, self.sum_factor());
         let rho0 = model.density;
         let inverse = |rho: f64| 1.0 / (rho * rho);
-        self.flow.pack(
-            |p, i| {
-                let rho = p.density[i];
-                let v: [f32; 3] = if ahead == 0.0 {
-                    super::velocity(p, i)
-                } else {
-                    [0, 1, 2].map(|a| (p.velocity[a][i] + ahead * held[i][a] as f64) as f32)
-                };
-                let pressure = (model.pressure(rho) * inverse(rho)) as f32;
-                let inside = controlled && around[i].kernel_sum(sums) >= SURFACE;
-                let weight = inverse(rho) as f32 * if inside { -1.0 } else { 1.0 };
-                [v[0], v[1], v[2], pressure, weight]
-            },
-            |_, _| [0.0, 0.0, 0.0, 0.0, inverse(rho0) as f32],
-        );
+        let liquid = |p: &Particles, i: usize| {
+            let rho = p.density[i];
+            let v: [f32; 3] = if ahead == 0.0 {
+                super::velocity(p, i)
+            } else {
+                [0, 1, 2].map(|a| (p.velocity[a][i] + ahead * held[i][a] as f64) as f32)
+            };
+            let pressure = (model.pressure(rho) * inverse(rho)) as f32;
+            let inside = controlled && around[i].kernel_sum(sums) >= SURFACE;
+            let weight = inverse(rho) as f32 * if inside { -1.0 } else { 1.0 };
+            [v[0], v[1], v[2], pressure, weight]
+        };
+        let wall = |_: &Wall, _: usize| [0.0, 0.0, 0.0, 0.0, inverse(rho0) as f32];
+        if moved {
+            self.flow.pack(liquid, wall);
+        } else {
+            self.flow.repack(liquid, wall);
+        }
         if self.flow.walls() == 0 {
             return;
         }

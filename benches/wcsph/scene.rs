@@ -1,0 +1,94 @@
+//! What is stepped: a periodic box of jittered particles, and the default scene on a lattice.
+
+use coronet::method::{calibrate, initial};
+use coronet::particle::pack::pack;
+use coronet::particle::{Particles, State};
+use coronet::scene::{Method, Scene, file};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// A periodic box of `side`^3 particles.
+pub fn block(side: usize, preset: &str, viscous: bool) -> Scene {
+    let size = side as f64 * 0.25;
+    let viscosity = if viscous {
+        "[effects.viscosity]\ndynamic = '3.5 mPa s'\n"
+    } else {
+        ""
+    };
+    let text = format!(
+        "title = 'bench'\n\
+         [box]\nsize = ['{size} mm', '{size} mm', '{size} mm']\n\
+         x = 'periodic'\ny = 'periodic'\nz = 'periodic'\n\
+         [liquid]\ndensity = '1100 kg/m^3'\n{viscosity}\
+         [body.box]\n\
+         block = {{ low = [0, 0, 0], high = ['{size} mm', '{size} mm', '{size} mm'] }}\n\
+         [pack]\nspacing = '0.25 mm'\narrangement = 'lattice'\n\
+         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n\
+         [method]\nname = 'wcsph'\npreset = '{preset}'\n\
+         [method.wcsph]\nreference_speed = '3.13 m/s'\n"
+    );
+    let loaded = file::read(&text, Path::new("bench.toml"), &[]);
+    loaded.unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+/// h, m.
+pub fn smoothing(scene: &Scene) -> f64 {
+    let Method::Wcsph(settings) = &scene.method;
+    settings.smoothing * scene.pack.spacing
+}
+
+/// Each particle of the box up to 0.1 s0 and 1 m/s from rest on the lattice.
+pub fn state(scene: &Scene, side: usize) -> State {
+    let s0 = scene.pack.spacing;
+    let mut seed = 1u64;
+    let mut random = move || {
+        seed = seed
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (seed >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+    };
+    let mut p = Particles {
+        mass: scene.density * s0.powi(3),
+        ..Particles::default()
+    };
+    for i in 0..side * side * side {
+        let cell = [i / side / side, i / side % side, i % side];
+        for (a, c) in cell.iter().enumerate() {
+            p.position[a].push((*c as f64 + 0.5 + 0.2 * random()) * s0);
+            p.velocity[a].push(2.0 * random());
+        }
+        p.density.push(scene.density);
+        p.id.push(i as u32);
+        p.body.push(0);
+    }
+    State {
+        particles: p,
+        ..State::default()
+    }
+}
+
+/// The default scene on a lattice, its state at t = 0 and the strength of its tension; without
+/// tension if `tension` does not hold.
+pub fn pool(tension: bool) -> (Scene, State, Option<f64>) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipeline.toml");
+    let sets = ["pack.arrangement=\"lattice\"".to_string()];
+    let mut scene = file::load(&path, &sets)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .scene;
+    let bodies: Vec<Particles> = (0..scene.bodies.len())
+        .map(|body| {
+            let packed = pack(&scene, body, &mut |_| ControlFlow::Continue(()));
+            let mut particles = packed.expect("a lattice can be placed").0;
+            particles.body.fill(body as u8);
+            particles
+        })
+        .collect();
+    if !tension {
+        scene.effects.tension = None;
+        return (scene.clone(), initial(&scene, &bodies), None);
+    }
+    let strength = calibrate(&scene, &bodies)
+        .expect("the pool has a surface")
+        .strength;
+    (scene.clone(), initial(&scene, &bodies), Some(strength))
+}

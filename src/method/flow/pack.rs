@@ -1,0 +1,69 @@
+//! Writing of the records.
+
+use super::{Flow, PART};
+use crate::particle::{Particles, Wall};
+use crate::space::grid::Grid;
+use crate::space::lane::{Record, WIDTH};
+use crate::space::parallel::{Slots, each};
+use rayon::prelude::*;
+
+impl Flow {
+    /// Writes all records: current positions, payloads by liquid index and by wall index.
+    pub fn pack(
+        &mut self,
+        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
+        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
+    ) {
+        let (n, m) = (self.liquid(), self.walls());
+        self.records.resize(n + m + WIDTH, Record::default());
+        let (p, w) = (&self.particles, &self.wall);
+        let (own, rest) = self.records.split_at_mut(n);
+        write(&self.grid, &p.position, own, |i| liquid(p, i));
+        write(&self.grid, &w.position, &mut rest[..m], |i| wall(w, i));
+    }
+
+    /// The same when nothing has moved since.
+    pub fn repack(
+        &mut self,
+        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
+        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
+    ) {
+        let (n, p, w) = (self.liquid(), &self.particles, &self.wall);
+        let records = Slots::new(&mut self.records);
+        each(n, |i| unsafe { records.at(i) }.carry(liquid(p, i)));
+        each(w.position[0].len(), |i| {
+            unsafe { records.at(n + i) }.carry(wall(w, i))
+        });
+    }
+
+    /// Rewrites the payloads of the wall records.
+    pub fn pack_wall(&mut self, wall: impl Fn(usize) -> [f32; 5] + Sync) {
+        let n = self.liquid();
+        let records = Slots::new(&mut self.records);
+        each(self.wall.position[0].len(), |i| {
+            unsafe { records.at(n + i) }.carry(wall(i))
+        });
+    }
+}
+
+/// Writes records of the points at `position`, m.
+fn write(
+    grid: &Grid,
+    position: &[Vec<f64>; 3],
+    records: &mut [Record],
+    payload: impl Fn(usize) -> [f32; 5] + Sync,
+) {
+    let parts = records.par_chunks_mut(PART).enumerate();
+    parts.for_each(|(part, records)| {
+        let from = part * PART;
+        let mut at = [[0; PART]; 3];
+        for (a, at) in at.iter_mut().enumerate() {
+            let x = &position[a][from..from + records.len()];
+            grid.fix_all(a, x, at);
+        }
+        for (k, record) in records.iter_mut().enumerate() {
+            let at = [at[0][k], at[1][k], at[2][k]];
+            *record = Record::new(at, payload(from + k));
+        }
+    });
+}

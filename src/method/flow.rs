@@ -352,7 +352,8 @@ impl Flow {
         let scratch = self.scratch.f64s.capacity() as f64 * 8.0 / n
             + self.scratch.u32s.capacity() as f64 * 4.0 / n
             + self.scratch.u8s.capacity() as f64 / n;
-        let bare = p + records + cells + scratch;
+        let building = self.rows.scratch() + self.wall_rows.scratch();
+        let bare = p + records + cells + scratch + building as f64 / n;
         let rows = (self.rows.entries() + self.wall_rows.entries()) as f64 * 4.0 / n;
         (bare, bare + rows + 4.0)
     }

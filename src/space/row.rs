@@ -13,6 +13,9 @@ pub const CHUNK: usize = 1024;
 /// Cells of a column whose targets look for neighbours together.
 const BLOCK: usize = 2;
 
+/// Room for the candidates of most blocks, so that it seldom grows.
+const MOSTLY: usize = 640;
+
 #[derive(Clone, Debug, Default)]
 struct Chunk {
     start: Vec<u32>,
@@ -90,6 +93,14 @@ impl Rows {
     /// Entries, padding included.
     pub fn entries(&self) -> usize {
         self.chunks.iter().map(|c| c.index.len()).sum()
+    }
+
+    /// Bytes held for building.
+    pub fn scratch(&self) -> usize {
+        self.chunks
+            .iter()
+            .map(|c| 16 * c.near.index.capacity())
+            .sum()
     }
 
     /// Finds the neighbours of the points `first .. first + position.len()`, which lie at
@@ -195,6 +206,7 @@ impl Near {
                 let (begin, end) = source.run(column);
                 let room = count + end - begin + 2 * WIDTH;
                 if self.index.len() < room {
+                    let room = (2 * room).max(MOSTLY);
                     self.at.iter_mut().for_each(|at| at.resize(room, 0));
                     self.index.resize(room, 0);
                 }

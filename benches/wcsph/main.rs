@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --bench wcsph [-- PART ...] [N ...]`. PART: `machine`, `step`, `part`, `effect`,
 //! `tension`, `record`; all if none is named. N: sides of the periodic box in particles, 46 and 100
-//! if none is given. A rate is of CPU seconds, so that other programs disturb it little; a line is a
-//! median of several repeats, and what a ratio compares is measured in turns.
+//! if none is given. A rate is of CPU seconds, so that other programs disturb it little; a line is
+//! a median of several repeats, and what a ratio compares is measured in turns.
 
 mod hand;
 mod machine;

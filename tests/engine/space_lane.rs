@@ -213,3 +213,26 @@ fn whole_passes_give_the_bits_of_the_scalar_twin() {
     assert!(here.len() > 40, "{}", here.len());
     assert_eq!(here, there);
 }
+
+/// Positions within, beyond and far beyond the box, in runs of any length.
+#[test]
+fn many_positions_are_placed_as_one_is() {
+    for sides in [PERIODIC, CHANNEL] {
+        let cloud = Cloud::new(Dimension::Three, [7.0, 6.0, 8.0], sides, [1.3, 0.4], |_| {
+            true
+        });
+        let grid = &cloud.flow.grid;
+        for axis in 0..3 {
+            let size = cloud.flow.domain.size[axis];
+            for count in [0, 1, 7, 8, 513] {
+                let x: Vec<f64> = (0..count)
+                    .map(|i| size * (0.37 * i as f64 - 80.0) * (1.0 + 1e-9 * i as f64))
+                    .collect();
+                let mut all = vec![0; count];
+                grid.fix_all(axis, &x, &mut all);
+                let single: Vec<i32> = x.iter().map(|x| grid.fix(axis, *x)).collect();
+                assert_eq!(all, single);
+            }
+        }
+    }
+}

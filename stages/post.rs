@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use coronet::measure::post;
+use coronet::particle::Frame;
 use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError};
 use coronet::record::log;
 use coronet::scene::file::Loaded;
@@ -13,6 +14,10 @@ use crate::impact::FRAMES;
 pub const MEASURES: &str = "measures.csv";
 /// The page that shows everything.
 pub const REPORT: &str = "report.html";
+
+/// Most frames that are measured side by side, and particles after which none is added.
+const AT_ONCE: usize = 8;
+const PARTICLES: usize = 1_000_000;
 
 pub struct Post<'a> {
     pub loaded: &'a Loaded,
@@ -36,18 +41,22 @@ impl Stage for Post<'_> {
         let base = self.loaded.path.parent().unwrap_or(Path::new("."));
         let out = context.output();
         let mut post = post::Post::new(scene, base, &out).map_err(StageError::failed)?;
-        for frame in log::read_frames(&path).map_err(StageError::failed)? {
+        let mut frames = log::read_frames(&path).map_err(StageError::failed)?;
+        let mut batch = next(&mut frames)?;
+        while let Some(last) = batch.last() {
             if context.stopped() {
                 return Err(StageError::Interrupted);
             }
-            let frame = frame.map_err(StageError::failed)?;
-            post.frame(&frame).map_err(StageError::failed)?;
             context.progress(Progress {
-                fraction: (frame.time / scene.impact.end).clamp(0.0, 1.0),
+                fraction: (last.time / scene.impact.end).clamp(0.0, 1.0),
                 speed: 0.0,
                 unit: "",
-                text: format!("frame at {:.2} ms", 1e3 * frame.time),
+                text: format!("frame at {:.2} ms", 1e3 * last.time),
             });
+            // The next ones are read while these are measured.
+            let (coming, done) = rayon::join(|| next(&mut frames), || post.frames(&batch));
+            done.map_err(StageError::failed)?;
+            batch = coming?;
         }
         let report = post
             .finish(&self.provenance(context))
@@ -76,6 +85,20 @@ impl Stage for Post<'_> {
             })
             .collect())
     }
+}
+
+/// Frames that are measured side by side; fewer if they are large.
+fn next(frames: &mut log::Frames) -> Result<Vec<Frame>, StageError> {
+    let (mut batch, mut particles) = (Vec::new(), 0);
+    while batch.len() < AT_ONCE && particles < PARTICLES {
+        let Some(frame) = frames.next() else {
+            break;
+        };
+        let frame = frame.map_err(StageError::failed)?;
+        particles += frame.id.len();
+        batch.push(frame);
+    }
+    Ok(batch)
 }
 
 impl Post<'_> {

@@ -134,6 +134,14 @@ impl Gauge {
 
     /// Measures a frame. The first one fixes the initial level.
     pub fn measure(&mut self, frame: &Frame) -> Row {
+        let (row, level) = self.look(frame);
+        self.level = level;
+        row
+    }
+
+    /// Measures a frame after the first, or that: then with the level that it fixes.
+    pub fn look(&self, frame: &Frame) -> (Row, Option<f64>) {
+        let mut level = self.level;
         let mut row = Table::default();
         row.put("time_s", frame.time);
         let mut area = None;
@@ -146,12 +154,10 @@ impl Gauge {
                 &frame.position,
             );
             let region = Region::new(&raster);
-            let mut level = self.level;
             self.measure_region(&region, frame, &mut level, &mut row);
             if scene.effects.tension.is_some() {
                 area = Some(raster.surface_area());
             }
-            self.level = level;
         }
         if !frame
             .scalars
@@ -161,7 +167,7 @@ impl Gauge {
             row.put("speed_max_m_s", speed_max(frame));
         }
         self.measure_energy(frame, area, &mut row);
-        row.0
+        (row.0, level)
     }
 
     fn measure_region(

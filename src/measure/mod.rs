@@ -2,7 +2,7 @@
 //!
 //! A frame becomes a raster of the volume fraction, that becomes connected regions, and those
 //! become numbers; `gauge` knows which numbers a scene calls for. `post` takes the frames of a run
-//! in their order, one at a time, and writes everything.
+//! in their order, some side by side, and writes everything.
 
 mod area;
 pub mod canvas;

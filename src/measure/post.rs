@@ -1,13 +1,16 @@
 //! From the frames of a run, in their order, to everything that is reported.
 //!
 //! Writes into one folder: `measures.csv`, `plots/*.svg`, `panels/*.png` (section, view and
-//! the sheet of all), `fields/*.png`, `report.html`. One frame is held at a time.
+//! the sheet of all), `fields/*.png`, `report.html`.
+
+mod draw;
 
 use std::path::{Path, PathBuf};
 
-use super::canvas::{Canvas, WHITE};
+use rayon::prelude::*;
+
+use super::canvas::Canvas;
 use super::field::Field;
-use super::figure::Figures;
 use super::gauge::{Gauge, Kind, Row, contact_time, pool_depth};
 use super::pool::Axis;
 use super::report::Report;
@@ -55,6 +58,8 @@ pub struct Post {
     out: PathBuf,
     gauge: Gauge,
     series: Series,
+    /// Time of the last frame, s.
+    last: Option<f64>,
     references: Vec<(String, Series)>,
     axis: Axis,
     /// Time of contact, s.
@@ -66,6 +71,19 @@ pub struct Post {
     best: Option<(f64, Frame)>,
     averages: Vec<Field>,
     files: Vec<PathBuf>,
+}
+
+/// What is wanted of a frame besides its measures.
+struct Asked {
+    panel: bool,
+    field: bool,
+}
+
+/// What a frame gave: its row and the initial level, its pictures.
+struct Look {
+    measured: (Row, Option<f64>),
+    panel: Option<(Section, Option<Canvas>)>,
+    field: Option<Field>,
 }
 
 /// Instants that are still to come, s, rising.
@@ -117,6 +135,7 @@ impl Post {
             out: out.to_owned(),
             gauge,
             series: Series::default(),
+            last: None,
             references,
             axis,
             shift: contact_time(scene),
@@ -131,18 +150,52 @@ impl Post {
 
     /// Measures a frame and keeps what the pictures need of it.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), PostError> {
-        if let Some(&before) = self.series.time().last()
-            && frame.time <= before
-        {
-            return Err(PostError::Order {
-                before,
-                now: frame.time,
-            });
+        self.frames(std::slice::from_ref(frame))
+    }
+
+    /// The same for several, side by side.
+    pub fn frames(&mut self, frames: &[Frame]) -> Result<(), PostError> {
+        // The first of all fixes the level that the others are measured from.
+        let alone = usize::from(self.last.is_none() && !frames.is_empty());
+        let (first, rest) = frames.split_at(alone);
+        self.measure(first)?;
+        self.measure(rest)
+    }
+
+    fn measure(&mut self, frames: &[Frame]) -> Result<(), PostError> {
+        let asked: Result<Vec<Asked>, PostError> = frames.iter().map(|f| self.ask(f)).collect();
+        let looks: Vec<Look> = frames
+            .par_iter()
+            .zip(asked?)
+            .map(|(frame, asked)| self.look(frame, asked))
+            .collect();
+        for (frame, look) in frames.iter().zip(looks) {
+            let (row, level) = look.measured;
+            self.gauge.level = level;
+            self.series.push(&row);
+            if let Some(panel) = look.panel {
+                self.sections.push(panel);
+                self.keep_best(frame, &row);
+            }
+            self.averages.extend(look.field);
         }
-        let row = self.gauge.measure(frame);
-        self.series.push(&row);
+        Ok(())
+    }
+
+    fn ask(&mut self, frame: &Frame) -> Result<Asked, PostError> {
+        let now = frame.time;
+        if let Some(before) = self.last.replace(now).filter(|before| now <= *before) {
+            return Err(PostError::Order { before, now });
+        }
+        Ok(Asked {
+            panel: self.panels.take(now),
+            field: self.fields.take(now),
+        })
+    }
+
+    fn look(&self, frame: &Frame, asked: Asked) -> Look {
         let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
-        if self.panels.take(frame.time) {
+        let panel = asked.panel.then(|| {
             let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
             let view = (self.scene.dimension == Dimension::Three).then(|| {
                 // Drawn twice as large, and a quarter taller than wide: room for a jet.
@@ -151,14 +204,14 @@ impl Post {
                 let camera = Camera::whole(&self.scene, pool_depth(&self.scene), size);
                 view::draw(&self.scene, frame, &camera).halved()
             });
-            self.sections.push((section, view));
-            self.keep_best(frame, &row);
+            (section, view)
+        });
+        let field = || Field::new(&self.scene, frame, &self.axis, label.clone());
+        Look {
+            measured: self.gauge.look(frame),
+            field: asked.field.then(field),
+            panel,
         }
-        if self.fields.take(frame.time) {
-            self.averages
-                .push(Field::new(&self.scene, frame, &self.axis, label));
-        }
-        Ok(())
     }
 
     /// The title picture is that of the panel with the highest crown (without a pool: the last).
@@ -279,66 +332,6 @@ impl Post {
         [of("panel", &self.panels), of("field", &self.fields)].concat()
     }
 
-    fn draw_plots(&mut self, report: &mut Report) -> Result<(), PostError> {
-        let plots = Figures {
-            scene: &self.scene,
-            kind: self.gauge.kind,
-            series: &self.series,
-            references: &self.references,
-            shift: self.shift,
-        }
-        .plots();
-        for plot in plots {
-            let svg = plot.svg().map_err(|e| draw_error(&plot.title, &e))?;
-            self.write(&format!("plots/{}", plot.file_name()), svg.as_bytes())?;
-            report.plots.push(svg);
-        }
-        Ok(())
-    }
-
-    /// All panels have one frame: the highest of the sections, the fullest of the views.
-    fn draw_panels(&mut self, report: &mut Report) -> Result<(), PostError> {
-        let sections = std::mem::take(&mut self.sections);
-        let top = sections.iter().map(|(s, _)| s.top()).fold(0.0, f64::max);
-        let views: Vec<&Canvas> = sections
-            .iter()
-            .filter_map(|(_, view)| view.as_ref())
-            .collect();
-        let rows = view::rows_used(&views);
-        let mut sheet = Vec::new();
-        for (n, (section, view)) in sections.iter().enumerate() {
-            let mut pictures = vec![(section.draw(&self.scene, top), "section")];
-            if let Some(view) = view {
-                pictures.push((view.crop(rows.start, rows.end), "view"));
-            }
-            let mut files = Vec::new();
-            for (picture, what) in &pictures {
-                let png = encode(picture, what)?;
-                self.write(&format!("panels/{:02}-{what}.png", n + 1), &png)?;
-                files.push(png);
-            }
-            report.panels.push((section.label.clone(), files));
-            sheet.push(pictures.into_iter().map(|(picture, _)| picture).collect());
-        }
-        if let Some(sheet) = contact_sheet(&sheet) {
-            let png = encode(&sheet, "sheet")?;
-            self.write("panels/sheet.png", &png)?;
-        }
-        Ok(())
-    }
-
-    fn draw_fields(&mut self, report: &mut Report) -> Result<(), PostError> {
-        let fields = std::mem::take(&mut self.averages);
-        let top = fields.iter().map(Field::top).fold(0.0, f64::max);
-        let level = self.gauge.level.unwrap_or(0.0);
-        for (n, field) in fields.iter().enumerate() {
-            let png = encode(&field.draw(top, level), "field")?;
-            self.write(&format!("fields/{:02}.png", n + 1), &png)?;
-            report.fields.push((field.label.clone(), png));
-        }
-        Ok(())
-    }
-
     fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), PostError> {
         let path = self.out.join(name);
         let fail = |source| PostError::Write {
@@ -354,10 +347,6 @@ impl Post {
     }
 }
 
-fn encode(picture: &Canvas, what: &str) -> Result<Vec<u8>, PostError> {
-    picture.png().map_err(|e| draw_error(what, &e))
-}
-
 fn draw_error(what: &str, error: &dyn std::error::Error) -> PostError {
     PostError::Draw {
         what: what.to_owned(),
@@ -370,28 +359,4 @@ fn norm_cells(norm: &Norm) -> [String; 5] {
     let span = format!("{:.1}–{:.1} ms", 1e3 * norm.from, 1e3 * norm.to);
     let (l2, max) = (percent(norm.l2), percent(norm.max));
     [norm.label.clone(), norm.column.clone(), l2, max, span]
-}
-
-/// Rows of pictures in one, half size.
-fn contact_sheet(rows: &[Vec<Canvas>]) -> Option<Canvas> {
-    let gap = 12;
-    let halves: Vec<Vec<Canvas>> = rows
-        .iter()
-        .map(|row| row.iter().map(Canvas::halved).collect())
-        .collect();
-    let length = |row: &Vec<Canvas>| row.iter().map(|c| c.width + gap).sum::<usize>();
-    let tall = |row: &Vec<Canvas>| row.iter().map(|c| c.height).max().unwrap_or(0);
-    let width = halves.iter().map(length).max()? + gap;
-    let height = halves.iter().map(|row| tall(row) + gap).sum::<usize>() + gap;
-    let mut sheet = Canvas::new(width, height, WHITE);
-    let mut y = gap;
-    for row in &halves {
-        let mut x = gap;
-        for picture in row {
-            sheet.paste(x, y + tall(row) - picture.height, picture);
-            x += picture.width + gap;
-        }
-        y += tall(row) + gap;
-    }
-    Some(sheet)
 }

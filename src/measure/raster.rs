@@ -11,9 +11,13 @@
 //! are summed; a block deep in the liquid or far from it is one number. Every node sums in a fixed
 //! order: the result is independent of the number of threads.
 
+mod sorted;
+
 use rayon::prelude::*;
 
 use crate::scene::{Dimension, Domain, Side};
+use crate::space::lane::wide;
+use sorted::{Sorted, with_images};
 
 /// Nodes along an edge of a block.
 const EDGE: usize = 8;
@@ -41,14 +45,6 @@ pub struct Raster {
     /// Whether a block that is not summed is liquid.
     pub(super) uniform: Vec<bool>,
     values: Vec<f32>,
-}
-
-/// Particles with their images beyond the sides, sorted by block; one block of padding around.
-struct Sorted {
-    position: Vec<[f32; 3]>,
-    /// `start[bin] .. start[bin + 1]`.
-    start: Vec<u32>,
-    bins: [usize; 3],
 }
 
 impl Raster {
@@ -86,7 +82,7 @@ impl Raster {
         values
             .par_chunks_mut(volume)
             .zip(band.par_iter())
-            .for_each(|(out, &index)| raster.sum_block(&sorted, index, out));
+            .for_each(|(out, &index)| raster.sum(&sorted, index, out));
         raster.values = values;
         raster
     }
@@ -259,7 +255,23 @@ impl Raster {
             .collect()
     }
 
+    fn sum(&self, sorted: &Sorted, index: usize, out: &mut [f32]) {
+        #[cfg(target_arch = "x86_64")]
+        if wide() {
+            return unsafe { self.sum_avx2(sorted, index, out) };
+        }
+        self.sum_block(sorted, index, out)
+    }
+
+    /// The same operations, eight lanes at a time.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    unsafe fn sum_avx2(&self, sorted: &Sorted, index: usize, out: &mut [f32]) {
+        self.sum_block(sorted, index, out)
+    }
+
     /// (1) at the nodes of one block, in units of the nominal volume.
+    #[inline(always)]
     fn sum_block(&self, sorted: &Sorted, index: usize, out: &mut [f32]) {
         let flat = self.edge[1] == 1;
         let b = self.block_at(index);
@@ -303,6 +315,7 @@ impl Raster {
 }
 
 /// Adds `(1 − q/2)^4 (1 + 2q)` at the nodes of a row; eight lanes.
+#[inline(always)]
 fn add_row(row: &mut [f32], dx: f32, step: f32, across: f32, inverse: f32) {
     for (i, value) in row.iter_mut().enumerate() {
         let d = dx + i as f32 * step;
@@ -310,91 +323,4 @@ fn add_row(row: &mut [f32], dx: f32, step: f32, across: f32, inverse: f32) {
         let t = (1.0 - 0.5 * q).max(0.0);
         *value += (t * t) * (t * t) * (1.0 + 2.0 * q);
     }
-}
-
-impl Sorted {
-    fn new(images: &[[f32; 3]], block: [f64; 3], blocks: [usize; 3]) -> Sorted {
-        let flat = blocks[1] == 1;
-        let pad = |a: usize| usize::from(!(a == 1 && flat));
-        let bins = [0, 1, 2].map(|a| blocks[a] + 2 * pad(a));
-        let bin = |p: &[f32; 3]| -> Option<usize> {
-            let mut c = [0; 3];
-            for a in 0..3 {
-                let place = (f64::from(p[a]) / block[a]).floor() + pad(a) as f64;
-                if a == 1 && flat {
-                    continue;
-                }
-                // NaN fails both comparisons.
-                if !(place >= 0.0 && place < bins[a] as f64) {
-                    return None;
-                }
-                c[a] = place as usize;
-            }
-            Some((c[2] * bins[1] + c[1]) * bins[0] + c[0])
-        };
-        let places: Vec<Option<usize>> = images.par_iter().map(bin).collect();
-        let mut start = vec![0u32; bins[0] * bins[1] * bins[2] + 1];
-        for place in places.iter().flatten() {
-            start[place + 1] += 1;
-        }
-        for i in 1..start.len() {
-            start[i] += start[i - 1];
-        }
-        let mut next = start.clone();
-        let mut position = vec![[0.0; 3]; start[start.len() - 1] as usize];
-        for (p, place) in images.iter().zip(&places) {
-            if let Some(place) = place {
-                position[next[*place] as usize] = *p;
-                next[*place] += 1;
-            }
-        }
-        Sorted {
-            position,
-            start,
-            bins,
-        }
-    }
-
-    fn range(&self, bin: usize) -> std::ops::Range<usize> {
-        self.start[bin] as usize..self.start[bin + 1] as usize
-    }
-
-    /// The bin of a block and those around it.
-    fn around(&self, b: [usize; 3], flat: bool) -> impl Iterator<Item = usize> + use<'_> {
-        let rows = if flat { 0..1 } else { b[1]..b[1] + 3 };
-        (b[2]..b[2] + 3).flat_map(move |k| {
-            rows.clone().flat_map(move |j| {
-                (b[0]..b[0] + 3).map(move |i| (k * self.bins[1] + j) * self.bins[0] + i)
-            })
-        })
-    }
-}
-
-/// Positions, and their images within a block beyond periodic sides and walls.
-fn with_images(domain: &Domain, raster: &Raster, position: &[Vec<f32>; 3]) -> Vec<[f32; 3]> {
-    let mut all: Vec<[f32; 3]> = (0..position[0].len())
-        .map(|i| [position[0][i], position[1][i], position[2][i]])
-        .collect();
-    for axis in (0..3).filter(|&a| raster.edge[a] > 1) {
-        let size = domain.size[axis] as f32;
-        let reach = (raster.edge[axis] as f64 * raster.spacing[axis]) as f32;
-        let [low, high] = domain.boundary[axis];
-        for i in 0..all.len() {
-            let mut image = all[i];
-            let x = image[axis];
-            if x < reach && low != Side::Open {
-                image[axis] = if low == Side::Periodic { x + size } else { -x };
-                all.push(image);
-            }
-            if x > size - reach && high != Side::Open {
-                image[axis] = if high == Side::Periodic {
-                    x - size
-                } else {
-                    2.0 * size - x
-                };
-                all.push(image);
-            }
-        }
-    }
-    all
 }

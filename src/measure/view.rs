@@ -162,27 +162,25 @@ impl Buffer {
         let weights: Vec<f32> = (0..=samples)
             .map(|n| 1.0 - (n as f32 / (samples as f32 + 1.0)).powi(2))
             .collect();
-        let rows: Vec<Vec<(f32, [f32; 3])>> = (0..height)
-            .into_par_iter()
-            .map(|row| {
-                let pixel = |column: usize| {
-                    let (at, end) = if along_row {
-                        (column, width)
-                    } else {
-                        (row, height)
-                    };
-                    let line = (at / skip, (end - 1 - at) / skip, step * skip);
-                    self.mean(row * width + column, line, spacing, &weights)
-                };
-                (0..width).map(pixel).collect()
-            })
-            .collect();
-        let (depth, colour) = rows.into_iter().flatten().unzip();
-        Buffer {
-            depth,
-            colour,
+        let mut out = Buffer {
+            depth: vec![NOTHING; width * height],
+            colour: vec![[0.0; 3]; width * height],
             ..*self
-        }
+        };
+        let depths = out.depth.par_chunks_mut(width);
+        let lines = depths.zip(out.colour.par_chunks_mut(width)).enumerate();
+        lines.for_each(|(row, (depths, colours))| {
+            for (column, pixel) in depths.iter_mut().zip(colours).enumerate() {
+                let (at, end) = if along_row {
+                    (column, width)
+                } else {
+                    (row, height)
+                };
+                let line = (at / skip, (end - 1 - at) / skip, step * skip);
+                (*pixel.0, *pixel.1) = self.mean(row * width + column, line, spacing, &weights);
+            }
+        });
+        out
     }
 
     /// Mean over a line of pixels: so many can be sampled before and after, that far apart.

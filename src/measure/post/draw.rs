@@ -1,0 +1,98 @@
+//! Plots, panels and fields: files, and what the report shows of them.
+
+use super::{Post, PostError, draw_error};
+use crate::measure::canvas::{Canvas, WHITE};
+use crate::measure::field::Field;
+use crate::measure::figure::Figures;
+use crate::measure::report::Report;
+use crate::measure::view;
+
+impl Post {
+    pub(super) fn draw_plots(&mut self, report: &mut Report) -> Result<(), PostError> {
+        let plots = Figures {
+            scene: &self.scene,
+            kind: self.gauge.kind,
+            series: &self.series,
+            references: &self.references,
+            shift: self.shift,
+        }
+        .plots();
+        for plot in plots {
+            let svg = plot.svg().map_err(|e| draw_error(&plot.title, &e))?;
+            self.write(&format!("plots/{}", plot.file_name()), svg.as_bytes())?;
+            report.plots.push(svg);
+        }
+        Ok(())
+    }
+
+    /// All panels have one frame: the highest of the sections, the fullest of the views.
+    pub(super) fn draw_panels(&mut self, report: &mut Report) -> Result<(), PostError> {
+        let sections = std::mem::take(&mut self.sections);
+        let top = sections.iter().map(|(s, _)| s.top()).fold(0.0, f64::max);
+        let views: Vec<&Canvas> = sections
+            .iter()
+            .filter_map(|(_, view)| view.as_ref())
+            .collect();
+        let rows = view::rows_used(&views);
+        let mut sheet = Vec::new();
+        for (n, (section, view)) in sections.iter().enumerate() {
+            let mut pictures = vec![(section.draw(&self.scene, top), "section")];
+            if let Some(view) = view {
+                pictures.push((view.crop(rows.start, rows.end), "view"));
+            }
+            let mut files = Vec::new();
+            for (picture, what) in &pictures {
+                let png = encode(picture, what)?;
+                self.write(&format!("panels/{:02}-{what}.png", n + 1), &png)?;
+                files.push(png);
+            }
+            report.panels.push((section.label.clone(), files));
+            sheet.push(pictures.into_iter().map(|(picture, _)| picture).collect());
+        }
+        if let Some(sheet) = contact_sheet(&sheet) {
+            let png = encode(&sheet, "sheet")?;
+            self.write("panels/sheet.png", &png)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn draw_fields(&mut self, report: &mut Report) -> Result<(), PostError> {
+        let fields = std::mem::take(&mut self.averages);
+        let top = fields.iter().map(Field::top).fold(0.0, f64::max);
+        let level = self.gauge.level.unwrap_or(0.0);
+        for (n, field) in fields.iter().enumerate() {
+            let png = encode(&field.draw(top, level), "field")?;
+            self.write(&format!("fields/{:02}.png", n + 1), &png)?;
+            report.fields.push((field.label.clone(), png));
+        }
+        Ok(())
+    }
+}
+
+fn encode(picture: &Canvas, what: &str) -> Result<Vec<u8>, PostError> {
+    picture.png().map_err(|e| draw_error(what, &e))
+}
+
+/// Rows of pictures in one, half size.
+fn contact_sheet(rows: &[Vec<Canvas>]) -> Option<Canvas> {
+    let gap = 12;
+    let halves: Vec<Vec<Canvas>> = rows
+        .iter()
+        .map(|row| row.iter().map(Canvas::halved).collect())
+        .collect();
+    let length = |row: &Vec<Canvas>| row.iter().map(|c| c.width + gap).sum::<usize>();
+    let tall = |row: &Vec<Canvas>| row.iter().map(|c| c.height).max().unwrap_or(0);
+    let width = halves.iter().map(length).max()? + gap;
+    let height = halves.iter().map(|row| tall(row) + gap).sum::<usize>() + gap;
+    let mut sheet = Canvas::new(width, height, WHITE);
+    let mut y = gap;
+    for row in &halves {
+        let mut x = gap;
+        for picture in row {
+            sheet.paste(x, y + tall(row) - picture.height, picture);
+            x += picture.width + gap;
+        }
+        y += tall(row) + gap;
+    }
+    Some(sheet)
+}

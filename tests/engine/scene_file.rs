@@ -43,7 +43,7 @@ fn settings(loaded: &Loaded) -> Wcsph {
     settings.clone()
 }
 
-/// Every scene file that is shipped.
+/// Every scene file that is shipped; `scenes/study` holds tables of runs of them.
 pub fn shipped() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = vec![root.join("pipeline.toml")];
@@ -52,7 +52,7 @@ pub fn shipped() -> Vec<PathBuf> {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
-                folders.push(path);
+                folders.extend((!path.ends_with("study")).then_some(path));
             } else if path.extension().is_some_and(|ending| ending == "toml") {
                 files.push(path);
             }

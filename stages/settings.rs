@@ -40,7 +40,10 @@ pub fn impact_work(scene: &Scene) -> Option<Work> {
 pub fn relax_work(scene: &Scene, body: usize) -> Option<Work> {
     let relax = scene.relax.as_ref()?;
     let h = numbers::smoothing_length(scene);
-    let step = COURANT * h / numbers::rest_sound_speed(scene, body);
+    let step = match numbers::sound_speed(scene).is_finite() {
+        true => COURANT * h / numbers::rest_sound_speed(scene, body),
+        false => numbers::limits(scene).first()?.value,
+    };
     work(numbers::count(scene, body), relax.time, step)
 }
 

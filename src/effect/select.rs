@@ -1,9 +1,9 @@
 //! The only place where a scene becomes types. An absent effect becomes `()` or `None`.
 
 use super::tension::Tension;
-use super::viscosity::{Morris, PairViscosity, TwoTerm};
-use crate::kernel::{CubicSpline, Kernel, WendlandC2};
-use crate::scene::{Effects, KernelName, ViscosityForm, Wcsph};
+use super::viscosity::{Cleary, Morris, PairViscosity, TwoTerm};
+use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
+use crate::scene::{Effects, KernelName, Sph, ViscosityForm};
 
 /// What is done with the chosen types.
 pub trait Visitor {
@@ -14,7 +14,7 @@ pub trait Visitor {
 /// Calls `visitor` with the kernel and the viscosity that the scene asks for. `h` in m.
 pub fn pair<R: Visitor>(
     effects: &Effects,
-    settings: &Wcsph,
+    settings: &Sph,
     dimension: usize,
     h: f64,
     visitor: R,
@@ -31,7 +31,7 @@ pub fn pair<R: Visitor>(
 
 fn viscosity<K: Kernel, R: Visitor>(
     effects: &Effects,
-    settings: &Wcsph,
+    settings: &Sph,
     dimension: usize,
     h: f64,
     visitor: R,
@@ -45,16 +45,31 @@ fn viscosity<K: Kernel, R: Visitor>(
     match settings.viscosity_form {
         ViscosityForm::Morris => visitor.visit::<K, _>(Morris { factor }),
         ViscosityForm::TwoTerm => visitor.visit::<K, _>(TwoTerm { factor }),
+        ViscosityForm::Cleary => visitor.visit::<K, _>(Cleary {
+            factor: (dimension as f32 + 2.0) * factor,
+        }),
         ViscosityForm::TwoTermExact => visitor.visit::<K, _>(TwoTerm {
             factor: exact * factor,
         }),
     }
 }
 
+/// alpha of a flat interface, 1 / (H INT |grad phi|^2 dn) over the liquid's side: grad phi is the
+/// kernel summed across the plane, W1, so alpha = 1 / (H INT_0^2H W1^2 dz) whatever H is.
+pub fn flat_strength(settings: &Sph, dimension: usize) -> f64 {
+    const CELLS: usize = 400;
+    let step = 2.0 / CELLS as f64;
+    let square = |k: usize| {
+        let z = (k as f64 + 0.5) * step;
+        kernel::plane(settings.kernel, dimension, z).powi(2) * step
+    };
+    1.0 / (0..CELLS).map(square).sum::<f64>()
+}
+
 /// The tension that the scene asks for, with strength `alpha`. `h` in m, `density` in kg/m^3.
 pub fn tension(
     effects: &Effects,
-    settings: &Wcsph,
+    settings: &Sph,
     dimension: usize,
     h: f64,
     density: f64,
@@ -64,7 +79,7 @@ pub fn tension(
     Some(Tension::new(
         settings.tension_form,
         settings.kernel,
-        settings.tension_smoothing * h,
+        [settings.tension_smoothing * h, h],
         coefficient,
         alpha,
         dimension,

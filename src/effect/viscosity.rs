@@ -4,9 +4,12 @@
 //! SUM V F (v_ab . r) r / r^2 -> (lap v + 2 grad div v) / (2 (d + 2)), so that
 //!
 //! (1) two-term (Nishio et al. 2010, Eq. 6): -> (d+3)/(d+2) nu lap v; exact after (d+2)/(d+3);
-//! (2) Morris, Fox & Zhu 1997: (mu_a + mu_b) / (rho_a rho_b) (r . grad W) / r^2 v_ab -> nu lap v.
+//! (2) Morris, Fox & Zhu 1997: (mu_a + mu_b) / (rho_a rho_b) (r . grad W) / r^2 v_ab -> nu lap v;
+//! (3) Cleary & Ha 2002 (Kuri et al., Eq. 1): zeta mu (1/rho_a^2 + 1/rho_b^2) (v . r) / r^2 grad W
+//!     -> zeta / (d+2) nu lap v; exact with zeta = d + 2, which is the printed 5 in 3-D.
 //!
-//! Time step: 0.125 h^2 / nu (Morris, Fox & Zhu 1997). (2) conserves linear momentum only.
+//! Time step: 0.125 h^2 / nu (Morris, Fox & Zhu 1997). (2) conserves linear momentum only, (3)
+//! angular momentum too. Tests: tests/engine/method_operator.rs, tests/engine/effect_select.rs.
 
 use crate::space::lane::Lanes;
 
@@ -100,6 +103,35 @@ impl PairViscosity for Morris {
             let f = L::mul(L::mul(slope, weight), L::splat(self.factor)); // (2)
             for a in 0..3 {
                 sum[a] = L::fma(f, v[a], sum[a]);
+            }
+        }
+    }
+}
+
+/// (3), with eta^2 = 0.01 h^2 as printed.
+#[derive(Clone, Copy, Debug)]
+pub struct Cleary {
+    /// zeta mu / h, Pa s/m.
+    pub factor: f32,
+}
+
+impl PairViscosity for Cleary {
+    const PRESENT: bool = true;
+    #[inline(always)]
+    unsafe fn add<L: Lanes>(
+        &self,
+        slope: L::F,
+        q2: L::F,
+        d: [L::F; 3],
+        v: [L::F; 3],
+        weight: L::F,
+        sum: &mut [L::F; 3],
+    ) {
+        unsafe {
+            let f = L::mul(L::mul(slope, weight), L::splat(self.factor));
+            let f = L::mul(L::div(f, L::add(q2, L::splat(0.01))), L::dot(v, d)); // (3)
+            for a in 0..3 {
+                sum[a] = L::fma(f, d[a], sum[a]);
             }
         }
     }

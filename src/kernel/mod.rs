@@ -146,3 +146,20 @@ pub fn lattice_sum(kernel: KernelName, dimension: usize, s0: f64, h: f64) -> f64
     }
     sum * s0.powi(dimension as i32)
 }
+
+/// W summed over a plane at distance `q` h, in units of 1/h: the derivative of the kernel sum
+/// across the surface of a half-space.
+pub fn plane(kernel: KernelName, dimension: usize, q: f64) -> f64 {
+    // Midpoints in the plane: the integrand ends with a vanishing slope.
+    const CELLS: usize = 256;
+    let step = 2.0 / CELLS as f64;
+    let part = |k: usize| {
+        let r = (k as f64 + 0.5) * step;
+        let ring = match dimension {
+            2 => 2.0,
+            _ => std::f64::consts::TAU * r,
+        };
+        ring * value(kernel, dimension, (r * r + q * q).sqrt(), 1.0) * step
+    };
+    (0..CELLS).map(part).sum()
+}

@@ -11,9 +11,8 @@
 //! a curved and a flat surface with different alpha. What is left is a Tolman length: the pressure
 //! in a drop is off by O(z_s / R). Test: tests/validation/drop.rs.
 
-use super::model::Model;
+use super::model::Case;
 use super::{MethodError, Phase};
-use crate::effect::select;
 use crate::particle::{Particles, wall};
 use crate::scene::{Body, Dimension, Scene, Shape, Side};
 use std::f64::consts::PI;
@@ -63,7 +62,7 @@ fn virial_of(
     index: usize,
     particles: &Particles,
 ) -> Result<(f64, f64), MethodError> {
-    let model = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index));
+    let case = Case::new(scene, Phase::Relax { damping: 0.0 }, Some(index));
     let rests = super::model::rests(&scene.bodies[index]);
     let walls = if rests {
         wall::build(scene)
@@ -71,19 +70,11 @@ fn virial_of(
         Default::default()
     };
     let state = super::start::resting(scene, particles);
-    let mut flow = super::flow_of(&model, state.particles, walls)?;
+    let mut flow = super::flow_of(&case, state.particles, walls)?;
     flow.sort();
     flow.find();
-    let d = model.dimension.count();
-    let sigma = model.effects.tension.unwrap_or(1.0);
-    let tension = select::tension(
-        &model.effects,
-        &model.settings,
-        d,
-        model.h,
-        model.density,
-        1.0,
-    );
+    let sigma = case.effects.tension.unwrap_or(1.0);
+    let tension = super::tension_of(&case, 1.0);
     let Some(mut tension) = tension else {
         return Ok((0.0, 0.0));
     };

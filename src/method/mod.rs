@@ -3,9 +3,11 @@
 pub mod calibrate;
 pub mod flow;
 pub mod frame;
+pub mod isph;
 pub mod limit;
 pub mod model;
 pub mod pass;
+pub mod pressure;
 pub mod start;
 pub mod wcsph;
 
@@ -17,10 +19,10 @@ use crate::effect::tension::{Surface, Tension};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State, Wall};
-use crate::scene::{Scene, Shape, TensionStrength};
+use crate::scene::{Body, KernelName, Method, Scene, Shape, TensionStrength};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
-use model::Model;
+use model::{Case, Model};
 
 /// Physics gone wrong. The caller keeps the last good checkpoint.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -107,7 +109,7 @@ pub fn build(
         .first()
         .copied()
         .ok_or(MethodError::Empty)? as usize;
-    let model = Model::new(scene, phase, Some(body));
+    let case = Case::new(scene, phase, Some(body));
     let relaxing = matches!(phase, Phase::Relax { .. });
     let walled = !relaxing || model::rests(&scene.bodies[body]);
     let wall = if walled {
@@ -115,89 +117,101 @@ pub fn build(
     } else {
         Wall::default()
     };
-    let stored = state
-        .scalars
-        .iter()
-        .find(|s| s.0 == "tension_strength")
-        .map(|s| s.1);
-    let alpha = match (
-        model.effects.tension,
-        strength.or(stored),
-        model.settings.tension_strength,
-    ) {
-        (None, _, _) => 0.0,
-        (_, Some(alpha), _) => alpha,
-        (_, None, TensionStrength::Fixed(alpha)) => alpha,
-        (_, None, TensionStrength::Virial) => {
-            calibrate(scene, std::slice::from_ref(&start::at_home(scene, &state)))?.strength
-        }
-    };
-    let flow = flow_of(&model, state.particles.clone(), wall)?;
-    let d = model.dimension.count();
-    let tension = select::tension(
-        &model.effects,
-        &model.settings,
-        d,
-        model.h,
-        model.density,
-        alpha,
-    );
-    let pool = scene
-        .bodies
-        .iter()
-        .any(|b| matches!(b.shape, Shape::Layer { .. }));
-    let (effects, settings, h) = (model.effects.clone(), model.settings.clone(), model.h);
+    let strength = strength_of(scene, &case, &state, strength)?;
+    let flow = flow_of(&case, state.particles.clone(), wall)?;
+    let layer = |b: &Body| matches!(b.shape, Shape::Layer { .. });
+    let pool = scene.bodies.iter().any(layer);
     let parts = Parts {
-        model,
+        scene,
+        phase,
+        body,
         flow,
-        tension,
+        tension: tension_of(&case, strength),
         state,
         pool,
     };
-    Ok(select::pair(&effects, &settings, d, h, parts))
+    let d = case.dimension.count();
+    Ok(select::pair(&case.effects, &case.sph, d, case.h, parts))
 }
 
-struct Parts {
-    model: Model,
+/// The given strength of the tension, else that of the state, else as the scene says.
+fn strength_of(
+    scene: &Scene,
+    case: &Case,
+    state: &State,
+    given: Option<f64>,
+) -> Result<f64, MethodError> {
+    let mut scalars = state.scalars.iter();
+    let stored = scalars.find(|s| s.0 == "tension_strength").map(|s| s.1);
+    let strength = case.sph.tension_strength;
+    Ok(match (case.effects.tension, given.or(stored), strength) {
+        (None, _, _) => 0.0,
+        (_, Some(alpha), _) | (_, None, TensionStrength::Fixed(alpha)) => alpha,
+        (_, None, TensionStrength::Flat) => {
+            select::flat_strength(&case.sph, case.dimension.count())
+        }
+        (_, None, TensionStrength::Virial) => {
+            calibrate(scene, std::slice::from_ref(&start::at_home(scene, state)))?.strength
+        }
+    })
+}
+
+/// The tension of a case, with strength `alpha`.
+fn tension_of(case: &Case, alpha: f64) -> Option<Tension> {
+    let d = case.dimension.count();
+    select::tension(&case.effects, &case.sph, d, case.h, case.density, alpha)
+}
+
+struct Parts<'a> {
+    scene: &'a Scene,
+    phase: Phase,
+    body: usize,
     flow: Flow,
     tension: Option<Tension>,
     state: State,
     pool: bool,
 }
 
-impl select::Visitor for Parts {
+impl select::Visitor for Parts<'_> {
     type Out = Box<dyn Solver>;
     fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Box<dyn Solver> {
-        let Parts {
-            model,
-            flow,
-            tension,
-            state,
-            pool,
-        } = self;
-        Box::new(wcsph::Wcsph::<K, V>::new(
-            model, flow, viscosity, tension, &state, pool,
-        ))
+        let (scene, phase, body) = (self.scene, self.phase, Some(self.body));
+        let (flow, tension, state, pool) = (self.flow, self.tension, &self.state, self.pool);
+        match &scene.method {
+            Method::Wcsph(settings) => {
+                let model = Model::new(scene, settings, phase, body);
+                Box::new(wcsph::Wcsph::<K, V>::new(
+                    model, flow, viscosity, tension, state, pool,
+                ))
+            }
+            Method::Isph(settings) => {
+                let case = Case::new(scene, phase, body);
+                let settings = settings.clone();
+                Box::new(isph::Isph::<K, V>::new(
+                    case, settings, flow, viscosity, tension, state, pool,
+                ))
+            }
+        }
     }
 }
 
-/// Cells and rows for a model's lengths.
+/// Cells and rows for a case's lengths.
 fn flow_of(
-    model: &Model,
+    case: &Case,
     particles: crate::particle::Particles,
     wall: Wall,
 ) -> Result<Flow, MethodError> {
-    let support = 2.0 * model.h;
-    let long = if model.effects.tension.is_some() {
-        model.settings.tension_smoothing * support
+    let support = 2.0 * case.h;
+    let long = if case.effects.tension.is_some() {
+        case.sph.tension_smoothing * support
     } else {
         support
     };
     // Wendland C2: slope (1 - q/2)^3 is below 1.3e-4 of its peak within 0.1 h of the support's
-    // edge.
-    let late = match model.settings.kernel {
-        crate::scene::KernelName::WendlandC2 => 0.1 * model.h,
-        crate::scene::KernelName::CubicSpline => 0.0,
+    // edge. A pressure equation must have both halves of a pair or none.
+    let late = match case.sph.kernel {
+        KernelName::WendlandC2 if !case.is_implicit => 0.1 * case.h,
+        _ => 0.0,
     };
     let lengths = Lengths {
         support,
@@ -205,8 +219,8 @@ fn flow_of(
         late,
     };
     Ok(Flow::new(
-        model.dimension,
-        &model.domain,
+        case.dimension,
+        &case.domain,
         lengths,
         particles,
         wall,

@@ -1,14 +1,15 @@
-//! Constants of a weakly compressible run, derived once from the scene.
+//! Constants of a run, derived once from the scene.
 
 use super::Phase;
 use crate::scene::{
-    Body, Density, Dimension, Domain, Effects, Method, Scene, Shape, Side, Wcsph, numbers,
+    Body, Density, Dimension, Domain, Effects, Method, Scene, Shape, Side, Sph, Wcsph, numbers,
 };
+use std::ops::Deref;
 
-/// Derived constants, SI.
+/// What every method derives from a scene, SI.
 #[derive(Clone, Debug)]
-pub struct Model {
-    pub settings: Wcsph,
+pub struct Case {
+    pub sph: Sph,
     pub dimension: Dimension,
     pub domain: Domain,
     pub effects: Effects,
@@ -17,12 +18,28 @@ pub struct Model {
     pub h: f64,
     /// rho0, kg/m^3.
     pub density: f64,
+    /// Damping rate, 1/s; 0 in the impact.
+    pub damping: f64,
+    /// Whether the pressure solves an equation.
+    pub is_implicit: bool,
+}
+
+/// Derived constants of a weakly compressible run, SI.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub settings: Wcsph,
+    pub case: Case,
     /// c now, m/s.
     pub sound_speed: f64,
     /// Least and largest c of the run, m/s.
     pub sound_speeds: [f64; 2],
-    /// Damping rate, 1/s; 0 in the impact.
-    pub damping: f64,
+}
+
+impl Deref for Model {
+    type Target = Case;
+    fn deref(&self) -> &Case {
+        &self.case
+    }
 }
 
 /// Whether the body rests on a wall and so feels gravity while it relaxes.
@@ -50,34 +67,46 @@ pub fn resting_domain(scene: &Scene, body: &Body) -> Domain {
     }
 }
 
-impl Model {
+impl Case {
     pub fn new(scene: &Scene, phase: Phase, body: Option<usize>) -> Self {
-        let Method::Wcsph(settings) = &scene.method;
         let mut effects = scene.effects.clone();
         let mut domain = scene.domain.clone();
         let mut damping = 0.0;
-        let mut sound_speeds = numbers::sound_speeds(scene);
         if let Phase::Relax { damping: rate } = phase {
-            let index = body.expect("a body relaxes alone");
-            let body = &scene.bodies[index];
+            let body = &scene.bodies[body.expect("a body relaxes alone")];
             damping = rate;
-            sound_speeds = [numbers::rest_sound_speed(scene, index); 2];
             domain = resting_domain(scene, body);
             if !rests(body) {
                 effects.gravity = None;
             }
         }
-        Model {
-            settings: settings.clone(),
+        let sph = *scene.method.sph();
+        Case {
+            sph,
             dimension: scene.dimension,
             domain,
             effects,
             spacing: scene.pack.spacing,
-            h: settings.smoothing * scene.pack.spacing,
+            h: sph.smoothing * scene.pack.spacing,
             density: scene.density,
+            damping,
+            is_implicit: matches!(scene.method, Method::Isph(_)),
+        }
+    }
+}
+
+impl Model {
+    /// For `settings`, which are those of the scene's method.
+    pub fn new(scene: &Scene, settings: &Wcsph, phase: Phase, body: Option<usize>) -> Self {
+        let sound_speeds = match (phase, body) {
+            (Phase::Relax { .. }, Some(body)) => [numbers::rest_sound_speed(scene, body); 2],
+            _ => numbers::sound_speeds(scene),
+        };
+        Model {
+            settings: settings.clone(),
+            case: Case::new(scene, phase, body),
             sound_speed: sound_speeds[1],
             sound_speeds,
-            damping,
         }
     }
 

@@ -4,7 +4,7 @@ use super::Phase;
 use super::model::{Model, rests};
 use crate::particle::pack::mass;
 use crate::particle::{Particles, State};
-use crate::scene::{Body, Dimension, Motion, Scene, Shape, Side};
+use crate::scene::{Body, Dimension, Method, Motion, Scene, Shape, Side};
 
 /// Where the origin of a packed body lies in the box of its relaxation, m.
 pub(super) fn home(scene: &Scene, body: usize) -> [f64; 3] {
@@ -32,8 +32,7 @@ pub fn resting(scene: &Scene, body: &Particles) -> State {
     let mut particles = body.clone();
     particles.mass = mass(scene);
     if let Some(index) = particles.body.first().copied() {
-        let model = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index as usize));
-        if model.diffusion().is_some() {
+        if let Some(model) = evolving(scene, AT_REST, Some(index as usize)) {
             particles.density = rest_density(&model, &scene.bodies[index as usize], body);
         }
         shift(&mut particles, home(scene, index as usize));
@@ -42,6 +41,17 @@ pub fn resting(scene: &Scene, body: &Particles) -> State {
         particles,
         ..State::default()
     }
+}
+
+const AT_REST: Phase = Phase::Relax { damping: 0.0 };
+
+/// The model of a method in which density has an equation of its own.
+fn evolving(scene: &Scene, phase: Phase, body: Option<usize>) -> Option<Model> {
+    let Method::Wcsph(settings) = &scene.method else {
+        return None;
+    };
+    let model = Model::new(scene, settings, phase, body);
+    model.diffusion().is_some().then_some(model)
 }
 
 /// Density of `body` in packed coordinates under its pressure at rest, kg/m^3: of the column above
@@ -119,22 +129,22 @@ pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
         mass: mass(scene),
         ..Particles::default()
     };
-    let impact = Model::new(scene, Phase::Impact, None);
+    let impact = evolving(scene, Phase::Impact, None);
     for body in bodies {
         let Some(index) = body.body.first().copied() else {
             continue;
         };
         let spec = &scene.bodies[index as usize];
-        let relax = Model::new(scene, Phase::Relax { damping: 0.0 }, Some(index as usize));
+        let relax = evolving(scene, AT_REST, Some(index as usize));
         // The same pressure under the other sound speed.
-        let density: Vec<f64> = match (impact.diffusion(), &scene.relax) {
-            (None, _) => body.density.clone(),
-            (Some(_), None) => rest_density(&impact, spec, body),
-            (Some(_), Some(_)) => {
+        let density: Vec<f64> = match (&impact, relax, &scene.relax) {
+            (Some(impact), _, None) => rest_density(impact, spec, body),
+            (Some(impact), Some(relax), Some(_)) => {
                 let ratio = (relax.sound_speed / impact.sound_speed).powi(2);
                 let excess = |rho: &f64| scene.density + ratio * (rho - scene.density);
                 body.density.iter().map(excess).collect()
             }
+            _ => body.density.clone(),
         };
         let centre = centre(&spec.shape);
         let first = all.len() as u32;

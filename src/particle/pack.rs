@@ -15,7 +15,7 @@ use super::repulse;
 use super::shape::Region;
 use super::{Particles, lattice, poisson, wall};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
-use crate::scene::{Arrangement, KernelName, Mass, Method, Scene, Wcsph};
+use crate::scene::{Arrangement, KernelName, Mass, Scene};
 use crate::space::grid::TooSmall;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
@@ -138,10 +138,10 @@ impl std::fmt::Display for PackReport {
 pub fn mass(scene: &Scene) -> f64 {
     let d = scene.dimension.count();
     let nominal = scene.density * scene.pack.spacing.powi(d as i32);
-    let wcsph = wcsph(scene);
-    match wcsph.mass {
+    let sph = scene.method.sph();
+    match sph.mass {
         Mass::Nominal => nominal,
-        Mass::LatticeSum => nominal / kernel::lattice_sum(wcsph.kernel, d, 1.0, wcsph.smoothing),
+        Mass::LatticeSum => nominal / kernel::lattice_sum(sph.kernel, d, 1.0, sph.smoothing),
     }
 }
 
@@ -152,15 +152,10 @@ pub fn pack(
     body: usize,
     watch: &mut Watch,
 ) -> Result<(Particles, PackReport), PackError> {
-    match wcsph(scene).kernel {
+    match scene.method.sph().kernel {
         KernelName::CubicSpline => Packing::<CubicSpline>::new(scene, body)?.run(watch),
         KernelName::WendlandC2 => Packing::<WendlandC2>::new(scene, body)?.run(watch),
     }
-}
-
-fn wcsph(scene: &Scene) -> &Wcsph {
-    let Method::Wcsph(wcsph) = &scene.method;
-    wcsph
 }
 
 /// One body being packed; lengths in units of the spacing.
@@ -197,7 +192,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
                 count,
             });
         }
-        let h = wcsph(scene).smoothing;
+        let h = scene.method.sph().smoothing;
         let reach = (2.0 * h).max(2.0 * repulse::SMOOTHING);
         let wall = match region.touches_wall() {
             true => wall::build_layers(scene, reach.ceil() as usize).position,
@@ -210,7 +205,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
             body,
             wall: wall_near(&region, &wall, reach),
             region,
-            biased: wcsph(scene).kernel == KernelName::WendlandC2,
+            biased: scene.method.sph().kernel == KernelName::WendlandC2,
             count,
             measure: Measure {
                 dimension: scene.dimension.count(),

@@ -8,7 +8,7 @@
 use super::Wall;
 use super::lattice::cells;
 use super::shape::axes;
-use crate::scene::{Method, Scene, Side};
+use crate::scene::{Scene, Side};
 
 /// Wall particles deep enough for the largest kernel support of the scene.
 pub fn build(scene: &Scene) -> Wall {
@@ -18,12 +18,12 @@ pub fn build(scene: &Scene) -> Wall {
 /// Layers that cover the largest kernel support: of the density kernel, 2h, or of the tension's,
 /// 2H.
 pub fn layers(scene: &Scene) -> usize {
-    let Method::Wcsph(wcsph) = &scene.method;
+    let sph = scene.method.sph();
     let tension = match scene.effects.tension {
-        Some(_) => wcsph.tension_smoothing.max(1.0),
+        Some(_) => sph.tension_smoothing.max(1.0),
         None => 1.0,
     };
-    let support = 2.0 * wcsph.smoothing * tension;
+    let support = 2.0 * sph.smoothing * tension;
     (support - 1e-9).ceil().max(1.0) as usize
 }
 

@@ -6,7 +6,7 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
-use super::{Dimension, Method, Motion, Scene, Shape, Side, TimeStepping, numbers};
+use super::{Dimension, Isph, Method, Motion, Scene, Shape, Side, TimeStepping, numbers};
 
 /// Bodies are numbered by a byte.
 const BODIES: usize = 255;
@@ -197,7 +197,7 @@ fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
 
 /// A particle must not see itself, nor one neighbour twice, through periodic sides.
 fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    let Method::Wcsph(settings) = &scene.method;
+    let settings = scene.method.sph();
     let mut reach = 2.0 * settings.smoothing * scene.pack.spacing;
     if scene.effects.tension.is_some() {
         reach *= settings.tension_smoothing.max(1.0);
@@ -240,7 +240,10 @@ fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         let problem = format!("makes more than {FRAMES:.0e} frames until `impact.end`");
         return Err(interval.fault(&problem, "make it longer"));
     }
-    let Method::Wcsph(settings) = &scene.method;
+    let settings = match &scene.method {
+        Method::Wcsph(settings) => settings,
+        Method::Isph(settings) => return steps(settings, root),
+    };
     let TimeStepping::Fixed { step } = settings.time_stepping else {
         return Ok(());
     };
@@ -256,6 +259,18 @@ fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         return Err(root.nearest(key).fault(&problem, &remedy));
     }
     Ok(())
+}
+
+fn steps(settings: &Isph, root: &Cursor<'_>) -> Result<(), SceneError> {
+    if settings.shortest <= settings.longest {
+        return Ok(());
+    }
+    let problem = format!(
+        "is above the longest step of {}",
+        human(settings.longest, Unit::Time)
+    );
+    let place = root.nearest("method.isph.shortest");
+    Err(place.fault(&problem, "make it shorter"))
 }
 
 fn references(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), SceneError> {

@@ -10,6 +10,7 @@ mod cursor;
 pub mod error;
 pub mod file;
 pub mod format;
+mod isph;
 pub mod key;
 pub mod numbers;
 pub mod preset;
@@ -18,6 +19,8 @@ mod resolve;
 pub mod schema;
 mod shape;
 mod tree;
+
+pub use isph::{Closure, Gradient, Isph, PoissonSource, Preconditioner};
 
 /// Number of space dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -243,6 +246,8 @@ pub enum ViscosityForm {
     TwoTermExact,
     /// Morris, Fox & Zhu 1997.
     Morris,
+    /// Kuri Eq. 1 with zeta = d + 2: keeps angular momentum.
+    Cleary,
 }
 
 /// Form of the surface-stress tension.
@@ -252,12 +257,16 @@ pub enum TensionForm {
     NormalisedColour,
     /// Colour and normal from raw sums.
     RawColour,
+    /// Kuri Eqs. 1, 5-7: Cahn-Hilliard stress, force on the short kernel.
+    CahnHilliard,
 }
 
 /// Strength alpha of the tension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TensionStrength {
     Fixed(f64),
+    /// By the integral of the squared gradient across a flat interface (Kuri, after Eq. 6).
+    Flat,
     /// Calibrated by the virial identity on the arrangement at hand.
     Virial,
 }
@@ -282,12 +291,24 @@ pub enum WallPressure {
     Extrapolated,
 }
 
-/// Every setting of WCSPH, after the preset and the overrides.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Wcsph {
+/// What every SPH method sets: kernel, mass, and the forms of the effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sph {
     pub kernel: KernelName,
     /// h / s0.
     pub smoothing: f64,
+    pub mass: Mass,
+    pub viscosity_form: ViscosityForm,
+    pub tension_form: TensionForm,
+    pub tension_strength: TensionStrength,
+    /// H / h of the long kernel.
+    pub tension_smoothing: f64,
+}
+
+/// Every setting of WCSPH, after the preset and the overrides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wcsph {
+    pub sph: Sph,
     pub density: Density,
     pub pressure: Pressure,
     /// Exponent chi of the equation of state (Nishio Eq. 7); 1 is linear.
@@ -297,12 +318,6 @@ pub struct Wcsph {
     pub sound_speed: SoundSpeed,
     /// V in m/s; `None`: the largest of impact speed, sqrt(2 g T), sqrt(2 sigma / (rho R)).
     pub reference_speed: Option<f64>,
-    pub mass: Mass,
-    pub viscosity_form: ViscosityForm,
-    pub tension_form: TensionForm,
-    pub tension_strength: TensionStrength,
-    /// H / h of the long kernel.
-    pub tension_smoothing: f64,
     pub wall_pressure: WallPressure,
     /// Strength of particle shifting (0 is off).
     pub shifting: f64,
@@ -313,6 +328,25 @@ pub struct Wcsph {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Method {
     Wcsph(Wcsph),
+    Isph(Isph),
+}
+
+impl Method {
+    /// Its word in a scene file.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Method::Wcsph(_) => "wcsph",
+            Method::Isph(_) => "isph",
+        }
+    }
+
+    /// What every SPH method sets.
+    pub fn sph(&self) -> &Sph {
+        match self {
+            Method::Wcsph(settings) => &settings.sph,
+            Method::Isph(settings) => &settings.sph,
+        }
+    }
 }
 
 /// A scene, resolved.

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use super::quantity::{Unit, human};
+use super::shape::lattice;
 use super::{
     Arrangement, Density, Dimension, Method, Motion, Pressure, Scene, Shape, Side, SoundSpeed,
     TimeStepping, Wcsph,
@@ -58,13 +59,13 @@ impl fmt::Display for Numbers {
 /// Everything derived from a scene.
 pub fn of(scene: &Scene) -> Numbers {
     let mut groups = vec![dimensionless(scene), particles(scene)];
-    let factor = wcsph(scene).sound_speed_factor;
-    let definition = format!(
-        "{factor} x reference speed {}",
-        short(reference_speed(scene), Unit::Speed)
-    );
-    let sound = row("c", sound_speed(scene), Unit::Speed, &definition);
-    groups.push(("Speed of sound".to_string(), vec![sound]));
+    if let Some(settings) = wcsph(scene) {
+        let factor = settings.sound_speed_factor;
+        let speed = short(reference_speed(scene), Unit::Speed);
+        let definition = format!("{factor} x reference speed {speed}");
+        let sound = row("c", sound_speed(scene), Unit::Speed, &definition);
+        groups.push(("Speed of sound".to_string(), vec![sound]));
+    }
     let limits = limits(scene);
     groups.push(("Limits of the time step".to_string(), limits));
     groups.retain(|(_, rows)| !rows.is_empty());
@@ -78,14 +79,17 @@ const IDLE: f64 = 0.1;
 /// where Mach 0.1 allows 1 %, so that the packed spacing survives.
 const REST_STIFFNESS: f64 = 31.6;
 
-fn wcsph(scene: &Scene) -> &Wcsph {
-    let Method::Wcsph(settings) = &scene.method;
-    settings
+/// Settings of the method in which sound has a speed.
+fn wcsph(scene: &Scene) -> Option<&Wcsph> {
+    match &scene.method {
+        Method::Wcsph(settings) => Some(settings),
+        Method::Isph(_) => None,
+    }
 }
 
 /// Smoothing length h, m.
 pub fn smoothing_length(scene: &Scene) -> f64 {
-    wcsph(scene).smoothing * scene.pack.spacing
+    scene.method.sph().smoothing * scene.pack.spacing
 }
 
 /// Largest initial speed of a body, or of a body towards another, m/s.
@@ -118,7 +122,7 @@ fn length(vector: [f64; 3]) -> f64 {
 /// speed of a fall through the liquid's height sqrt(2 g T), the capillary speed
 /// sqrt(2 sigma / (rho R)) of the smallest drop, and the speed of a sliding wall.
 pub fn reference_speed(scene: &Scene) -> f64 {
-    let set = wcsph(scene).reference_speed;
+    let set = wcsph(scene).and_then(|settings| settings.reference_speed);
     set.unwrap_or_else(|| impact_speed(scene).max(standing_speed(scene)))
 }
 
@@ -136,7 +140,10 @@ fn standing_speed(scene: &Scene) -> f64 {
 
 /// Least and largest speed of sound in the impact, m/s.
 pub fn sound_speeds(scene: &Scene) -> [f64; 2] {
-    let (settings, most) = (wcsph(scene), sound_speed(scene));
+    let most = sound_speed(scene);
+    let Some(settings) = wcsph(scene) else {
+        return [most; 2];
+    };
     let follows = settings.sound_speed == SoundSpeed::Adaptive
         && settings.pressure != Pressure::Clipped
         && matches!(settings.density, Density::Continuity { .. })
@@ -145,9 +152,11 @@ pub fn sound_speeds(scene: &Scene) -> [f64; 2] {
     [if follows { least.min(most) } else { most }, most]
 }
 
-/// Speed of sound, m/s: factor x reference speed.
+/// Speed of sound, m/s: factor x reference speed; infinite in an incompressible liquid.
 pub fn sound_speed(scene: &Scene) -> f64 {
-    wcsph(scene).sound_speed_factor * reference_speed(scene)
+    wcsph(scene).map_or(f64::INFINITY, |settings| {
+        settings.sound_speed_factor * reference_speed(scene)
+    })
 }
 
 /// Speed of sound for the relaxation of one body at rest, m/s. It depends neither on the impact
@@ -220,27 +229,6 @@ pub fn count(scene: &Scene, body: usize) -> u64 {
     }
 }
 
-/// Points of the unit lattice about the origin inside an ellipsoid, its surface included.
-fn lattice(dimension: Dimension, semi_axes: [f64; 3]) -> u64 {
-    let [x, y, z] = semi_axes;
-    let reach = |axis: f64| (axis + 1e-9).floor() as i64;
-    let across = if dimension == Dimension::Two {
-        0
-    } else {
-        reach(y)
-    };
-    let mut count = 0;
-    for i in -reach(x)..=reach(x) {
-        for j in -across..=across {
-            let left = 1.0 - (i as f64 / x).powi(2) - (j as f64 / y).powi(2);
-            if left >= -1e-12 {
-                count += 2 * (z * left.max(0.0).sqrt() + 1e-9).floor() as u64 + 1;
-            }
-        }
-    }
-    count
-}
-
 /// Limits of the time step, s, least first; those of absent effects are absent.
 ///
 /// Acoustic and viscous: Monaghan 1992, Morris, Fox & Zhu 1997; capillary: Morris 2000; force:
@@ -250,14 +238,17 @@ pub fn limits(scene: &Scene) -> Vec<Row> {
     let speed = reference_speed(scene);
     let sound = sound_speed(scene);
     let limit = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
-    let mut limits = vec![
-        limit("acoustic", 0.25 * h / (sound + speed), "0.25 h / (c + V)"),
-        limit(
-            "advective",
-            0.25 * scene.pack.spacing / speed,
-            "0.25 s0 / V",
-        ),
-    ];
+    let cross = scene.pack.spacing / speed;
+    let mut limits = match &scene.method {
+        Method::Wcsph(_) => vec![
+            limit("acoustic", 0.25 * h / (sound + speed), "0.25 h / (c + V)"),
+            limit("advective", 0.25 * cross, "0.25 s0 / V"),
+        ],
+        Method::Isph(settings) => {
+            let value = (settings.courant * cross).clamp(settings.shortest, settings.longest);
+            vec![limit("advective", value, "courant s0 / V")]
+        }
+    };
     if let Some(viscosity) = scene.effects.viscosity {
         let value = 0.125 * h * h * scene.density / viscosity;
         limits.push(limit("viscous", value, "0.125 h^2 / nu"));

@@ -7,26 +7,31 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
-    Density, KernelName, Mass, Pressure, SoundSpeed, TensionForm, TensionStrength, TimeStepping,
-    ViscosityForm, WallPressure, Wcsph,
+    Density, KernelName, Mass, Method, Pressure, SoundSpeed, Sph, TensionForm, TensionStrength,
+    TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
+pub use isph::{isph_corrected, isph_modern, isph_paper};
+
+mod isph;
 
 /// Nishio et al. 2010, Int. J. Numer. Meth. Fluids 63, 1435-1447, as printed.
 pub fn wcsph_paper() -> Wcsph {
     Wcsph {
-        kernel: KernelName::CubicSpline, // Eq. 3
-        smoothing: 1.3,                  // with Eq. 3
-        density: Density::Summation,     // Eq. 4
-        pressure: Pressure::Clipped,     // text after Eq. 7
-        exponent: 7.0,                   // Eq. 7
-        sound_speed_factor: 10.0,        // Eq. 8
+        sph: Sph {
+            kernel: KernelName::CubicSpline,               // Eq. 3
+            smoothing: 1.3,                                // with Eq. 3
+            mass: Mass::Nominal, // rho0 s0^3; the lattice sum of Eq. 4 is 0.997 rho0
+            viscosity_form: ViscosityForm::TwoTerm, // Eq. 6: 6/5 too viscous in 3-D, 5/4 in 2-D
+            tension_form: TensionForm::NormalisedColour, // Eqs. 9-13
+            tension_strength: TensionStrength::Fixed(4.5), // with Eq. 10
+            tension_smoothing: 1.5, // with Eq. 4: H = 1.5 h
+        },
+        density: Density::Summation, // Eq. 4
+        pressure: Pressure::Clipped, // text after Eq. 7
+        exponent: 7.0,               // Eq. 7
+        sound_speed_factor: 10.0,    // Eq. 8
         sound_speed: SoundSpeed::Constant,
         reference_speed: None, // Eq. 8 leaves V open: U0 whenever that is the largest
-        mass: Mass::Nominal,   // rho0 s0^3; the lattice sum of Eq. 4 is 0.997 rho0
-        viscosity_form: ViscosityForm::TwoTerm, // Eq. 6: 6/5 too viscous in 3-D, 5/4 in 2-D
-        tension_form: TensionForm::NormalisedColour, // Eqs. 9-13
-        tension_strength: TensionStrength::Fixed(4.5), // with Eq. 10
-        tension_smoothing: 1.5, // with Eq. 4: H = 1.5 h
         wall_pressure: WallPressure::Summation, // not described; walls take part in every sum
         shifting: 0.0,
         time_stepping: TimeStepping::Fixed { step: 1e-6 }, // Section 2
@@ -35,33 +40,44 @@ pub fn wcsph_paper() -> Wcsph {
 
 /// The same method, its known errors removed.
 pub fn wcsph_corrected() -> Wcsph {
+    let paper = wcsph_paper();
     Wcsph {
-        mass: Mass::LatticeSum,                      // a lattice has the density rho0
-        viscosity_form: ViscosityForm::TwoTermExact, // (d+2)/(d+3) of Eq. 6
-        tension_strength: TensionStrength::Virial,   // alpha depends on the arrangement
+        sph: Sph {
+            mass: Mass::LatticeSum,                      // a lattice has the density rho0
+            viscosity_form: ViscosityForm::TwoTermExact, // (d+2)/(d+3) of Eq. 6
+            tension_strength: TensionStrength::Virial,   // alpha depends on the arrangement
+            ..paper.sph
+        },
         time_stepping: TimeStepping::Adaptive { safety: 1.0 },
-        ..wcsph_paper()
+        ..paper
+    }
+}
+
+/// What SPH is today, whatever gives the pressure.
+fn sph_modern() -> Sph {
+    Sph {
+        kernel: KernelName::WendlandC2,        // no pairing: Dehnen & Aly 2012
+        smoothing: 1.5, // on a lattice SUM V x . grad W is then 1 within 0.3 %; at 1.3 it is 0.976
+        mass: Mass::Nominal, // neither continuity nor divergence see the lattice sum
+        viscosity_form: ViscosityForm::Morris, // Morris, Fox & Zhu 1997
+        tension_form: TensionForm::RawColour, // depends little on the arrangement
+        tension_strength: TensionStrength::Virial,
+        tension_smoothing: 1.75, // a static drop keeps currents of Ca 0.002, with 1.3 h 0.03
     }
 }
 
 /// Delta-SPH with what has been learned since.
 pub fn wcsph_modern() -> Wcsph {
     Wcsph {
-        kernel: KernelName::WendlandC2, // no pairing: Dehnen & Aly 2012
-        smoothing: 1.5, // on a lattice SUM V x . grad W is then 1 within 0.3 %; at 1.3 it is 0.976
+        sph: sph_modern(),
         density: Density::Continuity { diffusion: 0.1 }, // Antuono et al. 2010
         pressure: Pressure::Signed,
         exponent: 1.0, // linear: densities stay within 1 % of rho0
         sound_speed_factor: 10.0,
         sound_speed: SoundSpeed::Adaptive, // Mach 0.1 of what moves now
         reference_speed: None,
-        mass: Mass::Nominal, // the continuity equation does not see the lattice sum
-        viscosity_form: ViscosityForm::Morris, // Morris, Fox & Zhu 1997
-        tension_form: TensionForm::RawColour, // depends little on the arrangement
-        tension_strength: TensionStrength::Virial,
-        tension_smoothing: 1.75, // a static drop keeps currents of Ca 0.002, with 1.3 h 0.03
         wall_pressure: WallPressure::Extrapolated, // Adami, Hu & Adams 2012
-        shifting: 4.0,           // Taylor-Green: 2 leaves 8 % of excess decay, 4 leaves 3 %
+        shifting: 4.0, // Taylor-Green: 2 leaves 8 % of excess decay, 4 leaves 3 %
         time_stepping: TimeStepping::Dual {
             advective: 0.25,
             acoustic: 0.6,
@@ -69,31 +85,61 @@ pub fn wcsph_modern() -> Wcsph {
     }
 }
 
-/// The preset of `method`, with the overrides of `[method.wcsph]` and of the effects' tables.
-pub fn wcsph(root: &Cursor<'_>) -> Result<Wcsph, SceneError> {
+/// The method of a scene: its preset, with the overrides of its table and of the effects' tables.
+pub fn method(root: &Cursor<'_>) -> Result<Method, SceneError> {
     let method = root.need("method")?;
+    Ok(match method.text_at("name")? {
+        "isph" => Method::Isph(isph::isph(root)?),
+        _ => Method::Wcsph(wcsph(root)?),
+    })
+}
+
+/// One of three presets by the word in `[method]`.
+fn choose<T>(method: &Cursor<'_>, presets: [fn() -> T; 3]) -> Result<T, SceneError> {
     let preset = method.need("preset")?;
-    let mut settings = match preset.text()? {
-        "paper" => wcsph_paper(),
-        "corrected" => wcsph_corrected(),
-        "modern" => wcsph_modern(),
-        _ => return Err(preset.fault("is no preset", "use paper, corrected or modern")),
-    };
+    let words = ["paper", "corrected", "modern"];
+    let text = preset.text()?;
+    match words.iter().position(|word| *word == text) {
+        Some(index) => Ok(presets[index]()),
+        None => Err(preset.fault("is no preset", "use paper, corrected or modern")),
+    }
+}
+
+fn wcsph(root: &Cursor<'_>) -> Result<Wcsph, SceneError> {
+    let method = root.need("method")?;
+    let mut settings = choose(&method, [wcsph_paper, wcsph_corrected, wcsph_modern])?;
     override_flow(&mut settings, &method.need("wcsph")?)?;
-    override_effects(&mut settings, &root.need("effects")?)?;
+    override_effects(&mut settings.sph, &root.need("effects")?)?;
     Ok(settings)
+}
+
+/// A setting that every SPH method has; false if `key` is none.
+fn override_sph(settings: &mut Sph, key: &str, value: &Cursor<'_>) -> Result<bool, SceneError> {
+    match key {
+        "kernel" => {
+            settings.kernel = match value.text()? {
+                "cubic-spline" => KernelName::CubicSpline,
+                _ => KernelName::WendlandC2,
+            }
+        }
+        "smoothing" => settings.smoothing = value.number()?,
+        "mass" => {
+            settings.mass = match value.text()? {
+                "nominal" => Mass::Nominal,
+                _ => Mass::LatticeSum,
+            }
+        }
+        _ => return Ok(false),
+    }
+    Ok(true)
 }
 
 fn override_flow(settings: &mut Wcsph, table: &Cursor<'_>) -> Result<(), SceneError> {
     for (key, value) in table.entries() {
+        if override_sph(&mut settings.sph, key, &value)? {
+            continue;
+        }
         match key {
-            "kernel" => {
-                settings.kernel = match value.text()? {
-                    "cubic-spline" => KernelName::CubicSpline,
-                    _ => KernelName::WendlandC2,
-                }
-            }
-            "smoothing" => settings.smoothing = value.number()?,
             "density" => settings.density = density(&value)?,
             "pressure" => {
                 settings.pressure = match value.text()? {
@@ -114,12 +160,6 @@ fn override_flow(settings: &mut Wcsph, table: &Cursor<'_>) -> Result<(), SceneEr
                 settings.reference_speed = match value.text() {
                     Ok("scene") => None,
                     _ => Some(value.quantity(Unit::Speed)?),
-                }
-            }
-            "mass" => {
-                settings.mass = match value.text()? {
-                    "nominal" => Mass::Nominal,
-                    _ => Mass::LatticeSum,
                 }
             }
             "wall_pressure" => {
@@ -162,11 +202,12 @@ fn stepping(value: &Cursor<'_>) -> Result<TimeStepping, SceneError> {
     })
 }
 
-fn override_effects(settings: &mut Wcsph, effects: &Cursor<'_>) -> Result<(), SceneError> {
+fn override_effects(settings: &mut Sph, effects: &Cursor<'_>) -> Result<(), SceneError> {
     if let Some(form) = effects.get("viscosity").and_then(|table| table.get("form")) {
         settings.viscosity_form = match form.text()? {
             "two-term" => ViscosityForm::TwoTerm,
             "two-term-exact" => ViscosityForm::TwoTermExact,
+            "cleary" => ViscosityForm::Cleary,
             _ => ViscosityForm::Morris,
         };
     }
@@ -176,11 +217,13 @@ fn override_effects(settings: &mut Wcsph, effects: &Cursor<'_>) -> Result<(), Sc
     if let Some(form) = tension.get("form") {
         settings.tension_form = match form.text()? {
             "normalised-colour" => TensionForm::NormalisedColour,
+            "cahn-hilliard" => TensionForm::CahnHilliard,
             _ => TensionForm::RawColour,
         };
     }
     if let Some(strength) = tension.get("strength") {
         settings.tension_strength = match strength.text() {
+            Ok("flat") => TensionStrength::Flat,
             Ok(_) => TensionStrength::Virial,
             Err(_) => TensionStrength::Fixed(strength.number()?),
         };

@@ -4,8 +4,8 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
-    Arrangement, Colour, Dimension, Domain, Effects, Frames, Impact, Method, Pack, Post, Reference,
-    Relax, Scene, Side, body, preset,
+    Arrangement, Colour, Dimension, Domain, Effects, Frames, Impact, Pack, Post, Reference, Relax,
+    Scene, Side, body, preset,
 };
 
 /// Keys of `[box]` for the sides of each axis.
@@ -30,7 +30,7 @@ pub fn scene(root: &Cursor<'_>, name: &str) -> Result<Scene, SceneError> {
         impact: impact(&root.need("impact")?)?,
         frames: frames(&root.need("frames")?)?,
         post: post(&root.need("post")?)?,
-        method: Method::Wcsph(preset::wcsph(root)?),
+        method: preset::method(root)?,
         domain,
     })
 }

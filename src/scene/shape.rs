@@ -87,3 +87,24 @@ impl Dimension {
         }
     }
 }
+
+/// Points of the unit lattice about the origin inside an ellipsoid, its surface included.
+pub(super) fn lattice(dimension: Dimension, semi_axes: [f64; 3]) -> u64 {
+    let [x, y, z] = semi_axes;
+    let reach = |axis: f64| (axis + 1e-9).floor() as i64;
+    let across = if dimension == Dimension::Two {
+        0
+    } else {
+        reach(y)
+    };
+    let mut count = 0;
+    for i in -reach(x)..=reach(x) {
+        for j in -across..=across {
+            let left = 1.0 - (i as f64 / x).powi(2) - (j as f64 / y).powi(2);
+            if left >= -1e-12 {
+                count += 2 * (z * left.max(0.0).sqrt() + 1e-9).floor() as u64 + 1;
+            }
+        }
+    }
+    count
+}

@@ -11,4 +11,5 @@ pub mod lane;
 pub mod parallel;
 pub mod row;
 pub mod sort;
+pub mod sparse;
 pub mod sweep;

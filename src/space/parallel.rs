@@ -71,3 +71,20 @@ pub fn sum<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f
         .collect();
     parts.into_iter().fold([0.0; K], add)
 }
+
+/// [`sum`] with room for the parts that the caller keeps, so that nothing is allocated.
+pub fn sum_in<const K: usize>(
+    parts: &mut Vec<[f64; K]>,
+    n: usize,
+    f: impl Fn(usize) -> [f64; K] + Sync,
+) -> [f64; K] {
+    let add = |mut a: [f64; K], b: [f64; K]| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    };
+    parts.resize(n.div_ceil(CHUNK), [0.0; K]);
+    parts.par_iter_mut().enumerate().for_each(|(c, part)| {
+        *part = (c * CHUNK..((c + 1) * CHUNK).min(n)).fold([0.0; K], |s, i| add(s, f(i)));
+    });
+    parts.iter().fold([0.0; K], |s, p| add(s, *p))
+}

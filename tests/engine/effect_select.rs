@@ -4,7 +4,7 @@ use super::method_scene::{EFFECTS, drop_scene};
 use coronet::effect::select::{Visitor, pair, tension};
 use coronet::effect::viscosity::PairViscosity;
 use coronet::kernel::Kernel;
-use coronet::scene::{Effects, KernelName, Method, ViscosityForm, Wcsph};
+use coronet::scene::{Effects, KernelName, Sph, ViscosityForm};
 use coronet::space::lane::{Lanes, Portable};
 
 const H: f64 = 0.5e-3;
@@ -30,9 +30,8 @@ impl Visitor for Probe {
     }
 }
 
-fn settings() -> Wcsph {
-    let Method::Wcsph(settings) = drop_scene("modern", 3, EFFECTS).method;
-    settings
+fn settings() -> Sph {
+    *drop_scene("modern", 3, EFFECTS).method.sph()
 }
 
 fn effects(viscosity: Option<f64>) -> Effects {
@@ -58,6 +57,12 @@ fn each_word_becomes_its_viscosity() {
         let n = d as f64;
         for (form, x, z) in [
             (ViscosityForm::Morris, 1.0, 0.0),
+            // zeta d (v . d), over q^2 + 0.01.
+            (
+                ViscosityForm::Cleary,
+                0.36 / 1.01 * (n + 2.0),
+                0.48 / 1.01 * (n + 2.0),
+            ),
             // v + d (v . d), over q^2 + 0.01.
             (ViscosityForm::TwoTerm, 1.36 / 1.01, 0.48 / 1.01),
             // Times (d+2)/(d+3).

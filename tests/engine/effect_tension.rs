@@ -41,13 +41,13 @@ fn drop(dimension: Dimension, form: TensionForm, radius: f64, jitter: f64) -> Cl
 fn preset(form: TensionForm) -> KernelName {
     match form {
         TensionForm::RawColour => KernelName::WendlandC2,
-        TensionForm::NormalisedColour => KernelName::CubicSpline,
+        _ => KernelName::CubicSpline,
     }
 }
 
 fn tension(cloud: &Cloud, form: TensionForm, kernel: KernelName, strength: f64) -> Tension {
     let d = cloud.flow.dimension.count();
-    Tension::new(form, kernel, cloud.h, SIGMA, strength, d, DENSITY)
+    Tension::new(form, kernel, [cloud.h; 2], SIGMA, strength, d, DENSITY)
 }
 
 /// Accelerations, and sigma_eff A.

@@ -51,7 +51,10 @@ fn a_relaxation_does_not_read_what_sets_the_impact() {
     let scene = splash_scene("modern", 3, &format!("{GRAVITY}{EFFECTS}"));
     let rest = sound_speed(&scene, REST);
     let mut other = scene.clone();
-    let coronet::scene::Method::Wcsph(settings) = &mut other.method;
+    let settings = match &mut other.method {
+        coronet::scene::Method::Wcsph(settings) => settings,
+        method => panic!("{}", method.name()),
+    };
     settings.reference_speed = Some(9.0);
     settings.sound_speed_factor = 20.0;
     assert_eq!(sound_speed(&other, REST), rest);

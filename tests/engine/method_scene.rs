@@ -15,14 +15,17 @@ pub const GRAVITY: &str = "[effects.gravity]\nacceleration = '9.81 m/s^2'\n";
 
 const POOL: &str = "layer = { depth = '1.6 mm' }\n";
 
-/// A lattice scene with spacing 0.4 mm in a box of 4.8 mm; `parts`: tables of effects and bodies.
+/// A lattice scene with spacing 0.4 mm in a box of 4.8 mm; `parts`: tables of effects and bodies;
+/// `preset`: of WCSPH, or with the method before it, as in "isph modern".
 pub fn scene(preset: &str, dimension: usize, sides: &str, parts: &str) -> Scene {
+    let (method, preset) = preset.split_once(' ').unwrap_or(("wcsph", preset));
     let size = ["'4.8 mm'"; 3][..dimension].join(", ");
     let text = format!(
         "dimension = {dimension}\n[box]\nsize = [{size}]\n{sides}\n\
          [liquid]\ndensity = '1100 kg/m^3'\n{parts}\n\
          [pack]\nspacing = '0.4 mm'\narrangement = 'lattice'\n\
-         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\npreset = '{preset}'\n"
+         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\nname = '{method}'\n\
+         preset = '{preset}'\n"
     );
     let loaded = file::read(&text, Path::new("small.toml"), &[]);
     loaded

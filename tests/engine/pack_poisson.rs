@@ -132,15 +132,20 @@ fn ellipsoid_and_block_in_a_corner() {
     assert!(low(0) > 0.2 && low(2) > 0.2, "{} {}", low(0), low(2));
 }
 
+fn settings(scene: &mut Scene) -> &mut Wcsph {
+    match &mut scene.method {
+        Method::Wcsph(settings) => settings,
+        other => panic!("{}", other.name()),
+    }
+}
+
 #[test]
 fn other_kernel_and_mass() {
     let mut scene = scene(Dimension::Three, [40.0; 3], drop(8.0));
-    let Method::Wcsph(wcsph) = &mut scene.method;
-    wcsph.mass = Mass::LatticeSum;
+    settings(&mut scene).sph.mass = Mass::LatticeSum;
     let (particles, _) = packed(&scene);
     assert!((particles.mass / (1100.0 * S0.powi(3)) - 1.0 / 0.99726).abs() < 1e-5);
-    let Method::Wcsph(wcsph) = &mut scene.method;
-    wcsph.kernel = KernelName::WendlandC2;
+    settings(&mut scene).sph.kernel = KernelName::WendlandC2;
     packed(&scene);
 }
 

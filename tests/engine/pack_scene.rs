@@ -57,19 +57,21 @@ pub fn scene(dimension: Dimension, size: [f64; 3], shape: Shape) -> Scene {
 
 fn wcsph() -> Wcsph {
     Wcsph {
-        kernel: KernelName::CubicSpline,
-        smoothing: 1.3,
+        sph: Sph {
+            kernel: KernelName::CubicSpline,
+            smoothing: 1.3,
+            mass: Mass::Nominal,
+            viscosity_form: ViscosityForm::TwoTerm,
+            tension_form: TensionForm::NormalisedColour,
+            tension_strength: TensionStrength::Fixed(4.5),
+            tension_smoothing: 1.5,
+        },
         density: Density::Summation,
         pressure: Pressure::Clipped,
         exponent: 7.0,
         sound_speed_factor: 10.0,
         sound_speed: SoundSpeed::Constant,
         reference_speed: None,
-        mass: Mass::Nominal,
-        viscosity_form: ViscosityForm::TwoTerm,
-        tension_form: TensionForm::NormalisedColour,
-        tension_strength: TensionStrength::Fixed(4.5),
-        tension_smoothing: 1.5,
         wall_pressure: WallPressure::Summation,
         shifting: 0.0,
         time_stepping: TimeStepping::Fixed { step: 1e-6 },

@@ -39,7 +39,9 @@ pub fn small(sets: &[&str]) -> Loaded {
 }
 
 fn settings(loaded: &Loaded) -> Wcsph {
-    let Method::Wcsph(settings) = &loaded.scene.method;
+    let Method::Wcsph(settings) = &loaded.scene.method else {
+        panic!("{}", loaded.scene.method.name());
+    };
     settings.clone()
 }
 
@@ -113,11 +115,9 @@ fn overrides_replace_what_the_file_says() {
     assert_eq!(scene.pack.arrangement, Arrangement::Lattice);
     assert_eq!(scene.impact.end, 0.01);
     assert_eq!(scene.post.panels, [0.001, 0.002]);
-    let expected = Wcsph {
-        smoothing: 1.2,
-        time_stepping: TimeStepping::Adaptive { safety: 0.5 },
-        ..preset::wcsph_paper()
-    };
+    let mut expected = preset::wcsph_paper();
+    expected.sph.smoothing = 1.2;
+    expected.time_stepping = TimeStepping::Adaptive { safety: 0.5 };
     assert_eq!(settings(&loaded), expected);
     let again = file::read(&loaded.text, Path::new("small.toml"), &[]).unwrap();
     assert_eq!(again.scene, *scene, "{}", loaded.text);
@@ -127,7 +127,10 @@ fn overrides_replace_what_the_file_says() {
 fn every_setting_of_the_method_can_be_overridden() {
     let word = |set: &str| settings(&small(&[set]));
     let flow = |set: &str| word(&format!("method.wcsph.{set}"));
-    assert_eq!(flow("kernel=cubic-spline").kernel, KernelName::CubicSpline);
+    assert_eq!(
+        flow("kernel=cubic-spline").sph.kernel,
+        KernelName::CubicSpline
+    );
     assert_eq!(flow("density=summation").density, Density::Summation);
     let continuity = flow("density={ continuity = { diffusion = 0.2 } }").density;
     assert_eq!(continuity, Density::Continuity { diffusion: 0.2 });
@@ -139,25 +142,85 @@ fn every_setting_of_the_method_can_be_overridden() {
     assert_eq!(flow("sound_speed_factor=20").sound_speed_factor, 20.0);
     assert_eq!(flow("reference_speed=2 m/s").reference_speed, Some(2.0));
     assert_eq!(flow("reference_speed=scene").reference_speed, None);
-    assert_eq!(flow("mass=lattice-sum").mass, Mass::LatticeSum);
+    assert_eq!(flow("mass=lattice-sum").sph.mass, Mass::LatticeSum);
     let walls = flow("wall_pressure=summation").wall_pressure;
     assert_eq!(walls, coronet::scene::WallPressure::Summation);
     assert_eq!(flow("shifting=0.5").shifting, 0.5);
     let fixed = flow("time_stepping={ fixed = { step = \"1 us\" } }").time_stepping;
     assert_eq!(fixed, TimeStepping::Fixed { step: 1e-6 });
-    let form = word("effects.viscosity.form=two-term").viscosity_form;
+    let form = word("effects.viscosity.form=two-term").sph.viscosity_form;
     assert_eq!(form, ViscosityForm::TwoTerm);
-    let tension = word("effects.tension.form=normalised-colour").tension_form;
+    let tension = word("effects.tension.form=normalised-colour")
+        .sph
+        .tension_form;
     assert_eq!(tension, coronet::scene::TensionForm::NormalisedColour);
-    let strength = word("effects.tension.strength=4.5").tension_strength;
+    let strength = word("effects.tension.strength=4.5").sph.tension_strength;
     assert_eq!(strength, TensionStrength::Fixed(4.5));
-    assert_eq!(word("effects.tension.smoothing=1.7").tension_smoothing, 1.7);
+    assert_eq!(
+        word("effects.tension.smoothing=1.7").sph.tension_smoothing,
+        1.7
+    );
+}
+
+#[test]
+fn every_setting_of_isph_can_be_overridden() {
+    use coronet::scene::{Closure, Gradient, Isph, PoissonSource, Preconditioner};
+    let with = |set: &str| -> Isph {
+        let sets = ["method.name=isph", "method.preset=modern", set];
+        match small(&sets).scene.method {
+            Method::Isph(settings) => settings,
+            other => panic!("{}", other.name()),
+        }
+    };
+    let flow = |set: &str| with(&format!("method.isph.{set}"));
+    assert_eq!(with("impact.end=1"), preset::isph_modern());
+    let same = with("method.preset=modern").sph;
+    assert_eq!(
+        same.kernel,
+        preset::wcsph_modern().sph.kernel,
+        "they share what they pack"
+    );
+    assert_eq!(flow("smoothing=1.4").sph.smoothing, 1.4);
+    assert_eq!(flow("source=density").source, PoissonSource::Density);
+    let divergence = flow("source={ divergence = { density = 0.2 } }").source;
+    assert_eq!(divergence, PoissonSource::Divergence { density: 0.2 });
+    assert_eq!(flow("closure=mirrored").closure, Closure::Mirrored);
+    assert_eq!(flow("gradient=symmetric").gradient, Gradient::Symmetric);
+    assert_eq!(
+        flow("preconditioner=ssor").preconditioner,
+        Preconditioner::Ssor
+    );
+    assert_eq!(flow("tolerance=1e-4").tolerance, 1e-4);
+    assert_eq!(flow("iterations=7").iterations, 7);
+    assert_eq!(flow("shifting=0").shifting, 0.0);
+    assert_eq!(flow("courant=0.2").courant, 0.2);
+    assert_eq!(flow("shortest=1 us").shortest, 1e-6);
+    assert_eq!(flow("longest=1 ms").longest, 1e-3);
+    let form = with("effects.viscosity.form=cleary").sph.viscosity_form;
+    assert_eq!(form, coronet::scene::ViscosityForm::Cleary);
+    let form = with("effects.tension.form=cahn-hilliard").sph.tension_form;
+    assert_eq!(form, coronet::scene::TensionForm::CahnHilliard);
+    let strength = with("effects.tension.strength=flat").sph.tension_strength;
+    assert_eq!(strength, TensionStrength::Flat);
+}
+
+/// Both methods pack the same particles under the same key.
+#[test]
+fn methods_of_one_kernel_share_what_they_pack() {
+    let key = |method: &str| {
+        let scene = small(&[&format!("method.name={method}")]).scene;
+        let list = coronet::scene::key::pack(&scene, 0).unwrap();
+        list.into_iter()
+            .map(|setting| setting.canonical)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(key("wcsph"), key("isph"));
 }
 
 #[test]
 fn every_shipped_scene_loads_and_its_numbers_are_sane() {
     let files = shipped();
-    assert_eq!(files.len(), 13, "a scene file came or went: {files:?}");
+    assert_eq!(files.len(), 15, "a scene file came or went: {files:?}");
     for path in files {
         let loaded = file::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
         let scene = &loaded.scene;
@@ -171,7 +234,10 @@ fn every_shipped_scene_loads_and_its_numbers_are_sane() {
             "{shown}: {total} particles"
         );
         let sound = numbers::sound_speed(scene);
-        assert!(sound > 0.05 && sound < 100.0, "{shown}: sound {sound} m/s");
+        match scene.method {
+            Method::Wcsph(_) => assert!(sound > 0.05 && sound < 100.0, "{shown}: {sound} m/s"),
+            Method::Isph(_) => assert_eq!(sound, f64::INFINITY, "{shown}"),
+        }
         let limits = numbers::limits(scene);
         assert!(
             limits

@@ -111,6 +111,26 @@ unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
     }
 }
 
+/// The whole pair force as an acceleration. Payload: u.
+pub struct Whole<K>(pub Summed<K>);
+
+impl<K: Kernel> Pass<3> for Whole<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let force = stress::<K, L>(pair);
+            for c in 0..3 {
+                sum[c] = L::add(sum[c], force[c]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        self.0.finish(target, sum, out);
+    }
+}
+
 /// Tangential over (d-1) minus normal virial, about the mean normal of the pair.
 pub struct Virial<K> {
     /// 1 / (d-1).

@@ -3,7 +3,12 @@
 use super::{Field, Kind, Range, TIME, Unit, default, optional, required};
 
 pub static METHOD: &[Field] = &[
-    default("name", Kind::Word(&["wcsph"]), "\"wcsph\"", "The solver."),
+    default(
+        "name",
+        Kind::Word(&["wcsph", "isph"]),
+        "\"wcsph\"",
+        "The solver.",
+    ),
     default(
         "preset",
         Kind::Word(&["paper", "corrected", "modern"]),
@@ -16,19 +21,105 @@ pub static METHOD: &[Field] = &[
         "{}",
         "Settings of WCSPH in place of the preset's.",
     ),
+    default(
+        "isph",
+        Kind::Table(ISPH, &[]),
+        "{}",
+        "Settings of ISPH in place of the preset's.",
+    ),
 ];
 
+pub static ISPH: &[Field] = &[
+    KERNEL,
+    SMOOTHING,
+    MASS,
+    optional(
+        "source",
+        Kind::Either(&[
+            Kind::Word(&["density"]),
+            Kind::Table(SOURCE, &["divergence"]),
+        ]),
+        "What the pressure makes: density rho0 at once, or no divergence.",
+    ),
+    optional(
+        "closure",
+        Kind::Word(&["mirrored", "completed"]),
+        "How the pressure ends at a free surface: at flagged particles, or without flags.",
+    ),
+    optional(
+        "gradient",
+        Kind::Word(&["symmetric", "corrected"]),
+        "Pressure gradient that keeps momentum, or one exact for linear pressure.",
+    ),
+    optional(
+        "preconditioner",
+        Kind::Word(&["none", "diagonal", "ssor", "multigrid"]),
+        "Preconditioner of the conjugate gradients.",
+    ),
+    optional(
+        "tolerance",
+        Kind::Number(Range::Between(1e-14, 0.1)),
+        "Residual over right-hand side at which the pressure is found.",
+    ),
+    optional(
+        "iterations",
+        Kind::Count(1),
+        "Most iterations of one solution.",
+    ),
+    SHIFTING,
+    optional(
+        "courant",
+        Kind::Number(Range::Between(0.001, 1.0)),
+        "Spacings that the fastest particle crosses in a step.",
+    ),
+    optional("shortest", TIME, "Shortest time step."),
+    optional(
+        "longest",
+        Kind::Either(&[Kind::Word(&["none"]), TIME]),
+        "Longest time step, or \"none\".",
+    ),
+];
+
+pub static SOURCE: &[Field] = &[optional(
+    "divergence",
+    Kind::Table(DIVERGENCE, &[]),
+    "No divergence.",
+)];
+
+pub static DIVERGENCE: &[Field] = &[default(
+    "density",
+    Kind::Number(Range::Between(0.0, 1.0)),
+    "0.01",
+    "Part of the deviation of density that goes in a step.",
+)];
+
+const KERNEL: Field = optional(
+    "kernel",
+    Kind::Word(&["cubic-spline", "wendland-c2"]),
+    "Smoothing kernel.",
+);
+
+const SMOOTHING: Field = optional(
+    "smoothing",
+    Kind::Number(Range::Between(1.0, 2.5)),
+    "Smoothing length h / s0.",
+);
+
+const MASS: Field = optional(
+    "mass",
+    Kind::Word(&["nominal", "lattice-sum"]),
+    "rho0 s0^d, or rho0 / lattice sum.",
+);
+
+const SHIFTING: Field = optional(
+    "shifting",
+    Kind::Number(Range::NotNegative),
+    "Strength of particle shifting.",
+);
+
 pub static WCSPH: &[Field] = &[
-    optional(
-        "kernel",
-        Kind::Word(&["cubic-spline", "wendland-c2"]),
-        "Smoothing kernel.",
-    ),
-    optional(
-        "smoothing",
-        Kind::Number(Range::Between(1.0, 2.5)),
-        "Smoothing length h / s0.",
-    ),
+    KERNEL,
+    SMOOTHING,
     optional(
         "density",
         Kind::Either(&[
@@ -65,21 +156,13 @@ pub static WCSPH: &[Field] = &[
         ]),
         "A speed, or \"scene\": the largest that the scene suggests.",
     ),
-    optional(
-        "mass",
-        Kind::Word(&["nominal", "lattice-sum"]),
-        "rho0 s0^d, or rho0 / lattice sum.",
-    ),
+    MASS,
     optional(
         "wall_pressure",
         Kind::Word(&["summation", "extrapolated"]),
         "How walls push.",
     ),
-    optional(
-        "shifting",
-        Kind::Number(Range::NotNegative),
-        "Strength of particle shifting.",
-    ),
+    SHIFTING,
     optional(
         "time_stepping",
         Kind::Table(STEPPING, &["fixed", "adaptive", "dual"]),

@@ -89,7 +89,7 @@ pub static VISCOSITY: &[Field] = &[
     ),
     optional(
         "form",
-        Kind::Word(&["two-term", "two-term-exact", "morris"]),
+        Kind::Word(&["two-term", "two-term-exact", "morris", "cleary"]),
         "Form of the viscous term, in place of the preset's.",
     ),
 ];
@@ -102,13 +102,16 @@ pub static TENSION: &[Field] = &[
     ),
     optional(
         "form",
-        Kind::Word(&["normalised-colour", "raw-colour"]),
+        Kind::Word(&["normalised-colour", "raw-colour", "cahn-hilliard"]),
         "Form of the surface stress, in place of the preset's.",
     ),
     optional(
         "strength",
-        Kind::Either(&[Kind::Word(&["virial"]), Kind::Number(Range::Positive)]),
-        "Factor alpha of the surface stress: a number, or \"virial\" to calibrate it.",
+        Kind::Either(&[
+            Kind::Word(&["virial", "flat"]),
+            Kind::Number(Range::Positive),
+        ]),
+        "Factor alpha of the surface stress: a number, calibrated, or that of a flat interface.",
     ),
     optional(
         "smoothing",

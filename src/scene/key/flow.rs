@@ -6,12 +6,8 @@ use super::super::{
     TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
 use super::body::{form, motion, place};
+use super::isph;
 use super::{List, Unit};
-
-pub(super) fn wcsph(scene: &Scene) -> &Wcsph {
-    let Method::Wcsph(settings) = &scene.method;
-    settings
-}
 
 /// Everything that the motion of the liquid depends on.
 pub(super) fn physics(list: &mut List, scene: &Scene) {
@@ -25,7 +21,9 @@ pub(super) fn physics(list: &mut List, scene: &Scene) {
         motion(list, scene, body, &tag);
     }
     flow(list, scene, true);
-    sound(list, wcsph(scene));
+    if let Method::Wcsph(settings) = &scene.method {
+        sound(list, settings);
+    }
 }
 
 /// What sets the speed of sound; bodies at rest have their own.
@@ -44,20 +42,35 @@ pub(super) fn particle(list: &mut List, scene: &Scene) {
     list.count("dimension", scene.dimension.count() as u64);
     list.number("pack.spacing", scene.pack.spacing, Unit::Length);
     list.number("liquid.density", scene.density, Unit::Density);
-    let mass = match wcsph(scene).mass {
+    let mass = match scene.method.sph().mass {
         Mass::Nominal => "nominal",
         Mass::LatticeSum => "lattice-sum",
     };
-    list.word("method.wcsph.mass", mass);
+    list.text(&own(scene, "mass"), SHARED[0], mass);
 }
 
-pub(super) fn kernel(list: &mut List, settings: &Wcsph) {
+/// Mass, kernel and smoothing in canonical form: one for all methods, so that they share what they
+/// pack, and the words of the first, so that what it packed stays fresh.
+const SHARED: [&str; 3] = [
+    "method.wcsph.mass",
+    "method.wcsph.kernel",
+    "method.wcsph.smoothing",
+];
+
+/// Name of a setting of the scene's method.
+fn own(scene: &Scene, key: &str) -> String {
+    format!("method.{}.{key}", scene.method.name())
+}
+
+pub(super) fn kernel(list: &mut List, scene: &Scene) {
+    let settings = scene.method.sph();
     let kernel = match settings.kernel {
         KernelName::CubicSpline => "cubic-spline",
         KernelName::WendlandC2 => "wendland-c2",
     };
-    list.word("method.wcsph.kernel", kernel);
-    list.number("method.wcsph.smoothing", settings.smoothing, Unit::One);
+    list.text(&own(scene, "kernel"), SHARED[1], kernel);
+    let (name, smoothing) = (own(scene, "smoothing"), settings.smoothing);
+    list.numbers(&name, SHARED[2], &[smoothing], Unit::One);
 }
 
 /// The box and what its sides do.
@@ -104,10 +117,11 @@ pub(super) fn effects(list: &mut List, scene: &Scene, falls: bool) {
     }
     if let Some(viscosity) = scene.effects.viscosity {
         list.number("effects.viscosity.dynamic", viscosity, Unit::Viscosity);
-        let form = match wcsph(scene).viscosity_form {
+        let form = match scene.method.sph().viscosity_form {
             ViscosityForm::TwoTerm => "two-term",
             ViscosityForm::TwoTermExact => "two-term-exact",
             ViscosityForm::Morris => "morris",
+            ViscosityForm::Cleary => "cleary",
         };
         list.word("effects.viscosity.form", form);
     }
@@ -119,11 +133,12 @@ pub(super) fn tension(list: &mut List, scene: &Scene) {
     let Some(coefficient) = scene.effects.tension else {
         return;
     };
-    let settings = wcsph(scene);
+    let settings = scene.method.sph();
     list.number("effects.tension.coefficient", coefficient, Unit::Tension);
     let form = match settings.tension_form {
         TensionForm::NormalisedColour => "normalised-colour",
         TensionForm::RawColour => "raw-colour",
+        TensionForm::CahnHilliard => "cahn-hilliard",
     };
     list.word("effects.tension.form", form);
     list.number(
@@ -135,15 +150,27 @@ pub(super) fn tension(list: &mut List, scene: &Scene) {
         TensionStrength::Fixed(strength) => {
             list.number("effects.tension.strength", strength, Unit::One);
         }
+        TensionStrength::Flat => list.word("effects.tension.strength", "flat"),
         TensionStrength::Virial => list.word("effects.tension.strength", "virial"),
     }
 }
 
 /// Settings of the solver. `walled`: the body can meet walls.
 pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
-    let settings = wcsph(scene);
-    list.word("method.name", "wcsph");
-    kernel(list, settings);
+    list.word("method.name", scene.method.name());
+    kernel(list, scene);
+    match &scene.method {
+        Method::Wcsph(settings) => wcsph(list, settings, walled && has_wall(scene)),
+        Method::Isph(settings) => isph::settings(list, settings),
+    }
+}
+
+fn has_wall(scene: &Scene) -> bool {
+    let mut sides = scene.domain.boundary.iter().flatten();
+    sides.any(|side| *side == Side::Wall)
+}
+
+fn wcsph(list: &mut List, settings: &Wcsph, walled: bool) {
     match settings.density {
         Density::Summation => list.word("method.wcsph.density", "summation"),
         Density::Continuity { diffusion } => {
@@ -167,13 +194,7 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
     };
     list.word("method.wcsph.sound_speed", sound);
     list.number("method.wcsph.exponent", settings.exponent, Unit::One);
-    let has_wall = scene
-        .domain
-        .boundary
-        .iter()
-        .flatten()
-        .any(|side| *side == Side::Wall);
-    if walled && has_wall {
+    if walled {
         let wall_pressure = match settings.wall_pressure {
             WallPressure::Summation => "summation",
             WallPressure::Extrapolated => "extrapolated",

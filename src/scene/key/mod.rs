@@ -7,13 +7,14 @@
 
 mod body;
 mod flow;
+mod isph;
 
 use std::path::Path;
 
 use super::quantity::{Unit, human};
 use super::{Arrangement, Colour, Mass, Scene, TensionStrength};
 use body::{body_colour, size};
-use flow::{colour, effects, flow, kernel, particle, physics, tension, walls, wcsph};
+use flow::{colour, effects, flow, kernel, particle, physics, tension, walls};
 
 /// What a change of a setting means for a result that is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,7 +135,6 @@ impl List {
 pub fn pack(scene: &Scene, body: usize) -> Result<Vec<Setting>, KeyError> {
     let mut list = List::new();
     let pack = &scene.pack;
-    let settings = wcsph(scene);
     particle(&mut list, scene);
     let lattice = pack.arrangement == Arrangement::Lattice;
     list.word(
@@ -146,8 +146,8 @@ pub fn pack(scene: &Scene, body: usize) -> Result<Vec<Setting>, KeyError> {
         list.count("pack.seed", pack.seed);
         list.count("pack.iterations", pack.iterations as u64);
     }
-    if !lattice || settings.mass == Mass::LatticeSum {
-        kernel(&mut list, settings);
+    if !lattice || scene.method.sph().mass == Mass::LatticeSum {
+        kernel(&mut list, scene);
     }
     size(&mut list, scene, &scene.bodies[body]);
     list.end()
@@ -186,9 +186,8 @@ pub fn calibrate(scene: &Scene) -> Result<Option<Vec<Setting>>, KeyError> {
         return Ok(None);
     }
     let mut list = List::new();
-    let settings = wcsph(scene);
     particle(&mut list, scene);
-    kernel(&mut list, settings);
+    kernel(&mut list, scene);
     tension(&mut list, scene);
     if scene.bodies.iter().any(|body| !body.shape.is_free()) {
         walls(&mut list, scene);
@@ -198,7 +197,7 @@ pub fn calibrate(scene: &Scene) -> Result<Option<Vec<Setting>>, KeyError> {
 
 /// True if the scene asks for a calibrated tension.
 pub fn is_calibrated(scene: &Scene) -> bool {
-    let strength = wcsph(scene).tension_strength;
+    let strength = scene.method.sph().tension_strength;
     scene.effects.tension.is_some() && strength == TensionStrength::Virial
 }
 

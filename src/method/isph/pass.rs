@@ -1,0 +1,207 @@
+//! Pair sums of ISPH. Lengths in units of h, as in `method::pass`.
+
+use super::correction::{Tensor, inverse};
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::space::lane::Lanes;
+use crate::space::sparse::Couple;
+use crate::space::sweep::{Pair, Pass};
+use std::marker::PhantomData;
+
+/// Weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)): -W'/q / (n_a n_b) with the densities
+/// n of `surface::Share`, and as printed -W'/q q^2 / (q^2 + 0.01) 4 rho0^2 / (rho_a + rho_b)^2
+/// (eta = 0.1 h). Where the liquid is thin, its volumes are larger: weights that do not know make
+/// the pressure too steep there, and a thin surface thinner.
+/// Payload: n or rho / rho0, 1 / n, unused, offset c of a wall particle, Pa, unused.
+///
+/// Sums: w q^2; w c of the neighbours; w d (3); w c of the target.
+pub struct Weights<K, const PRINTED: bool>(pub PhantomData<K>);
+
+impl<K: Kernel, const PRINTED: bool> Couple<6> for Weights<K, PRINTED> {
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) -> L::F {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let zero = L::splat(0.0);
+            let mut w = L::sub(zero, slope);
+            if PRINTED {
+                let rho = L::add(pair.own[0], pair.other[0]);
+                let below = L::mul(L::add(pair.q2, L::splat(0.01)), L::mul(rho, rho));
+                w = L::div(L::mul(L::mul(w, pair.q2), L::splat(4.0)), below);
+            } else {
+                w = L::mul(w, L::mul(pair.own[1], pair.other[1]));
+            }
+            w = L::if_less(zero, pair.q2, w);
+            sum[0] = L::fma(w, pair.q2, sum[0]);
+            sum[1] = L::fma(w, pair.other[3], sum[1]);
+            for a in 0..3 {
+                sum[2 + a] = L::fma(w, pair.d[a], sum[2 + a]);
+            }
+            sum[5] = L::fma(w, pair.own[3], sum[5]);
+            w
+        }
+    }
+}
+
+/// What a particle knows of its neighbourhood at r*.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Local {
+    /// SUM W V: 1 inside.
+    pub kernel_sum: f32,
+    /// n of `surface::Share`.
+    pub density: f32,
+    /// Divergence of v*, 1/s.
+    pub divergence: f32,
+    /// SUM V grad W, 1/m.
+    pub slope: [f32; 3],
+    /// B = SUM V (r_b - r_a) x grad W, and the matrix L that corrects gradients.
+    pub moment: Tensor,
+    pub correction: Tensor,
+}
+
+/// Fills [`Local`]. Payload: v* (3), unused (2).
+/// `CORRECTED`: divergence and L are those of corrected gradients, else L is the identity.
+pub struct Look<'a, K, const CORRECTED: bool> {
+    /// V norm / h^d and that over h.
+    pub value: f64,
+    pub gradient: f64,
+    /// Axes along which anything varies.
+    pub active: [bool; 3],
+    /// Above 0 for particles near a surface, whose L is the identity.
+    pub marks: &'a [f32],
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel, const CORRECTED: bool> Pass<19> for Look<'_, K, CORRECTED> {
+    type Out = Local;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 19]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            sum[0] = L::add(sum[0], w);
+            let slope = K::slope_lanes::<L>(q);
+            let (mut g, mut v) = (pair.d, pair.d);
+            for a in 0..3 {
+                g[a] = L::mul(slope, pair.d[a]);
+                sum[1 + a] = L::add(sum[1 + a], g[a]);
+                v[a] = L::sub(pair.other[a], pair.own[a]);
+            }
+            for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+                sum[4 + k] = L::fma(g[a], pair.d[b], sum[4 + k]);
+            }
+            for a in 0..3 {
+                for b in 0..3 {
+                    sum[10 + 3 * a + b] = L::fma(v[a], g[b], sum[10 + 3 * a + b]);
+                }
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, s: [f32; 19], out: &mut Local) {
+        out.kernel_sum = (self.value * (s[0] as f64 + K::w(0.0))) as f32;
+        out.slope = [s[1], s[2], s[3]].map(|s| (self.gradient * s as f64) as f32);
+        out.moment = std::array::from_fn(|k| (-self.value * s[4 + k] as f64) as f32);
+        // An axis along which nothing varies has no moment of its own.
+        for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+            if a == b && !self.active[a] {
+                out.moment[k] = 1.0;
+            }
+        }
+        out.correction = if CORRECTED && self.marks[target] == 0.0 {
+            inverse(&out.moment)
+        } else {
+            [1.0, 0.0, 0.0, 1.0, 0.0, 1.0]
+        };
+        let mut divergence = 0.0;
+        for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+            let g = if a == b {
+                s[10 + 4 * a]
+            } else {
+                s[10 + 3 * a + b] + s[10 + 3 * b + a]
+            };
+            divergence += out.correction[k] as f64 * g as f64;
+        }
+        out.divergence = (self.gradient * divergence) as f32;
+    }
+}
+
+/// Axes of the six entries of a symmetric tensor.
+pub const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
+
+/// SUM slope (P_b +- P_a) d. Payload 0: P. `SYMMETRIC`: the sum, else the difference.
+pub struct PressureSlope<K, const SYMMETRIC: bool>(pub PhantomData<K>);
+
+impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let p = if SYMMETRIC {
+                L::add(pair.other[0], pair.own[0])
+            } else {
+                L::sub(pair.other[0], pair.own[0])
+            };
+            let f = L::mul(slope, p);
+            for a in 0..3 {
+                sum[a] = L::fma(f, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum;
+    }
+}
+
+/// What the explicit half of a step needs at r^n. Payload: velocity, unused, 1 / rho^2.
+pub struct Around<K, V> {
+    /// m norm / h^(d+1).
+    pub factor: f64,
+    pub viscosity: V,
+    pub kernel: PhantomData<K>,
+}
+
+/// Sums of [`Around`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sums {
+    /// Viscous acceleration, m/s^2.
+    pub viscous: [f32; 3],
+    /// SUM w with the particle itself, and SUM slope d.
+    pub kernel: f32,
+    pub slope: [f32; 3],
+}
+
+impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
+    type Out = Sums;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            sum[3] = L::add(sum[3], w);
+            let slope = K::slope_lanes::<L>(q);
+            let mut v = pair.d;
+            for a in 0..3 {
+                sum[4 + a] = L::fma(slope, pair.d[a], sum[4 + a]);
+                v[a] = L::sub(pair.own[a], pair.other[a]);
+            }
+            if V::PRESENT {
+                let mut s = [sum[0], sum[1], sum[2]];
+                let weight = L::add(pair.own[4], pair.other[4]);
+                self.viscosity
+                    .add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
+                [sum[0], sum[1], sum[2]] = s;
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, s: [f32; 7], out: &mut Sums) {
+        *out = Sums {
+            viscous: [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32),
+            kernel: s[3] + K::w(0.0) as f32,
+            slope: [s[4], s[5], s[6]],
+        };
+    }
+}

@@ -1,0 +1,177 @@
+//! Walls in the pressure equation.
+//!
+//! The particles of the layer in contact with the liquid are unknowns; those behind copy the one in
+//! front (Kuri, Section 2.2), so each is one unknown with its followers, and its equation is the
+//! sum of theirs: the matrix stays symmetric. Walls exchange nothing with walls, so that pressure
+//! does not leak along them.
+//!
+//! As printed every wall particle moves with the wall and has a density of its own. With
+//! `source.divergence` the wall goes on with the velocity that the liquid before it has, v*_w =
+//! SUM v* W / SUM W, and the pressure takes its part through the wall away,
+//! (1) n . grad p = rho0 n . (v*_w - v_wall) / dt
+//! (Cummins & Rudman 1999; Lee et al. 2008): along the normals n of its axes the pressure of wall
+//! particle j behind contact g is p_j = p_g + c_j,
+//! c_j = rho0 / dt n n . (v*_w - v_wall) (r_j - r_g). On a lattice p = rho g depth is then an exact
+//! solution. Viscosity sees 2 v_wall - SUM v W / SUM W (Adami, Hu & Adams 2012,
+//! Eq. 23). Test: tests/engine/isph_flow.rs.
+
+use crate::method::model::Case;
+use crate::method::pass::WallSums;
+use crate::particle::Wall;
+use crate::scene::Side;
+use std::collections::HashMap;
+
+/// Groups of wall particles, one for each particle in contact.
+#[derive(Default)]
+pub struct Walls {
+    /// Members of group g: `member[start[g] .. start[g + 1]]`.
+    pub start: Vec<u32>,
+    pub member: Vec<u32>,
+    /// Group of each wall particle; as an unknown after the liquid in `unknown`.
+    pub group: Vec<u32>,
+    pub unknown: Vec<u32>,
+    /// The particle in contact of each group.
+    pub contact: Vec<u32>,
+    /// Axes whose walls a group belongs to.
+    normal: Vec<[bool; 3]>,
+    /// Per wall particle: sums over the liquid, and its density over rho0.
+    pub sums: Vec<WallSums>,
+    pub density: Vec<f64>,
+    /// Per group: v*_w, m/s; mean pressure of the liquid, Pa; whether any is there.
+    pub velocity: Vec<[f32; 3]>,
+    pub guess: Vec<f64>,
+    pub wet: Vec<bool>,
+    /// c_j, Pa.
+    pub offset: Vec<f32>,
+}
+
+impl Walls {
+    pub fn new(case: &Case, wall: &Wall) -> Self {
+        let n = wall.position[0].len();
+        let mut walls = Walls {
+            group: vec![0; n],
+            unknown: vec![0; n],
+            sums: vec![WallSums::default(); n],
+            density: vec![1.0; n],
+            offset: vec![0.0; n],
+            ..Walls::default()
+        };
+        let pitch = [0, 1, 2].map(|a| {
+            let size = case.domain.size[a];
+            let count = (size / case.spacing).round().max(1.0);
+            (size / count, count as i64)
+        });
+        let mut known: HashMap<[i64; 3], u32> = HashMap::new();
+        let mut depth = Vec::new();
+        for j in 0..n {
+            let (mut key, mut normal, mut behind) = ([0; 3], [false; 3], 0);
+            for a in (0..3).filter(|a| pitch[*a].0 > 0.0) {
+                let (pitch, count) = pitch[a];
+                let cell = (wall.position[a][j] / pitch).floor() as i64;
+                let sides = case.domain.boundary[a];
+                key[a] = cell;
+                if cell < 0 && sides[0] == Side::Wall {
+                    (key[a], normal[a]) = (-1, true);
+                } else if cell >= count && sides[1] == Side::Wall {
+                    (key[a], normal[a]) = (count, true);
+                }
+                behind += (cell - key[a]).abs();
+            }
+            let next = known.len() as u32;
+            let g = *known.entry(key).or_insert(next);
+            walls.group[j] = g;
+            if g == next {
+                walls.normal.push(normal);
+                walls.contact.push(j as u32);
+                depth.push(behind);
+            } else if behind < depth[g as usize] {
+                walls.contact[g as usize] = j as u32;
+                depth[g as usize] = behind;
+            }
+        }
+        walls.list();
+        walls
+    }
+
+    /// Members of the groups, by counting.
+    fn list(&mut self) {
+        let groups = self.contact.len();
+        self.start = vec![0; groups + 1];
+        self.group
+            .iter()
+            .for_each(|g| self.start[*g as usize + 1] += 1);
+        for g in 0..groups {
+            self.start[g + 1] += self.start[g];
+        }
+        let mut next = self.start.clone();
+        self.member = vec![0; self.group.len()];
+        for (j, g) in self.group.iter().enumerate() {
+            self.member[next[*g as usize] as usize] = j as u32;
+            next[*g as usize] += 1;
+        }
+        self.velocity = vec![[0.0; 3]; groups];
+        self.guess = vec![0.0; groups];
+        self.wet = vec![false; groups];
+    }
+
+    /// Groups.
+    pub fn len(&self) -> usize {
+        self.contact.len()
+    }
+
+    pub fn members(&self, group: usize) -> &[u32] {
+        &self.member[self.start[group] as usize..self.start[group + 1] as usize]
+    }
+
+    /// Numbers the groups after `liquid` particles.
+    pub fn number(&mut self, liquid: usize) {
+        for (unknown, group) in self.unknown.iter_mut().zip(&self.group) {
+            *unknown = liquid as u32 + group;
+        }
+    }
+
+    /// Velocity v*_w, guess and wetness of the groups from the sums over the liquid.
+    pub fn gather(&mut self, wall: &Wall) {
+        for g in 0..self.len() {
+            let (mut weight, mut pressure, mut velocity) = (0.0f64, 0.0f64, [0.0f64; 3]);
+            for &j in self.members(g) {
+                let s = &self.sums[j as usize];
+                weight += s.weight as f64;
+                pressure += s.pressure as f64;
+                (0..3).for_each(|a| velocity[a] += s.velocity[a] as f64);
+            }
+            let contact = self.contact[g] as usize;
+            self.wet[g] = weight > 0.0;
+            self.guess[g] = if self.wet[g] { pressure / weight } else { 0.0 };
+            self.velocity[g] = [0, 1, 2].map(|a| match self.wet[g] {
+                true => (velocity[a] / weight) as f32,
+                false => wall.velocity[a][contact] as f32,
+            });
+        }
+    }
+
+    /// rho0 / dt n n . (v*_w - v_wall) of group `g`, Pa/m.
+    pub fn slope(&self, g: usize, wall: &Wall, density: f64, dt: f64) -> [f64; 3] {
+        let contact = self.contact[g] as usize;
+        [0, 1, 2].map(|a| match self.normal[g][a] {
+            true => density / dt * (self.velocity[g][a] as f64 - wall.velocity[a][contact]),
+            false => 0.0,
+        })
+    }
+
+    /// Sets c_j; all zero with `still`, the copy as printed.
+    pub fn set_offsets(&mut self, wall: &Wall, still: bool, density: f64, dt: f64) {
+        if still {
+            return self.offset.fill(0.0);
+        }
+        for g in 0..self.len() {
+            let (slope, contact) = (self.slope(g, wall, density, dt), self.contact[g] as usize);
+            for k in self.start[g]..self.start[g + 1] {
+                let j = self.member[k as usize] as usize;
+                let away = |a: usize| wall.position[a][j] - wall.position[a][contact];
+                let c: f64 = (0..3).map(|a| slope[a] * away(a)).sum();
+                self.offset[j] = c as f32;
+            }
+        }
+    }
+}

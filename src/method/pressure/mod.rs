@@ -1,0 +1,211 @@
+//! The pressure equation of the projection methods and its solution.
+//!
+//! (1) A p = b,  (A p)_a = SUM w_ab (p_a - p_b) + s_a p_a,  w_ab = w_ba > 0, s_a >= 0
+//! is symmetric and positive definite as soon as one s_a > 0 (a free surface) is coupled to all;
+//! with none (a liquid that fills its box) constants are its null space, and b and p are kept free
+//! of them.
+//!
+//! Conjugate gradients (Hestenes & Stiefel 1952) with a choice of preconditioner: [`precondition`],
+//! [`multigrid`]. Every sum is taken in a fixed order, so results do not depend on the number of
+//! threads. Failure to converge is an [`Outcome`] that the caller must handle.
+//! Tests: tests/engine/pressure_*.rs.
+
+pub mod multigrid;
+pub mod precondition;
+
+use crate::scene::Preconditioner;
+use crate::space::parallel::{Slots, each, sum_in};
+use crate::space::sparse::Sparse;
+use multigrid::{Domain, Multigrid};
+
+/// (1), with where its unknowns are.
+#[derive(Default)]
+pub struct Equation {
+    /// w_ab.
+    pub coupling: Sparse,
+    /// SUM w_ab + s_a.
+    pub diagonal: Vec<f64>,
+    /// s_a.
+    pub surface: Vec<f64>,
+    /// b.
+    pub right: Vec<f64>,
+    /// Position of every unknown, m.
+    pub place: [Vec<f64>; 3],
+    /// SUM w r^2 / (2 d) of every unknown, m^2: its share in the energy of a unit gradient.
+    pub share: Vec<f64>,
+}
+
+impl Equation {
+    pub fn len(&self) -> usize {
+        self.diagonal.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.diagonal.is_empty()
+    }
+
+    /// (A x)_i.
+    #[inline(always)]
+    pub fn row(&self, i: usize, x: &[f64]) -> f64 {
+        self.diagonal[i] * x[i] - self.coupling.dot(i, x)
+    }
+
+    /// Whether constants are in the null space.
+    pub fn is_enclosed(&self) -> bool {
+        self.surface.iter().all(|s| *s == 0.0)
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        self.coupling.memory() + 8 * 7 * self.diagonal.capacity()
+    }
+}
+
+/// How a solution went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    pub iterations: usize,
+    /// |b - A p| / |b|.
+    pub residual: f64,
+    pub converged: bool,
+}
+
+/// Conjugate gradients with their memory.
+#[derive(Default)]
+pub struct Solver {
+    multigrid: Multigrid,
+    residual: Vec<f64>,
+    direction: Vec<f64>,
+    image: Vec<f64>,
+    better: Vec<f64>,
+    one: Vec<[f64; 1]>,
+}
+
+impl Solver {
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        8 * 4 * self.residual.capacity() + self.multigrid.memory()
+    }
+
+    /// Solves `equation` for `x`, which comes with a first guess. `domain`: where multigrid lays
+    /// its grids.
+    pub fn solve(
+        &mut self,
+        equation: &mut Equation,
+        domain: &Domain,
+        preconditioner: Preconditioner,
+        (tolerance, most): (f64, usize),
+        x: &mut [f64],
+    ) -> Outcome {
+        let n = equation.len();
+        assert!(x.len() == n && equation.coupling.len() == n);
+        let enclosed = equation.is_enclosed();
+        if enclosed {
+            self.centre(&mut equation.right);
+        }
+        for v in [
+            &mut self.residual,
+            &mut self.direction,
+            &mut self.image,
+            &mut self.better,
+        ] {
+            v.resize(n, 0.0);
+        }
+        if preconditioner == Preconditioner::Multigrid {
+            self.multigrid.prepare(equation, domain, enclosed);
+        }
+        let outcome = self.iterate(equation, preconditioner, (tolerance, most), x);
+        if enclosed {
+            self.centre(x);
+        }
+        outcome
+    }
+
+    fn iterate(
+        &mut self,
+        equation: &Equation,
+        preconditioner: Preconditioner,
+        (tolerance, most): (f64, usize),
+        x: &mut [f64],
+    ) -> Outcome {
+        let n = equation.len();
+        let right = &equation.right;
+        let [scale] = sum_in(&mut self.one, n, |i| [right[i] * right[i]]);
+        if scale == 0.0 {
+            x.fill(0.0);
+            return Outcome {
+                converged: true,
+                ..Outcome::default()
+            };
+        }
+        let slots = Slots::new(&mut self.residual);
+        let [mut rr] = sum_in(&mut self.one, n, |i| {
+            let r = right[i] - equation.row(i, x);
+            *unsafe { slots.at(i) } = r;
+            [r * r]
+        });
+        let mut rz = 0.0;
+        for iterations in 0..=most {
+            let residual = (rr / scale).sqrt();
+            if residual <= tolerance || iterations == most || !residual.is_finite() {
+                return Outcome {
+                    iterations,
+                    residual,
+                    converged: residual <= tolerance,
+                };
+            }
+            self.precondition(equation, preconditioner);
+            let (r, z) = (&self.residual, &self.better);
+            let last = rz;
+            [rz] = sum_in(&mut self.one, n, |i| [r[i] * z[i]]);
+            let beta = if iterations == 0 { 0.0 } else { rz / last };
+            let direction = Slots::new(&mut self.direction);
+            each(n, |i| {
+                let p = unsafe { direction.at(i) };
+                *p = z[i] + beta * *p;
+            });
+            let (p, image) = (&self.direction, Slots::new(&mut self.image));
+            let [pq] = sum_in(&mut self.one, n, |i| {
+                let q = equation.row(i, p);
+                *unsafe { image.at(i) } = q;
+                [p[i] * q]
+            });
+            let alpha = rz / pq;
+            if !(alpha > 0.0 && alpha.is_finite()) {
+                return Outcome {
+                    iterations,
+                    residual,
+                    converged: false,
+                };
+            }
+            let (q, x, r) = (&self.image, Slots::new(x), Slots::new(&mut self.residual));
+            [rr] = sum_in(&mut self.one, n, |i| {
+                *unsafe { x.at(i) } += alpha * p[i];
+                let r = unsafe { r.at(i) };
+                *r -= alpha * q[i];
+                [*r * *r]
+            });
+        }
+        unreachable!("the last iteration returns")
+    }
+
+    /// `better` = M^-1 `residual`.
+    fn precondition(&mut self, equation: &Equation, preconditioner: Preconditioner) {
+        let (r, z) = (&self.residual, &mut self.better);
+        match preconditioner {
+            Preconditioner::None => z.copy_from_slice(r),
+            Preconditioner::Diagonal => precondition::diagonal(equation, r, z),
+            Preconditioner::Ssor => precondition::ssor(equation, r, z),
+            Preconditioner::Multigrid => self.multigrid.apply(equation, r, z),
+        }
+    }
+
+    /// Takes the mean away.
+    fn centre(&mut self, x: &mut [f64]) {
+        let n = x.len();
+        let [total] = sum_in(&mut self.one, n, |i| [x[i]]);
+        let mean = total / n.max(1) as f64;
+        let x = Slots::new(x);
+        each(n, |i| *unsafe { x.at(i) } -= mean);
+    }
+}

@@ -1,0 +1,44 @@
+//! Preconditioners that need no more than the matrix: z = M^-1 r, M symmetric and positive
+//! definite.
+
+use super::Equation;
+use crate::space::parallel::{Slots, each};
+use rayon::prelude::*;
+
+/// Rows that one sweep of [`ssor`] takes together; fixed, so that nothing depends on threads.
+const BLOCK: usize = 1024;
+
+/// M = D (Jacobi).
+pub fn diagonal(equation: &Equation, r: &[f64], z: &mut [f64]) {
+    let z = Slots::new(z);
+    each(r.len(), |i| {
+        *unsafe { z.at(i) } = r[i] / equation.diagonal[i]
+    });
+}
+
+/// M = (D + L) D^-1 (D + L^T), symmetric Gauss-Seidel, within blocks of rows: couplings between
+/// blocks are left out, so that blocks run in parallel and their order does not matter.
+pub fn ssor(equation: &Equation, r: &[f64], z: &mut [f64]) {
+    z.par_chunks_mut(BLOCK).enumerate().for_each(|(block, z)| {
+        let first = block * BLOCK;
+        let inside = |i: usize, z: &[f64], range: std::ops::Range<usize>| {
+            let (index, weight) = equation.coupling.row(i);
+            let mut sum = 0.0;
+            for (j, w) in index.iter().zip(weight) {
+                let j = (*j as usize).wrapping_sub(first);
+                if range.contains(&j) {
+                    sum += *w as f64 * z[j];
+                }
+            }
+            sum
+        };
+        for k in 0..z.len() {
+            let i = first + k;
+            z[k] = (r[i] + inside(i, z, 0..k)) / equation.diagonal[i];
+        }
+        for k in (0..z.len()).rev() {
+            let i = first + k;
+            z[k] += inside(i, z, k + 1..z.len()) / equation.diagonal[i];
+        }
+    });
+}

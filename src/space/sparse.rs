@@ -1,0 +1,235 @@
+//! A symmetric matrix of pair couplings: row i holds the neighbours of unknown i, with weights.
+//!
+//! Rows are laid out in fixed chunks and every row is summed by one thread in one order, so that a
+//! product has the same bits for any number of threads. Weights are f32 (half the memory traffic,
+//! which is all that a product costs), sums are f64.
+
+use super::lane::{Lanes, Portable, Record, WIDTH};
+use super::row::{CHUNK, Rows, separation};
+use super::sweep::Pair;
+use rayon::prelude::*;
+
+/// What couples a pair, and what else is summed along the row.
+pub trait Couple<const N: usize>: Sync {
+    /// Weights of eight pairs: zero for padding (d = 0) and beyond the support.
+    ///
+    /// # Safety
+    /// The processor has the features of `L`.
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; N]) -> L::F;
+}
+
+#[derive(Clone, Debug, Default)]
+struct Chunk {
+    start: Vec<u32>,
+    index: Vec<u32>,
+    weight: Vec<f32>,
+}
+
+/// Off-diagonal weights of a symmetric matrix.
+#[derive(Clone, Debug, Default)]
+pub struct Sparse {
+    chunks: Vec<Chunk>,
+    count: usize,
+}
+
+/// Where rows come from: unknown i < `liquid.len()` is a liquid particle; each group of wall
+/// particles is one more unknown, whose row is that of all its members.
+#[derive(Clone, Copy)]
+pub struct Layout<'a> {
+    pub records: &'a [Record],
+    pub liquid: &'a Rows,
+    pub wall: &'a Rows,
+    /// Members of group g: `member[start[g] .. start[g + 1]]`, wall indices.
+    pub start: &'a [u32],
+    pub member: &'a [u32],
+    /// Unknown of each wall particle.
+    pub unknown: &'a [u32],
+    pub scale: [f32; 3],
+}
+
+impl Layout<'_> {
+    /// Number of unknowns.
+    pub fn len(&self) -> usize {
+        self.liquid.len() + self.start.len().saturating_sub(1)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Sparse {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Weights held.
+    pub fn entries(&self) -> usize {
+        self.chunks.iter().map(|c| c.index.len()).sum()
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        let bytes = |c: &Chunk| 4 * (c.start.capacity() + 2 * c.index.capacity());
+        self.chunks.iter().map(bytes).sum()
+    }
+
+    /// Neighbours and weights of row `i`.
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> (&[u32], &[f32]) {
+        let chunk = &self.chunks[i / CHUNK];
+        let k = i % CHUNK;
+        let range = chunk.start[k] as usize..chunk.start[k + 1] as usize;
+        (&chunk.index[range.clone()], &chunk.weight[range])
+    }
+
+    /// SUM weight x over row `i`.
+    #[inline(always)]
+    pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
+        let (index, weight) = self.row(i);
+        let (mut sum, mut k) = ([0.0f64; 4], 0);
+        let whole = index.len() / 4 * 4;
+        while k < whole {
+            for (lane, sum) in sum.iter_mut().enumerate() {
+                // Indices are below `len`, which is asserted once per product.
+                let x = unsafe { *x.get_unchecked(index[k + lane] as usize) };
+                *sum += weight[k + lane] as f64 * x;
+            }
+            k += 4;
+        }
+        for (j, w) in index[whole..].iter().zip(&weight[whole..]) {
+            sum[0] += *w as f64 * x[*j as usize];
+        }
+        (sum[0] + sum[1]) + (sum[2] + sum[3])
+    }
+
+    /// Couples all unknowns; `degree[i]` becomes the sum of row i, `sums[i]` what else is summed.
+    pub fn build<const N: usize, P: Couple<N>>(
+        &mut self,
+        layout: &Layout,
+        pass: &P,
+        degree: &mut Vec<f64>,
+        sums: &mut Vec<[f32; N]>,
+    ) {
+        self.count = layout.len();
+        self.chunks
+            .resize_with(self.count.div_ceil(CHUNK), Chunk::default);
+        degree.resize(self.count, 0.0);
+        sums.resize(self.count, [0.0; N]);
+        let out = degree.par_chunks_mut(CHUNK).zip(sums.par_chunks_mut(CHUNK));
+        let chunks = self.chunks.par_iter_mut().zip(out).enumerate();
+        chunks.for_each(|(c, (chunk, (degree, sums)))| {
+            chunk.start.clear();
+            chunk.index.clear();
+            chunk.weight.clear();
+            let out = (chunk, degree, sums);
+            #[cfg(target_arch = "x86_64")]
+            if super::lane::wide() {
+                return unsafe { fill_avx2(layout, pass, c * CHUNK, out) };
+            }
+            unsafe { fill::<Portable, N, P>(layout, pass, c * CHUNK, out) }
+        });
+    }
+}
+
+type Out<'a, const N: usize> = (&'a mut Chunk, &'a mut [f64], &'a mut [[f32; N]]);
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,popcnt")]
+unsafe fn fill_avx2<const N: usize, P: Couple<N>>(
+    layout: &Layout,
+    pass: &P,
+    from: usize,
+    out: Out<N>,
+) {
+    unsafe { fill::<super::lane::Avx2, N, P>(layout, pass, from, out) }
+}
+
+#[inline(always)]
+unsafe fn fill<L: Lanes, const N: usize, P: Couple<N>>(
+    layout: &Layout,
+    pass: &P,
+    from: usize,
+    (chunk, degree, sums): Out<N>,
+) {
+    unsafe {
+        let n = layout.liquid.len();
+        for (k, (degree, sums)) in degree.iter_mut().zip(sums).enumerate() {
+            chunk.start.push(chunk.index.len() as u32);
+            let mut lanes = [L::splat(0.0); N];
+            *degree = 0.0;
+            let i = from + k;
+            if i < n {
+                let row = layout.liquid.row(i);
+                *degree += append::<L, N, P>(layout, pass, i, row, &mut lanes, chunk);
+            } else {
+                let g = i - n;
+                let members = layout.start[g] as usize..layout.start[g + 1] as usize;
+                for &j in &layout.member[members] {
+                    let (row, j) = (layout.wall.row(j as usize), n + j as usize);
+                    *degree += append::<L, N, P>(layout, pass, j, row, &mut lanes, chunk);
+                }
+            }
+            for (sum, lanes) in sums.iter_mut().zip(lanes) {
+                *sum = L::sum(lanes);
+            }
+        }
+        chunk.start.push(chunk.index.len() as u32);
+    }
+}
+
+/// Appends the couplings of record `target`; their sum. Walls are not coupled to walls.
+#[inline(always)]
+unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
+    layout: &Layout,
+    pass: &P,
+    target: usize,
+    row: &[u32],
+    sum: &mut [L::F; N],
+    chunk: &mut Chunk,
+) -> f64 {
+    unsafe {
+        let n = layout.liquid.len();
+        let record = &layout.records[target];
+        let at = [record.at(0), record.at(1), record.at(2)];
+        let scale = L::splat3(layout.scale);
+        let mut own = [L::splat(0.0); 5];
+        for (c, own) in own.iter_mut().enumerate() {
+            *own = L::splat(record.payload(c));
+        }
+        let mut degree = 0.0;
+        for group in row.chunks_exact(WIDTH) {
+            let r = L::gather(layout.records.as_ptr(), group.as_ptr());
+            let d = separation::<L>(at, [r[0], r[1], r[2]], scale);
+            let pair = Pair {
+                d,
+                q2: L::dot(d, d),
+                own,
+                other: [r[3], r[4], r[5], r[6], r[7]],
+            };
+            let lanes = pass.pair::<L>(&pair, sum);
+            let mut weight = [0.0f32; WIDTH];
+            std::ptr::write_unaligned(weight.as_mut_ptr() as *mut L::F, lanes);
+            for (w, &j) in weight.into_iter().zip(group) {
+                let j = j as usize;
+                if w == 0.0 || (j >= n && target >= n) {
+                    continue;
+                }
+                let unknown = if j < n {
+                    j as u32
+                } else {
+                    layout.unknown[j - n]
+                };
+                chunk.index.push(unknown);
+                chunk.weight.push(w);
+                degree += w as f64;
+            }
+        }
+        degree
+    }
+}

@@ -6,8 +6,8 @@ use std::fmt;
 use super::quantity::{Unit, human};
 use super::shape::lattice;
 use super::{
-    Arrangement, Density, Dimension, Method, Motion, Pressure, Scene, Shape, Side, SoundSpeed,
-    TimeStepping, Wcsph,
+    Arrangement, Density, Method, Motion, Pressure, Scene, Shape, Side, SoundSpeed, TimeStepping,
+    Wcsph,
 };
 
 /// A number with its name and definition.

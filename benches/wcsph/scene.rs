@@ -3,7 +3,7 @@
 use coronet::method::{calibrate, initial};
 use coronet::particle::pack::pack;
 use coronet::particle::{Particles, State};
-use coronet::scene::{Method, Scene, file};
+use coronet::scene::{Method, Scene, Wcsph, file};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -31,10 +31,17 @@ pub fn block(side: usize, preset: &str, viscous: bool) -> Scene {
     loaded.unwrap_or_else(|error| panic!("{error}")).scene
 }
 
+/// Settings of the method.
+pub fn settings(scene: &Scene) -> &Wcsph {
+    match &scene.method {
+        Method::Wcsph(settings) => settings,
+        Method::Isph(_) => panic!("the scenes of this bench are those of WCSPH"),
+    }
+}
+
 /// h, m.
 pub fn smoothing(scene: &Scene) -> f64 {
-    let Method::Wcsph(settings) = &scene.method;
-    settings.smoothing * scene.pack.spacing
+    settings(scene).sph.smoothing * scene.pack.spacing
 }
 
 /// Each particle of the box up to 0.1 s0 and 1 m/s from rest on the lattice.

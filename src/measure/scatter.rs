@@ -23,7 +23,7 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// The range of an axis with some room, from 1 to 10 at least.
+    /// The range of an axis, widened on both sides by a factor of 1.5 or more.
     fn range(&self, axis: usize) -> std::ops::Range<f64> {
         let points = self.clouds.iter().flat_map(|c| c.points.iter());
         let (low, high) = points.fold((f64::INFINITY, 0.0f64), |(low, high), (p, _)| {

@@ -178,7 +178,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// with the speed at which the flow disorders them, the root mean square u of |v_ab| over the
     /// neighbours, or the one at which tension does, v_c (1 - (u / v_c)^2), v_c^2 = sigma / (rho
     /// h). What has less support than a flat surface is a rim, a tip or a sheet, whose normal says
-    /// nothing, and stays. Without tension who has the surface in its support stays.
+    /// little: only the speed of tension moves it. Spray stays, and without tension whoever has the
+    /// surface in its support.
     ///
     /// Inside density goes along: 2 rho dr . grad C is what the transport by dr leaves of the
     /// divergence at constant density (Sun et al. 2019, Eq. 5), and without it the mean density

@@ -1,6 +1,9 @@
-//! What the log shows of a solver.
+//! What every solver tells of itself: frames for the log, budgets, who ran away.
 
+use super::Diverged;
+use super::flow::Flow;
 use crate::particle::{Frame, Particles};
+use crate::space::parallel::sum;
 
 /// Per-particle fields that only the solver knows.
 pub struct Fields<'a> {
@@ -44,5 +47,55 @@ pub fn of(time: f64, p: &Particles, fields: &Fields, scalars: Vec<(String, f64)>
             .map(|&i| (fields.surface)(i as usize) as u8)
             .collect(),
         scalars,
+    }
+}
+
+/// Kinetic and potential energy, J, and momentum, kg m/s, of the liquid. `gravity`: m/s^2.
+pub fn budget(flow: &Flow, gravity: Option<[f64; 3]>) -> [f64; 5] {
+    let (p, m) = (&flow.particles, flow.particles.mass);
+    let g = gravity.unwrap_or([0.0; 3]);
+    sum(p.len(), |i| {
+        let v = [p.velocity[0][i], p.velocity[1][i], p.velocity[2][i]];
+        let x = flow.position(i);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        [
+            0.5 * m * dot(v, v),
+            -m * dot(g, x),
+            m * v[0],
+            m * v[1],
+            m * v[2],
+        ]
+    })
+}
+
+/// The fastest particle, or one whose speed is not a number, and its speed, m/s (then infinity).
+pub fn fastest(flow: &Flow) -> (usize, f64) {
+    let speed = |i: usize| {
+        let v = flow.particles.speed(i);
+        if v.is_nan() { f64::INFINITY } else { v }
+    };
+    let worst = (0..flow.liquid()).max_by(|a, b| speed(*a).total_cmp(&speed(*b)));
+    let i = worst.unwrap_or(0);
+    (i, speed(i))
+}
+
+/// Physics gone wrong at particle `i`.
+pub fn fault(
+    flow: &Flow,
+    (time, step): (f64, u64),
+    i: usize,
+    what: String,
+    remedy: &str,
+) -> Diverged {
+    let [x, y, z] = flow.position(i);
+    Diverged {
+        time,
+        step,
+        particle: flow.particles.id[i],
+        x,
+        y,
+        z,
+        what,
+        remedy: remedy.into(),
     }
 }

@@ -3,38 +3,16 @@
 use super::Isph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::Diverged;
+use crate::method::{Diverged, frame};
 use crate::particle::Frame;
-use crate::space::parallel::sum;
 
 /// Spacings that no particle crosses in one step: its neighbours would be others.
 const STRIDE: f64 = 2.0;
 
 impl<K: Kernel, V: PairViscosity> Isph<K, V> {
-    /// The particle that is fastest, or the first that is not a number.
-    fn worst(&self) -> usize {
-        let p = &self.flow.particles;
-        let key = |i: &usize| {
-            let v = p.speed(*i);
-            if v.is_nan() { f64::INFINITY } else { v }
-        };
-        let all = 0..p.len();
-        all.max_by(|a, b| key(a).total_cmp(&key(b))).unwrap_or(0)
-    }
-
     fn fault(&self, what: String, remedy: &str) -> Diverged {
-        let i = self.worst();
-        let [x, y, z] = self.flow.position(i);
-        Diverged {
-            time: self.time,
-            step: self.step,
-            particle: self.flow.particles.id[i],
-            x,
-            y,
-            z,
-            what,
-            remedy: remedy.into(),
-        }
+        let (i, _) = frame::fastest(&self.flow);
+        frame::fault(&self.flow, (self.time, self.step), i, what, remedy)
     }
 
     /// An error if anything is not a number or ran away in a step of `dt` s.
@@ -74,20 +52,7 @@ impl<K: Kernel, V: PairViscosity> Isph<K, V> {
 
     /// Kinetic and potential energy, J, momentum, kg m/s.
     pub(super) fn budget(&self) -> [f64; 5] {
-        let (p, m) = (&self.flow.particles, self.flow.particles.mass);
-        let g = self.case.effects.gravity.unwrap_or([0.0; 3]);
-        sum(p.len(), |i| {
-            let v = [p.velocity[0][i], p.velocity[1][i], p.velocity[2][i]];
-            let x = self.flow.position(i);
-            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-            [
-                0.5 * m * dot(v, v),
-                -m * dot(g, x),
-                m * v[0],
-                m * v[1],
-                m * v[2],
-            ]
-        })
+        frame::budget(&self.flow, self.case.effects.gravity)
     }
 
     /// What the log shows.
@@ -110,10 +75,10 @@ impl<K: Kernel, V: PairViscosity> Isph<K, V> {
         let scalars = named
             .into_iter()
             .map(|(name, value)| (name.to_string(), value));
-        let fields = crate::method::frame::Fields {
+        let fields = frame::Fields {
             pressure: &|i| self.pressure[i],
             surface: &|i| self.is_surface(i),
         };
-        crate::method::frame::of(self.time, p, &fields, scalars.collect())
+        frame::of(self.time, p, &fields, scalars.collect())
     }
 }

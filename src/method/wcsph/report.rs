@@ -3,7 +3,7 @@
 use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::Diverged;
+use crate::method::{Diverged, frame};
 use crate::particle::Frame;
 use crate::space::parallel::sum;
 
@@ -14,65 +14,41 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if !bad {
             return Ok(());
         }
-        let v = &self.flow.particles.velocity;
-        let square = |i: usize| v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i];
-        let key = |i: usize| {
-            if square(i).is_nan() {
-                f64::INFINITY
-            } else {
-                square(i)
-            }
-        };
-        let worst = (0..self.flow.liquid()).max_by(|a, b| key(*a).total_cmp(&key(*b)));
-        let i = worst.unwrap_or(0);
-        let [x, y, z] = self.flow.position(i);
-        Err(Diverged {
-            time: self.time,
-            step: self.step,
-            particle: self.flow.particles.id[i],
-            x,
-            y,
-            z,
-            what: format!(
-                "speed {:.4e} m/s above the sound speed {:.4e} m/s",
-                key(i).sqrt(),
-                self.model.sound_speeds[1]
-            ),
-            remedy: "a larger method.wcsph.sound_speed_factor or a smaller time step".into(),
-        })
+        let (i, speed) = frame::fastest(&self.flow);
+        let what = format!(
+            "speed {speed:.4e} m/s above the sound speed {:.4e} m/s",
+            self.model.sound_speeds[1]
+        );
+        let remedy = "a larger method.wcsph.sound_speed_factor or a smaller time step";
+        let now = (self.time, self.step);
+        Err(frame::fault(&self.flow, now, i, what, remedy))
     }
 
     /// Kinetic and potential energy, J, momentum, kg m/s.
-    pub(super) fn budget(&self) -> [f64; 6] {
+    pub(super) fn budget(&self) -> [f64; 5] {
+        frame::budget(&self.flow, self.model.effects.gravity)
+    }
+
+    /// Energy of compression, J.
+    fn compression(&self) -> f64 {
         let (p, m) = (&self.flow.particles, self.flow.particles.mass);
-        let g = self.model.effects.gravity.unwrap_or([0.0; 3]);
         let c2 = self.model.sound_speed * self.model.sound_speed;
         let rho0 = self.model.density;
-        sum(p.len(), |i| {
-            let v = [p.velocity[0][i], p.velocity[1][i], p.velocity[2][i]];
-            let x = self.flow.position(i);
-            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let [energy] = sum(p.len(), |i| {
             let e = p.density[i] / rho0 - 1.0;
-            let compression = 0.5 * m * c2 * e * e;
-            [
-                0.5 * m * dot(v, v),
-                -m * dot(g, x),
-                compression,
-                m * v[0],
-                m * v[1],
-                m * v[2],
-            ]
-        })
+            [0.5 * m * c2 * e * e]
+        });
+        energy
     }
 
     /// What the log shows.
     pub(super) fn make_frame(&self) -> Frame {
-        let [kinetic, potential, compression, x, y, z] = self.budget();
+        let [kinetic, potential, x, y, z] = self.budget();
         let p = &self.flow.particles;
         let named = [
             ("kinetic_energy_J", kinetic),
             ("potential_energy_J", potential),
-            ("compression_energy_J", compression),
+            ("compression_energy_J", self.compression()),
             ("mass_kg", p.mass * p.len() as f64),
             ("mass_removed_kg", self.flow.removed.0),
             ("momentum_x_kg_m_s", x),
@@ -85,10 +61,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let scalars = named
             .map(|(name, value)| (name.to_string(), value))
             .to_vec();
-        let fields = crate::method::frame::Fields {
+        let fields = frame::Fields {
             pressure: &|i| self.model.pressure(p.density[i]),
             surface: &|i| self.kernel_sum(i) < SURFACE,
         };
-        crate::method::frame::of(self.time, p, &fields, scalars)
+        frame::of(self.time, p, &fields, scalars)
     }
 }

@@ -35,6 +35,7 @@ mod walls;
 use super::flow::Flow;
 use super::model::Case;
 use super::pressure::{Equation, Outcome, Solver as PressureSolver};
+use super::shifting::LOOSE;
 use super::{Diverged, Solver};
 use crate::effect::tension::Tension;
 use crate::effect::viscosity::PairViscosity;
@@ -48,9 +49,6 @@ use std::marker::PhantomData;
 /// Less of the support than this is liquid at the free surface: 0.75 or so in the top layer of a
 /// lattice, more than 0.95 in the next.
 const SURFACE: f64 = 0.9;
-
-/// Below this kernel sum a particle is spray, as in WCSPH.
-const LOOSE: f32 = 0.55;
 
 /// A particle with a kernel sum below this that crosses a periodic side is mist, as in WCSPH.
 const MIST: f32 = 0.4;

@@ -8,6 +8,7 @@ pub mod limit;
 pub mod model;
 pub mod pass;
 pub mod pressure;
+pub mod shifting;
 pub mod start;
 pub mod wcsph;
 

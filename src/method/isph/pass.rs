@@ -54,6 +54,8 @@ pub struct Local {
     pub divergence: f32,
     /// SUM V grad W, 1/m.
     pub slope: [f32; 3],
+    /// Root mean square of |v*_ab| over the neighbours, by W, m/s.
+    pub stir: f32,
     /// B = SUM V (r_b - r_a) x grad W, and the matrix L that corrects gradients.
     pub moment: Tensor,
     pub correction: Tensor,
@@ -72,10 +74,10 @@ pub struct Look<'a, K, const CORRECTED: bool> {
     pub kernel: PhantomData<K>,
 }
 
-impl<K: Kernel, const CORRECTED: bool> Pass<19> for Look<'_, K, CORRECTED> {
+impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
     type Out = Local;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 19]) {
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 20]) {
         unsafe {
             let q = L::sqrt(pair.q2);
             let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
@@ -87,6 +89,7 @@ impl<K: Kernel, const CORRECTED: bool> Pass<19> for Look<'_, K, CORRECTED> {
                 sum[1 + a] = L::add(sum[1 + a], g[a]);
                 v[a] = L::sub(pair.other[a], pair.own[a]);
             }
+            sum[19] = L::fma(w, L::dot(v, v), sum[19]);
             for (k, [a, b]) in PAIRS.into_iter().enumerate() {
                 sum[4 + k] = L::fma(g[a], pair.d[b], sum[4 + k]);
             }
@@ -98,8 +101,9 @@ impl<K: Kernel, const CORRECTED: bool> Pass<19> for Look<'_, K, CORRECTED> {
         }
     }
     #[inline(always)]
-    fn finish(&self, target: usize, s: [f32; 19], out: &mut Local) {
+    fn finish(&self, target: usize, s: [f32; 20], out: &mut Local) {
         out.kernel_sum = (self.value * (s[0] as f64 + K::w(0.0))) as f32;
+        out.stir = (s[19] / s[0].max(f32::MIN_POSITIVE)).sqrt();
         out.slope = [s[1], s[2], s[3]].map(|s| (self.gradient * s as f64) as f32);
         out.moment = std::array::from_fn(|k| (-self.value * s[4 + k] as f64) as f32);
         // An axis along which nothing varies has no moment of its own.

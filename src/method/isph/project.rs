@@ -63,7 +63,7 @@ impl<K: Kernel, V: PairViscosity> Isph<K, V> {
             Gradient::Corrected => self.look_with::<true>(),
             Gradient::Symmetric => self.look_with::<false>(),
         }
-        let (rho0, h, share) = (self.case.density, self.case.h, &self.closure.share);
+        let (rho0, h, closure) = (self.case.density, self.case.h, &self.closure);
         let out = Slots::new(&mut self.flow.particles.density);
         let count = self.local.len();
         let local = Slots::new(&mut self.local);
@@ -71,7 +71,7 @@ impl<K: Kernel, V: PairViscosity> Isph<K, V> {
             let local = unsafe { local.at(i) };
             let sum = local.kernel_sum as f64;
             let slope = local.slope.map(|s| h * s as f64);
-            local.density = share.density(sum, slope) as f32;
+            local.density = closure.density(sum, slope) as f32;
             *unsafe { out.at(i) } = rho0 * sum;
         });
         if self.flow.wall_sees_wall {

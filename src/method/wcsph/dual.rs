@@ -6,6 +6,7 @@ use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::Diverged;
+use crate::method::shifting::Shifting;
 use crate::space::parallel::{Slots, each, slots3};
 
 /// Most acoustic steps in one advective step.
@@ -16,21 +17,6 @@ const SLOWING: f64 = 0.98;
 
 /// Room for what a step adds to a speed, and for shifting.
 const HASTE: f64 = 1.5;
-
-/// Shifting is never faster than this part of the largest speed (Sun et al. 2019).
-const SHIFT_CAP: f64 = 0.5;
-
-/// Kernel sum of the outermost layer of a flat surface (lattice, Wendland C2, h = 1.5 s0: 0.753; an
-/// edge has 0.56, a sheet of two layers 0.737).
-const FLAT: f32 = 0.75;
-
-/// Below this kernel sum a particle is spray and is not shifted (Sun et al. 2017 use 0.55 of the
-/// eigenvalue of the renormalisation matrix, which a surface lowers like the kernel sum).
-const LOOSE: f32 = 0.55;
-
-/// Largest dr / grad C in h^2: beyond it the explicit diffusion of particles is unstable (Lind et
-/// al. 2012).
-const SHIFT_LIMIT: f64 = 0.5;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// One advective step.
@@ -172,30 +158,24 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         });
     }
 
-    /// Particle shifting against the gradient of concentration (Lind et al. 2012; Sun et al. 2019):
-    /// dr = -2 A h v dt grad C. Inside v is the largest speed, not the local one: voids open at
-    /// stagnation points. Near a surface particles are shifted along it, by the tension's normal,
-    /// with the speed at which the flow disorders them, the root mean square u of |v_ab| over the
-    /// neighbours, or the one at which tension does, v_c (1 - (u / v_c)^2), v_c^2 = sigma / (rho
-    /// h). What has less support than a flat surface is a rim, a tip or a sheet, whose normal says
-    /// little: only the speed of tension moves it. Spray stays, and without tension whoever has the
-    /// surface in its support.
-    ///
-    /// Inside density goes along: 2 rho dr . grad C is what the transport by dr leaves of the
-    /// divergence at constant density (Sun et al. 2019, Eq. 5), and without it the mean density
-    /// drifts, for particles are moved apart where the flow moved them together. Near a surface
-    /// grad C is the shape of the surface too: there it would suck a crown back into the pool.
+    /// [`Shifting`]. Inside density goes along: 2 rho dr . grad C is what the transport by dr
+    /// leaves of the divergence at constant density (Sun et al. 2019, Eq. 5), and without it the
+    /// mean density drifts, for particles are moved apart where the flow moved them together. Near
+    /// a surface grad C is the shape of the surface too: there it would suck a crown back into the
+    /// pool.
     fn shift(&mut self, dt: f64) {
-        let (model, fastest) = (&self.model, self.fastest);
+        let model = &self.model;
         let d = model.dimension.count();
         let gradient = K::norm(d) * (model.spacing / model.h).powi(d as i32) / model.h;
-        let factor = |speed: f64| {
-            let wanted = 2.0 * model.settings.shifting * model.h * speed * dt;
-            wanted.min(SHIFT_LIMIT * model.h * model.h) * gradient
+        let shifting = Shifting {
+            strength: model.settings.shifting,
+            h: model.h,
+            dt,
+            fastest: self.fastest,
+            capillary: Shifting::capillary(model.effects.tension, model.density, model.h),
+            unit: gradient,
         };
-        let square = model.effects.tension.unwrap_or(0.0) / (model.density * model.h);
-        let (inside, capillary) = (factor(fastest), square.sqrt());
-        let (cap, scale) = (SHIFT_CAP * fastest.max(capillary) * dt, self.sum_factor());
+        let scale = self.sum_factor();
         let (around, driven) = (&self.around, &self.driven);
         let p = &mut self.flow.particles;
         let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
@@ -203,26 +183,17 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         each(around.len(), |i| {
             let support = around[i].kernel_sum(scale);
             let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
-            let n2: f64 = normal.iter().map(|n| n * n).sum();
-            let near = n2 > 0.0;
-            if support < if near { LOOSE } else { SURFACE } || (near && capillary == 0.0) {
+            let near = normal.iter().any(|n| *n != 0.0);
+            if !near && support < SURFACE {
                 return;
             }
-            let along = || {
-                let u = around[i].relative_speed() as f64;
-                let calm = (capillary - u * u / capillary).max(0.0);
-                factor(if support < FLAT { calm } else { calm.max(u) })
+            let dr = match near {
+                true => shifting.near(slope, normal, support, around[i].relative_speed()),
+                false => shifting.inside(slope),
             };
-            let mut dr = slope.map(|g| -g * if near { along() } else { inside });
-            if near {
-                let along = (0..3).map(|a| dr[a] * normal[a]).sum::<f64>() / n2;
-                (0..3).for_each(|a| dr[a] -= along * normal[a]);
-            }
-            let length = dr.iter().map(|d| d * d).sum::<f64>().sqrt();
-            let limit = if length > cap { cap / length } else { 1.0 };
-            (0..3).for_each(|a| *unsafe { x[a].at(i) } += limit * dr[a]);
+            (0..3).for_each(|a| *unsafe { x[a].at(i) } += dr[a]);
             if !near {
-                let spread = (0..3).map(|a| limit * dr[a] * slope[a]).sum::<f64>();
+                let spread = (0..3).map(|a| dr[a] * slope[a]).sum::<f64>();
                 *unsafe { density.at(i) } += twice * spread;
             }
         });

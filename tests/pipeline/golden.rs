@@ -26,17 +26,26 @@ const JOBS: [&str; 6] = [
 #[test]
 fn results_change_only_with_their_version() {
     let mut found = String::new();
-    for preset in ["corrected", "modern"] {
+    for (method, preset) in [
+        ("wcsph", "corrected"),
+        ("wcsph", "modern"),
+        ("isph", "modern"),
+    ] {
         let program = Program::new();
-        program.run(&["--set", &format!("method.preset={preset}")]);
+        let [method_set, preset_set] = [("name", method), ("preset", preset)]
+            .map(|(key, value)| format!("method.{key}={value}"));
+        program.run(&["--set", &method_set, "--set", &preset_set]);
         for job in JOBS {
             let stamp = Stamp::read(&program.latest(job)).unwrap().unwrap();
-            found += &format!("{preset} {job} {} {}\n", stamp.version, stamp.digest);
+            found += &format!(
+                "{method} {preset} {job} {} {}\n",
+                stamp.version, stamp.digest
+            );
         }
         let measures = fs::read(program.latest("post").join("measures.csv")).unwrap();
         let stamp = Stamp::read(&program.latest("post")).unwrap().unwrap();
         let digest = coronet::record::Digest::of(&measures);
-        found += &format!("{preset} measures {} {digest}\n", stamp.version);
+        found += &format!("{method} {preset} measures {} {digest}\n", stamp.version);
     }
     assert!(found == GOLDEN, "found\n{found}expected\n{GOLDEN}");
 }

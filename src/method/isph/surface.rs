@@ -131,7 +131,6 @@ impl Share {
         let (a, b, part) = (self.table[k], self.table[k + 1], x - k as f64);
         [0, 1].map(|c| a[c] + (b[c] - a[c]) * part)
     }
-
 }
 
 /// (3) for one kernel and smoothing length.

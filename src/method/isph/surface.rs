@@ -201,6 +201,11 @@ impl Completion {
         ramp * outward.max(0.0) / depth.max(self.least) + alone * (self.full - degree).max(0.0)
     }
 
+    /// The same for other weights w, with their sum over a full support.
+    pub fn with_full(self, full: f64) -> Self {
+        Completion { full, ..self }
+    }
+
     /// SUM w of a full support.
     pub fn full(&self) -> f64 {
         self.full

@@ -15,12 +15,14 @@
 //! about it, in its place (Khayyer & Gotoh 2008): momentum is kept between liquid particles.
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
-//! `closure.completed` is that of ISPH, [`super::isph::surface`], with the weights of (4); there and
-//! in the shifting a smooth kernel of h = r_e / 2 shows the surface. Walls: [`super::isph::walls`].
+//! `closure.completed` is that of ISPH, [`super::isph::surface`], with the weights of (4); there
+//! and in the shifting a smooth kernel of h = r_e / 2 shows the surface. Walls:
+//! [`super::isph::walls`].
 //!
 //! Time step: courant l0 / u_max, and the viscous, capillary and force limits of [`super::limit`],
 //! between `shortest` and `longest`. The paper gives none. A pressure that cannot be found is
-//! treated as in ISPH. Fails where: (6) and (7) are not the same operator, so that v^(n+1) keeps
+//! treated as in ISPH. Fails with `courant` 0.25 (vortices), and with `corrected` and `paper` in a
+//! hydrostatic column (docs/validation.md); where: (6) and (7) are not the same operator, so that v^(n+1) keeps
 //! some divergence; (6) as printed turns noise of n into pressure.
 //! The tension of Eqs. 10-16 and the wetting of Eq. 18 are not here: `effect::tension` serves.
 //! Tests: tests/engine/mps_*.rs, tests/validation.
@@ -250,8 +252,8 @@ impl Mps {
         self.sum_factor() * self.around[i].kernel
     }
 
-    /// Whether particle `i` is at the free surface, at r^n: n < beta n0, or less than [`SURFACE`] of
-    /// its support is liquid or hardly anything is near.
+    /// Whether particle `i` is at the free surface, at r^n: n < beta n0, or less than [`SURFACE`]
+    /// of its support is liquid or hardly anything is near.
     #[inline(always)]
     fn is_surface(&self, i: usize) -> bool {
         let Sums {

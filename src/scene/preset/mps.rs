@@ -47,12 +47,12 @@ pub fn mps_corrected() -> Mps {
 pub fn mps_modern() -> Mps {
     let mps = Mps {
         radius: 3.1,
+        laplacian_radius: 2.1, // with 3.1 short waves of pressure are corrected too far
         closure: MpsClosure::Completed, // Nair & Tomar 2014, no flicker
         gradient: MpsGradient::Corrected, // Khayyer & Gotoh 2011; Tamai & Koshizuka 2014
         pressure: Pressure::Signed,
         preconditioner: Preconditioner::Multigrid,
         shifting: 4.0, // Lind et al. 2012, as strong as in the other methods
-        courant: 0.25,
         ..mps_corrected()
     };
     mps.with_length()

@@ -22,8 +22,8 @@
 //! Time step: courant l0 / u_max, and the viscous, capillary and force limits of [`super::limit`],
 //! between `shortest` and `longest`. The paper gives none. A pressure that cannot be found is
 //! treated as in ISPH. Fails with `courant` 0.25 (vortices), and with `corrected` and `paper` in a
-//! hydrostatic column (docs/validation.md); where: (6) and (7) are not the same operator, so that v^(n+1) keeps
-//! some divergence; (6) as printed turns noise of n into pressure.
+//! hydrostatic column (docs/validation.md); where (6) and (7) are not the same operator, so that
+//! v^(n+1) keeps some divergence; (6) as printed turns noise of n into pressure.
 //! The tension of Eqs. 10-16 and the wetting of Eq. 18 are not here: `effect::tension` serves.
 //! Tests: tests/engine/mps_*.rs, tests/validation.
 

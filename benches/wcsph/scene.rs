@@ -35,7 +35,7 @@ pub fn block(side: usize, preset: &str, viscous: bool) -> Scene {
 pub fn settings(scene: &Scene) -> &Wcsph {
     match &scene.method {
         Method::Wcsph(settings) => settings,
-        Method::Isph(_) => panic!("the scenes of this bench are those of WCSPH"),
+        _ => panic!("the scenes of this bench are those of WCSPH"),
     }
 }
 

@@ -30,7 +30,7 @@ mod report;
 mod shift;
 mod step;
 pub mod surface;
-mod walls;
+pub(super) mod walls;
 
 use super::flow::Flow;
 use super::model::Case;

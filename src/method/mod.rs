@@ -6,6 +6,7 @@ pub mod frame;
 pub mod isph;
 pub mod limit;
 pub mod model;
+pub mod mps;
 pub mod pass;
 pub mod pressure;
 pub mod shifting;
@@ -184,6 +185,10 @@ impl select::Visitor for Parts<'_> {
                 Box::new(wcsph::Wcsph::<K, V>::new(
                     model, flow, viscosity, tension, state, pool,
                 ))
+            }
+            Method::Mps(settings) => {
+                let (case, settings) = (Case::new(scene, phase, body), settings.clone());
+                Box::new(mps::Mps::new(case, settings, flow, tension, state, pool))
             }
             Method::Isph(settings) => {
                 let case = Case::new(scene, phase, body);

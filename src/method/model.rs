@@ -90,7 +90,7 @@ impl Case {
             h: sph.smoothing * scene.pack.spacing,
             density: scene.density,
             damping,
-            is_implicit: matches!(scene.method, Method::Isph(_)),
+            is_implicit: !matches!(scene.method, Method::Wcsph(_)),
         }
     }
 }

@@ -6,7 +6,7 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
-use super::{Dimension, Isph, Method, Motion, Scene, Shape, Side, TimeStepping, numbers};
+use super::{Dimension, Method, Motion, Scene, Shape, Side, TimeStepping, numbers};
 
 /// Bodies are numbered by a byte.
 const BODIES: usize = 255;
@@ -242,7 +242,8 @@ fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     }
     let settings = match &scene.method {
         Method::Wcsph(settings) => settings,
-        Method::Isph(settings) => return steps(settings, root),
+        Method::Isph(s) => return steps("isph", [s.shortest, s.longest], root),
+        Method::Mps(s) => return steps("mps", [s.shortest, s.longest], root),
     };
     let TimeStepping::Fixed { step } = settings.time_stepping else {
         return Ok(());
@@ -261,15 +262,15 @@ fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn steps(settings: &Isph, root: &Cursor<'_>) -> Result<(), SceneError> {
-    if settings.shortest <= settings.longest {
+fn steps(method: &str, [shortest, longest]: [f64; 2], root: &Cursor<'_>) -> Result<(), SceneError> {
+    if shortest <= longest {
         return Ok(());
     }
     let problem = format!(
         "is above the longest step of {}",
-        human(settings.longest, Unit::Time)
+        human(longest, Unit::Time)
     );
-    let place = root.nearest("method.isph.shortest");
+    let place = root.nearest(&format!("method.{method}.shortest"));
     Err(place.fault(&problem, "make it shorter"))
 }
 

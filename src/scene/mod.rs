@@ -12,6 +12,7 @@ pub mod file;
 pub mod format;
 mod isph;
 pub mod key;
+mod mps;
 pub mod numbers;
 pub mod preset;
 pub mod quantity;
@@ -21,6 +22,7 @@ mod shape;
 mod tree;
 
 pub use isph::{Closure, Gradient, Isph, PoissonSource, Preconditioner};
+pub use mps::{Mps, MpsClosure, MpsGradient};
 
 /// Number of space dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -329,6 +331,7 @@ pub struct Wcsph {
 pub enum Method {
     Wcsph(Wcsph),
     Isph(Isph),
+    Mps(Mps),
 }
 
 impl Method {
@@ -337,6 +340,7 @@ impl Method {
         match self {
             Method::Wcsph(_) => "wcsph",
             Method::Isph(_) => "isph",
+            Method::Mps(_) => "mps",
         }
     }
 
@@ -345,6 +349,7 @@ impl Method {
         match self {
             Method::Wcsph(settings) => &settings.sph,
             Method::Isph(settings) => &settings.sph,
+            Method::Mps(settings) => &settings.sph,
         }
     }
 }

@@ -83,7 +83,7 @@ const REST_STIFFNESS: f64 = 31.6;
 fn wcsph(scene: &Scene) -> Option<&Wcsph> {
     match &scene.method {
         Method::Wcsph(settings) => Some(settings),
-        Method::Isph(_) => None,
+        Method::Isph(_) | Method::Mps(_) => None,
     }
 }
 
@@ -245,6 +245,10 @@ pub fn limits(scene: &Scene) -> Vec<Row> {
             limit("advective", 0.25 * cross, "0.25 s0 / V"),
         ],
         Method::Isph(settings) => {
+            let value = (settings.courant * cross).clamp(settings.shortest, settings.longest);
+            vec![limit("advective", value, "courant s0 / V")]
+        }
+        Method::Mps(settings) => {
             let value = (settings.courant * cross).clamp(settings.shortest, settings.longest);
             vec![limit("advective", value, "courant s0 / V")]
         }

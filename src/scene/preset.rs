@@ -11,8 +11,10 @@ use super::{
     TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
 pub use isph::{isph_corrected, isph_modern, isph_paper};
+pub use mps::{mps_corrected, mps_modern, mps_paper};
 
 mod isph;
+mod mps;
 
 /// Nishio et al. 2010, Int. J. Numer. Meth. Fluids 63, 1435-1447, as printed.
 pub fn wcsph_paper() -> Wcsph {
@@ -90,6 +92,7 @@ pub fn method(root: &Cursor<'_>) -> Result<Method, SceneError> {
     let method = root.need("method")?;
     Ok(match method.text_at("name")? {
         "isph" => Method::Isph(isph::isph(root)?),
+        "mps" => Method::Mps(mps::mps(root)?),
         _ => Method::Wcsph(wcsph(root)?),
     })
 }

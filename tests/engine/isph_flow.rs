@@ -9,7 +9,7 @@ use std::ops::ControlFlow::Continue;
 const PRESETS: [&str; 3] = ["isph paper", "isph corrected", "isph modern"];
 
 /// The lattice at t = 0, of which only the particles that `keep` wants (by place, m) are left.
-fn solver(scene: &Scene, keep: impl Fn([f64; 3]) -> bool) -> Box<dyn Solver> {
+pub fn solver(scene: &Scene, keep: impl Fn([f64; 3]) -> bool) -> Box<dyn Solver> {
     let bodies: Vec<_> = (0..scene.bodies.len())
         .map(|body| pack(scene, body, &mut |_| Continue(())).unwrap().0)
         .collect();
@@ -29,7 +29,7 @@ fn solver(scene: &Scene, keep: impl Fn([f64; 3]) -> bool) -> Box<dyn Solver> {
     method::build(scene, state, Phase::Impact, Some(3.0)).unwrap()
 }
 
-fn run(solver: &mut dyn Solver, steps: usize) -> Frame {
+pub fn run(solver: &mut dyn Solver, steps: usize) -> Frame {
     for _ in 0..steps {
         solver.advance(&mut |_| ()).unwrap();
     }
@@ -39,7 +39,7 @@ fn run(solver: &mut dyn Solver, steps: usize) -> Frame {
     frame
 }
 
-fn named(frame: &Frame, name: &str) -> f64 {
+pub fn named(frame: &Frame, name: &str) -> f64 {
     frame.scalars.iter().find(|s| s.0 == name).unwrap().1
 }
 

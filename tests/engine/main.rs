@@ -18,6 +18,8 @@ mod method_model;
 mod method_operator;
 mod method_pair;
 mod method_scene;
+mod mps_flow;
+mod mps_operator;
 mod pack_completion;
 mod pack_lattice;
 mod pack_poisson;

@@ -10,19 +10,22 @@ use coronet::scene::Scene;
 use std::ops::ControlFlow::Continue;
 
 /// Not "isph paper": its tension reaches across the small box; tests/engine/isph_flow.rs runs it.
-const PRESETS: [&str; 5] = [
+const PRESETS: [&str; 8] = [
     "paper",
     "corrected",
     "modern",
     "isph corrected",
     "isph modern",
+    "mps paper",
+    "mps corrected",
+    "mps modern",
 ];
 
-/// Presets whose forces are pairs: the corrected pressure gradient is not.
+/// Presets whose forces are pairs: corrected pressure gradients are not, nor is Eq. 5 of MPS.
 fn in_pairs() -> impl Iterator<Item = &'static str> {
     PRESETS
         .into_iter()
-        .filter(|preset| *preset != "isph modern")
+        .filter(|preset| !["isph modern", "mps paper", "mps modern"].contains(preset))
 }
 
 /// SUM m v and SUM m |v|, kg m/s.

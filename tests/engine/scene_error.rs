@@ -153,7 +153,7 @@ const WRONG: &[(&str, &str, &[&str])] = &[
     (
         "[relax]",
         "[method]\nname = 3",
-        &["method.name", "write one of \"wcsph\", \"isph\""],
+        &["method.name", "write one of \"wcsph\", \"isph\", \"mps\""],
     ),
     ("[relax]", "seed = 1.5", &["pack.seed", "whole number"]),
     (

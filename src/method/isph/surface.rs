@@ -209,6 +209,11 @@ impl Completion {
         (kernel_sum / (1.0 - lack)).clamp(LOOSEST, DENSEST)
     }
 
+    /// The same for other weights w, with their sum over a full support.
+    pub fn with_full(self, full: f64) -> Self {
+        Completion { full, ..self }
+    }
+
     /// SUM w of a full support.
     pub fn full(&self) -> f64 {
         self.full

@@ -5,7 +5,7 @@ use super::{Field, Kind, Range, TIME, Unit, default, optional, required};
 pub static METHOD: &[Field] = &[
     default(
         "name",
-        Kind::Word(&["wcsph", "isph"]),
+        Kind::Word(&["wcsph", "isph", "mps"]),
         "\"wcsph\"",
         "The solver.",
     ),
@@ -27,6 +27,61 @@ pub static METHOD: &[Field] = &[
         "{}",
         "Settings of ISPH in place of the preset's.",
     ),
+    default(
+        "mps",
+        Kind::Table(MPS, &[]),
+        "{}",
+        "Settings of MPS in place of the preset's.",
+    ),
+];
+
+pub static MPS: &[Field] = &[
+    optional(
+        "radius",
+        Kind::Number(Range::Between(1.5, 5.0)),
+        "Radius r_e / l0 of number density and gradient.",
+    ),
+    optional(
+        "laplacian_radius",
+        Kind::Number(Range::Between(2.0, 5.0)),
+        "Radius r_e / l0 of the Laplacian.",
+    ),
+    optional(
+        "beta",
+        Kind::Number(Range::Between(0.5, 1.0)),
+        "Number density over n0 below which a particle is at the free surface.",
+    ),
+    optional(
+        "source",
+        Kind::Either(&[
+            Kind::Word(&["density"]),
+            Kind::Table(SOURCE, &["divergence"]),
+        ]),
+        "What the pressure makes: density rho0 at once, or no divergence.",
+    ),
+    optional(
+        "closure",
+        Kind::Word(&["threshold", "completed"]),
+        "How the pressure ends at a free surface: zero below `beta`, or without flags.",
+    ),
+    optional(
+        "gradient",
+        Kind::Word(&["minimum", "symmetric", "corrected"]),
+        "Pressure gradient: from the least pressure about, one that keeps momentum, or one exact \
+         for linear pressure.",
+    ),
+    optional(
+        "pressure",
+        Kind::Word(&["clipped", "signed"]),
+        "What a pressure below zero becomes.",
+    ),
+    PRECONDITIONER,
+    TOLERANCE,
+    ITERATIONS,
+    SHIFTING,
+    COURANT,
+    SHORTEST,
+    LONGEST,
 ];
 
 pub static ISPH: &[Field] = &[
@@ -51,34 +106,46 @@ pub static ISPH: &[Field] = &[
         Kind::Word(&["symmetric", "corrected"]),
         "Pressure gradient that keeps momentum, or one exact for linear pressure.",
     ),
-    optional(
-        "preconditioner",
-        Kind::Word(&["none", "diagonal", "ssor", "multigrid"]),
-        "Preconditioner of the conjugate gradients.",
-    ),
-    optional(
-        "tolerance",
-        Kind::Number(Range::Between(1e-14, 0.1)),
-        "Residual over right-hand side at which the pressure is found.",
-    ),
-    optional(
-        "iterations",
-        Kind::Count(1),
-        "Most iterations of one solution.",
-    ),
+    PRECONDITIONER,
+    TOLERANCE,
+    ITERATIONS,
     SHIFTING,
-    optional(
-        "courant",
-        Kind::Number(Range::Between(0.001, 1.0)),
-        "Spacings that the fastest particle crosses in a step.",
-    ),
-    optional("shortest", TIME, "Shortest time step."),
-    optional(
-        "longest",
-        Kind::Either(&[Kind::Word(&["none"]), TIME]),
-        "Longest time step, or \"none\".",
-    ),
+    COURANT,
+    SHORTEST,
+    LONGEST,
 ];
+
+const PRECONDITIONER: Field = optional(
+    "preconditioner",
+    Kind::Word(&["none", "diagonal", "ssor", "multigrid"]),
+    "Preconditioner of the conjugate gradients.",
+);
+
+const TOLERANCE: Field = optional(
+    "tolerance",
+    Kind::Number(Range::Between(1e-14, 0.1)),
+    "Residual over right-hand side at which the pressure is found.",
+);
+
+const ITERATIONS: Field = optional(
+    "iterations",
+    Kind::Count(1),
+    "Most iterations of one solution.",
+);
+
+const COURANT: Field = optional(
+    "courant",
+    Kind::Number(Range::Between(0.001, 1.0)),
+    "Spacings that the fastest particle crosses in a step.",
+);
+
+const SHORTEST: Field = optional("shortest", TIME, "Shortest time step.");
+
+const LONGEST: Field = optional(
+    "longest",
+    Kind::Either(&[Kind::Word(&["none"]), TIME]),
+    "Longest time step, or \"none\".",
+);
 
 pub static SOURCE: &[Field] = &[optional(
     "divergence",

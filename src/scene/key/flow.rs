@@ -6,8 +6,8 @@ use super::super::{
     TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
 use super::body::{form, motion, place};
-use super::isph;
 use super::{List, Unit};
+use super::{isph, mps};
 
 /// Everything that the motion of the liquid depends on.
 pub(super) fn physics(list: &mut List, scene: &Scene) {
@@ -117,6 +117,10 @@ pub(super) fn effects(list: &mut List, scene: &Scene, falls: bool) {
     }
     if let Some(viscosity) = scene.effects.viscosity {
         list.number("effects.viscosity.dynamic", viscosity, Unit::Viscosity);
+        // The Laplacian of MPS has one form.
+        if let Method::Mps(_) = scene.method {
+            return tension(list, scene);
+        }
         let form = match scene.method.sph().viscosity_form {
             ViscosityForm::TwoTerm => "two-term",
             ViscosityForm::TwoTermExact => "two-term-exact",
@@ -162,6 +166,7 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
     match &scene.method {
         Method::Wcsph(settings) => wcsph(list, settings, walled && has_wall(scene)),
         Method::Isph(settings) => isph::settings(list, settings),
+        Method::Mps(settings) => mps::settings(list, settings),
     }
 }
 

@@ -5,14 +5,7 @@ use super::{List, Unit};
 
 /// All but those that every method has.
 pub(super) fn settings(list: &mut List, settings: &Isph) {
-    match settings.source {
-        PoissonSource::Density => list.word("method.isph.source", "density"),
-        PoissonSource::Divergence { density } => {
-            list.word("method.isph.source", "divergence");
-            let name = "method.isph.source.divergence.density";
-            list.number(name, density, Unit::One);
-        }
-    }
+    source(list, "isph", settings.source);
     let closure = match settings.closure {
         Closure::Mirrored => "mirrored",
         Closure::Completed => "completed",
@@ -23,13 +16,8 @@ pub(super) fn settings(list: &mut List, settings: &Isph) {
         Gradient::Corrected => "corrected",
     };
     list.word("method.isph.gradient", gradient);
-    let preconditioner = match settings.preconditioner {
-        Preconditioner::None => "none",
-        Preconditioner::Diagonal => "diagonal",
-        Preconditioner::Ssor => "ssor",
-        Preconditioner::Multigrid => "multigrid",
-    };
-    list.word("method.isph.preconditioner", preconditioner);
+    let word = preconditioner(settings.preconditioner);
+    list.word("method.isph.preconditioner", word);
     list.number("method.isph.tolerance", settings.tolerance, Unit::One);
     list.count("method.isph.iterations", settings.iterations as u64);
     list.number("method.isph.shifting", settings.shifting, Unit::One);
@@ -37,5 +25,28 @@ pub(super) fn settings(list: &mut List, settings: &Isph) {
     list.number("method.isph.shortest", settings.shortest, Unit::Time);
     if settings.longest.is_finite() {
         list.number("method.isph.longest", settings.longest, Unit::Time);
+    }
+}
+
+/// The right-hand side of the pressure equation of `method`.
+pub(super) fn source(list: &mut List, method: &str, source: PoissonSource) {
+    let name = format!("method.{method}.source");
+    match source {
+        PoissonSource::Density => list.word(&name, "density"),
+        PoissonSource::Divergence { density } => {
+            list.word(&name, "divergence");
+            let name = format!("{name}.divergence.density");
+            list.number(&name, density, Unit::One);
+        }
+    }
+}
+
+/// Its word in a scene file.
+pub(super) fn preconditioner(preconditioner: Preconditioner) -> &'static str {
+    match preconditioner {
+        Preconditioner::None => "none",
+        Preconditioner::Diagonal => "diagonal",
+        Preconditioner::Ssor => "ssor",
+        Preconditioner::Multigrid => "multigrid",
     }
 }

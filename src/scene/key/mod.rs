@@ -8,6 +8,7 @@
 mod body;
 mod flow;
 mod isph;
+mod mps;
 
 use std::path::Path;
 

@@ -92,14 +92,7 @@ fn override_flow(settings: &mut Isph, table: &Cursor<'_>) -> Result<(), SceneErr
                     _ => Gradient::Corrected,
                 }
             }
-            "preconditioner" => {
-                settings.preconditioner = match value.text()? {
-                    "none" => Preconditioner::None,
-                    "diagonal" => Preconditioner::Diagonal,
-                    "ssor" => Preconditioner::Ssor,
-                    _ => Preconditioner::Multigrid,
-                }
-            }
+            "preconditioner" => settings.preconditioner = preconditioner(&value)?,
             "tolerance" => settings.tolerance = value.number()?,
             "iterations" => settings.iterations = value.count()? as usize,
             "shifting" => settings.shifting = value.number()?,
@@ -117,7 +110,7 @@ fn override_flow(settings: &mut Isph, table: &Cursor<'_>) -> Result<(), SceneErr
     Ok(())
 }
 
-fn source(value: &Cursor<'_>) -> Result<PoissonSource, SceneError> {
+pub(super) fn source(value: &Cursor<'_>) -> Result<PoissonSource, SceneError> {
     match value.get("divergence") {
         Some(divergence) => {
             let density = divergence.number_at("density")?;
@@ -125,4 +118,13 @@ fn source(value: &Cursor<'_>) -> Result<PoissonSource, SceneError> {
         }
         None => Ok(PoissonSource::Density),
     }
+}
+
+pub(super) fn preconditioner(value: &Cursor<'_>) -> Result<Preconditioner, SceneError> {
+    Ok(match value.text()? {
+        "none" => Preconditioner::None,
+        "diagonal" => Preconditioner::Diagonal,
+        "ssor" => Preconditioner::Ssor,
+        _ => Preconditioner::Multigrid,
+    })
 }

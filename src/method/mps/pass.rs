@@ -1,0 +1,280 @@
+//! Pair sums of MPS. Lengths in units of h, half the largest radius.
+//!
+//! Beside the weight of Eq. 3 stands the kernel [`Smooth`]: where a weight that is infinite at
+//! r = 0 and has a kink at r_e would show noise, at the free surface and in the shifting.
+
+use super::Smooth;
+use crate::kernel::Kernel;
+use crate::method::isph::correction::{Tensor, inverse};
+use crate::method::isph::pass::PAIRS;
+use crate::space::lane::Lanes;
+use crate::space::sparse::Couple;
+use crate::space::sweep::{Pair, Pass};
+
+/// Nearer than this the weight is that at it: particles at one place are an error that must show
+/// as a finite number.
+const NEAREST: f32 = 1e-3;
+
+/// w = r_e / r - 1 (Eq. 3) from the squared distance; zero for r = 0 and beyond `reach`, r_e / h.
+///
+/// # Safety
+/// The processor has the features of `L`.
+#[inline(always)]
+unsafe fn weight<L: Lanes>(q2: L::F, reach: f32) -> L::F {
+    unsafe {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let q = L::max(L::sqrt(q2), L::splat(NEAREST));
+        let w = L::sub(L::div(L::splat(reach), q), one);
+        L::if_less(zero, q2, L::max(w, zero))
+    }
+}
+
+/// w / q^2, the weight of gradients (Eq. 5).
+///
+/// # Safety
+/// The processor has the features of `L`.
+#[inline(always)]
+unsafe fn steep<L: Lanes>(q2: L::F, reach: f32) -> L::F {
+    unsafe {
+        let near = L::splat(NEAREST * NEAREST);
+        L::div(weight::<L>(q2, reach), L::max(q2, near))
+    }
+}
+
+/// Weights of the Laplacian (Eq. 6). Payload: 1 inside and 0 where p = 0 is given, 1 / n with the
+/// density n of `isph::surface::Share`, unused, offset c of a wall particle, Pa, unused.
+///
+/// `FLAGGED`: an unknown with p = 0 given is coupled to nothing and goes to the diagonal; else the
+/// weights are divided by both n.
+///
+/// Sums: w q^2; w c of the neighbours; w d (3); w c of the target; w of neighbours with p = 0.
+pub struct Weights<const FLAGGED: bool> {
+    /// r_e / h.
+    pub reach: f32,
+}
+
+impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) -> L::F {
+        unsafe {
+            let mut w = weight::<L>(pair.q2, self.reach);
+            if FLAGGED {
+                let whole = L::mul(w, pair.own[0]);
+                w = L::mul(whole, pair.other[0]);
+                sum[6] = L::add(sum[6], L::sub(whole, w));
+            } else {
+                w = L::mul(w, L::mul(pair.own[1], pair.other[1]));
+            }
+            sum[0] = L::fma(w, pair.q2, sum[0]);
+            sum[1] = L::fma(w, pair.other[3], sum[1]);
+            for a in 0..3 {
+                sum[2 + a] = L::fma(w, pair.d[a], sum[2 + a]);
+            }
+            sum[5] = L::fma(w, pair.own[3], sum[5]);
+            w
+        }
+    }
+}
+
+/// What a particle knows of its neighbourhood at r*.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Local {
+    /// n / n0 (Eq. 4).
+    pub number: f32,
+    /// Kernel sum: 1 inside, and its gradient, 1/m.
+    pub kernel_sum: f32,
+    pub slope: [f32; 3],
+    /// n of `isph::surface::Share`.
+    pub density: f32,
+    /// Divergence of v*, 1/s.
+    pub divergence: f32,
+    /// The matrix that corrects gradients.
+    pub correction: Tensor,
+}
+
+/// Fills [`Local`]. Payload: v* (3), unused (2).
+/// `CORRECTED`: divergence and gradients are exact for linear fields, else as in Eq. 5.
+pub struct Look<'a, const CORRECTED: bool> {
+    /// r_e / h, 1 / n0 and d / n0.
+    pub reach: f32,
+    pub number: f64,
+    pub value: f64,
+    /// h, m.
+    pub length: f64,
+    /// V norm / h^d of the smooth kernel.
+    pub smooth: f64,
+    /// Axes along which anything varies.
+    pub active: [bool; 3],
+    /// Above 0 for particles near a surface, whose gradients stay as in Eq. 5.
+    pub marks: &'a [f32],
+}
+
+impl<const CORRECTED: bool> Pass<20> for Look<'_, CORRECTED> {
+    type Out = Local;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 20]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach));
+            let smooth = L::if_less(L::splat(0.0), pair.q2, Smooth::w_lanes::<L>(q));
+            sum[1] = L::add(sum[1], smooth);
+            let slope = Smooth::slope_lanes::<L>(q);
+            let f = steep::<L>(pair.q2, self.reach);
+            let (mut g, mut v) = (pair.d, pair.d);
+            for a in 0..3 {
+                sum[2 + a] = L::fma(slope, pair.d[a], sum[2 + a]);
+                g[a] = L::mul(f, pair.d[a]);
+                v[a] = L::sub(pair.own[a], pair.other[a]);
+            }
+            for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+                sum[5 + k] = L::fma(g[a], pair.d[b], sum[5 + k]);
+            }
+            for a in 0..3 {
+                for b in 0..3 {
+                    sum[11 + 3 * a + b] = L::fma(v[a], g[b], sum[11 + 3 * a + b]);
+                }
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, s: [f32; 20], out: &mut Local) {
+        out.number = (self.number * s[0] as f64) as f32;
+        out.kernel_sum = (self.smooth * (s[1] as f64 + Smooth::w(0.0))) as f32;
+        out.slope = [s[2], s[3], s[4]].map(|s| (self.smooth / self.length * s as f64) as f32);
+        out.correction = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
+        if CORRECTED && self.marks[target] == 0.0 {
+            let mut moment: Tensor = std::array::from_fn(|k| (self.value * s[5 + k] as f64) as f32);
+            // An axis along which nothing varies has no moment of its own.
+            for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+                if a == b && !self.active[a] {
+                    moment[k] = 1.0;
+                }
+            }
+            out.correction = inverse(&moment);
+        }
+        let mut divergence = 0.0;
+        for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+            let g = if a == b {
+                s[11 + 4 * a]
+            } else {
+                s[11 + 3 * a + b] + s[11 + 3 * b + a]
+            };
+            divergence += out.correction[k] as f64 * g as f64;
+        }
+        out.divergence = (self.value / self.length * divergence) as f32;
+    }
+}
+
+/// n / n0 (Eq. 4).
+pub struct Number {
+    /// r_e / h and 1 / n0.
+    pub reach: f32,
+    pub factor: f64,
+}
+
+impl Pass<1> for Number {
+    type Out = f64;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe { sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach)) }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
+        *out = self.factor * sum[0] as f64;
+    }
+}
+
+/// SUM (P_b + P_a) d w / q^2 with `SYMMETRIC`, else SUM (P_b - Q_a) d w / q^2. Payload: P, Q.
+pub struct PressureSlope<const SYMMETRIC: bool> {
+    /// r_e / h.
+    pub reach: f32,
+}
+
+impl<const SYMMETRIC: bool> Pass<3> for PressureSlope<SYMMETRIC> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let p = if SYMMETRIC {
+                L::add(pair.other[0], pair.own[0])
+            } else {
+                L::sub(pair.other[0], pair.own[1])
+            };
+            let f = L::mul(steep::<L>(pair.q2, self.reach), p);
+            for a in 0..3 {
+                sum[a] = L::fma(f, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum;
+    }
+}
+
+/// SUM (u_b - u_a) w, the viscous Laplacian (Eq. 9). Payload: velocity.
+pub struct Viscous {
+    /// r_e / h.
+    pub reach: f32,
+    /// nu 2 d / (n0 lambda), 1/s.
+    pub factor: f64,
+}
+
+impl Pass<3> for Viscous {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let w = weight::<L>(pair.q2, self.reach);
+            for a in 0..3 {
+                sum[a] = L::fma(w, L::sub(pair.other[a], pair.own[a]), sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
+    }
+}
+
+/// What shows the free surface at r^n. Payload: unused.
+pub struct Around {
+    /// r_e / h and 1 / n0.
+    pub reach: f32,
+    pub number: f64,
+}
+
+/// Sums of [`Around`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sums {
+    /// n / n0.
+    pub number: f32,
+    /// SUM w with the particle itself, and SUM slope d, of the smooth kernel.
+    pub kernel: f32,
+    pub slope: [f32; 3],
+}
+
+impl Pass<5> for Around {
+    type Out = Sums;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach));
+            let w = L::if_less(L::splat(0.0), pair.q2, Smooth::w_lanes::<L>(q));
+            sum[1] = L::add(sum[1], w);
+            let slope = Smooth::slope_lanes::<L>(q);
+            for a in 0..3 {
+                sum[2 + a] = L::fma(slope, pair.d[a], sum[2 + a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, s: [f32; 5], out: &mut Sums) {
+        *out = Sums {
+            number: (self.number * s[0] as f64) as f32,
+            kernel: s[1] + Smooth::w(0.0) as f32,
+            slope: [s[2], s[3], s[4]],
+        };
+    }
+}

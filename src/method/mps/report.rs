@@ -1,0 +1,82 @@
+//! What a run tells of itself: divergence, budgets, frames.
+
+use super::Mps;
+use crate::method::{Diverged, frame};
+use crate::particle::Frame;
+
+/// Spacings that no particle crosses in one step: its neighbours would be others.
+const STRIDE: f64 = 2.0;
+
+impl Mps {
+    fn fault(&self, what: String, remedy: &str) -> Diverged {
+        let (i, _) = frame::fastest(&self.flow);
+        frame::fault(&self.flow, (self.time, self.step), i, what, remedy)
+    }
+
+    /// An error if anything is not a number or ran away in a step of `dt` s.
+    pub(super) fn check(&self, dt: f64) -> Result<(), Diverged> {
+        let far = STRIDE * self.case.spacing;
+        if self.fastest.is_finite() && self.fastest * dt <= far {
+            return Ok(());
+        }
+        let what = format!(
+            "{:.4e} m in a step of {dt:.4e} s, above {STRIDE} spacings, {far:.4e} m",
+            self.fastest * dt
+        );
+        Err(self.fault(what, "a smaller method.mps.courant or shortest step"))
+    }
+
+    /// No pressure, for no step down to `dt` s.
+    pub(super) fn unsolved(&self, dt: f64) -> Diverged {
+        let what = format!(
+            "no pressure after {} iterations down to steps of {:.4e} s: residual {:.4e} above \
+             {:.4e}",
+            self.outcome.iterations,
+            2.0 * dt,
+            self.outcome.residual,
+            self.settings.tolerance
+        );
+        self.fault(what, "more method.mps.iterations or a larger tolerance")
+    }
+
+    /// What the solver of the pressure did, for states and frames.
+    pub(super) fn solution_scalars(&self) -> [(&'static str, f64); 3] {
+        [
+            ("pressure_iterations", self.outcome.iterations as f64),
+            ("pressure_residual", self.outcome.residual),
+            ("pressure_repeated", self.repeated as f64),
+        ]
+    }
+
+    /// Kinetic and potential energy, J, momentum, kg m/s.
+    pub(super) fn budget(&self) -> [f64; 5] {
+        frame::budget(&self.flow, self.case.effects.gravity)
+    }
+
+    /// What the log shows.
+    pub(super) fn make_frame(&self) -> Frame {
+        let [kinetic, potential, x, y, z] = self.budget();
+        let p = &self.flow.particles;
+        let mut named = vec![
+            ("kinetic_energy_J", kinetic),
+            ("potential_energy_J", potential),
+            ("mass_kg", p.mass * p.len() as f64),
+            ("mass_removed_kg", self.flow.removed.0),
+            ("momentum_x_kg_m_s", x),
+            ("momentum_y_kg_m_s", y),
+            ("momentum_z_kg_m_s", z),
+            ("speed_max_m_s", self.fastest),
+            ("time_step_s", self.last_step),
+            ("steps", self.step as f64),
+        ];
+        named.extend(self.solution_scalars());
+        let scalars = named
+            .into_iter()
+            .map(|(name, value)| (name.to_string(), value));
+        let fields = frame::Fields {
+            pressure: &|i| self.pressure[i],
+            surface: &|i| self.is_surface(i),
+        };
+        frame::of(self.time, p, &fields, scalars.collect())
+    }
+}

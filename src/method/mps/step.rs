@@ -1,0 +1,265 @@
+//! One step, as the algorithm box of the paper has it.
+
+use super::pass::{Around, Viscous};
+use super::{MIST, Mps, Smooth};
+use crate::effect::gravity;
+use crate::method::Diverged;
+use crate::method::flow::retain;
+use crate::method::limit::Limits;
+use crate::method::pass::{Extrapolation, Marked};
+use crate::space::parallel::{Slots, each, max, slots3};
+use crate::space::sweep;
+use std::marker::PhantomData;
+
+/// Halvings of a step whose pressure cannot be found.
+const HALVINGS: usize = 5;
+
+/// Longest step of a liquid that nothing moves, s.
+const IDLE: f64 = 1.0;
+
+impl Mps {
+    pub(super) fn advance_step(&mut self) -> Result<(), Diverged> {
+        let expected = self.next_step();
+        self.flow.lasting = if self.fastest > 0.0 { expected } else { 0.0 };
+        self.rebuild();
+        self.hold();
+        let mut dt = self.next_step().min(expected.max(self.settings.shortest));
+        self.remember();
+        let mut done = false;
+        for _ in 0..=HALVINGS {
+            self.predict(dt);
+            if !self.flow.stale(|_| 0.0) {
+                self.outcome = self.project(dt);
+                done = self.outcome.converged;
+            }
+            if done {
+                break;
+            }
+            self.restore();
+            dt *= 0.5;
+        }
+        if !done {
+            return Err(self.unsolved(dt));
+        }
+        self.correct(dt);
+        self.check(dt)?;
+        if self.settings.shifting > 0.0 {
+            self.shift(dt);
+        }
+        self.time += dt;
+        self.step += 1;
+        self.last_step = dt;
+        Ok(())
+    }
+
+    fn limits_now(&self) -> Limits {
+        Limits {
+            h: self.case.h,
+            spacing: self.case.spacing,
+            density: self.case.density,
+            sound_speed: f64::INFINITY,
+            viscosity: self.case.effects.viscosity,
+            tension: self.case.effects.tension,
+            speed: self.fastest,
+            acceleration: self.hardest,
+        }
+    }
+
+    /// Every limit by name, s, least first.
+    pub(super) fn step_limits(&self) -> Vec<(&'static str, f64)> {
+        let mut all = self.limits_now().all();
+        all.retain(|(name, _)| *name != "acoustic");
+        let advective = self.settings.courant * self.case.spacing / self.fastest.max(1e-30);
+        all.push(("advective", advective));
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        all
+    }
+
+    fn next_step(&self) -> f64 {
+        let limits = self.limits_now();
+        let advective = self.settings.courant * self.case.spacing / self.fastest.max(1e-30);
+        let others = limits.force().min(limits.viscous()).min(limits.capillary());
+        let (shortest, longest) = (self.settings.shortest, self.settings.longest);
+        advective.min(others).clamp(shortest, longest).min(IDLE)
+    }
+
+    /// Wraps, removes, sorts along cells, finds neighbours.
+    fn rebuild(&mut self) {
+        let (domain, position) = (&self.case.domain, &self.flow.particles.position);
+        let crosses = |i: usize| {
+            (0..2).any(|a| {
+                let x = position[a][i];
+                domain.size[a] > 0.0 && (x < 0.0 || x >= domain.size[a])
+            })
+        };
+        let (around, sums) = (&self.around, self.sum_factor());
+        let mist = &mut self.scratch.mist;
+        mist.clear();
+        if self.pool {
+            let is = |i: usize| crosses(i) && self.step > 0 && sums * around[i].kernel < MIST;
+            mist.extend((0..around.len()).map(is));
+        }
+        if let Some(keep) = self.flow.confine(|i| self.pool && mist[i]) {
+            retain(&mut self.pressure, &keep);
+            retain(&mut self.around, &keep);
+        }
+        self.flow.sort();
+        let cells = &self.flow.liquid_cells;
+        cells.permute(&mut self.pressure, &mut self.scratch.f64s);
+        cells.permute(&mut self.around, &mut self.scratch.around);
+        self.flow.find();
+    }
+
+    /// (5) without the step: viscosity, gravity, tension at r^n.
+    fn hold(&mut self) {
+        let n = self.flow.liquid();
+        self.held.clear();
+        self.held.resize(n, [0.0; 3]);
+        self.pack_velocity();
+        let scale = self.scale();
+        let pass = Around {
+            reach: self.reach(),
+            number: 1.0 / self.lattice.number,
+        };
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.around);
+        if let Some(viscosity) = self.case.effects.viscosity {
+            self.pack_walls();
+            let pass = Viscous {
+                reach: self.laplacian_reach(),
+                factor: viscosity / self.case.density * self.laplacian_factor(),
+            };
+            let (records, rows) = (&self.flow.records, &self.flow.rows);
+            sweep::rows(records, rows, scale, &pass, &mut self.held);
+        }
+        self.mark();
+        if let Some(g) = self.case.effects.gravity {
+            gravity::add(g, &mut self.held);
+        }
+        self.add_tension();
+        let held = &self.held;
+        let square = |i: usize| held[i].iter().map(|a| (*a as f64).powi(2)).sum();
+        self.hardest = max(n, square).max(0.0).sqrt();
+    }
+
+    /// Records for viscosity: velocity.
+    fn pack_velocity(&mut self) {
+        self.flow.pack(
+            |p, i| {
+                let [x, y, z] = [0, 1, 2].map(|a| p.velocity[a][i] as f32);
+                [x, y, z, 0.0, 1.0]
+            },
+            |w, j| {
+                let [x, y, z] = [0, 1, 2].map(|a| w.velocity[a][j] as f32);
+                [x, y, z, 0.0, 1.0]
+            },
+        );
+    }
+
+    /// Gives walls the velocity of no slip, unless Eq. 8 stands as printed.
+    fn pack_walls(&mut self) {
+        if self.is_printed() || self.walls.len() == 0 {
+            return;
+        }
+        let scale = self.scale();
+        let pass = Extrapolation::<Smooth> {
+            kernel: PhantomData,
+        };
+        let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
+        let sums = &self.walls.sums;
+        let still = self.flow.wall.velocity.each_ref();
+        let viscous = |j: usize| {
+            let s = &sums[j];
+            [0, 1, 2].map(|a| {
+                let u = still[a][j] as f32;
+                if s.weight > 0.0 {
+                    2.0 * u - s.velocity[a] / s.weight
+                } else {
+                    u
+                }
+            })
+        };
+        let seen = &mut self.scratch.viscous;
+        seen.clear();
+        seen.extend((0..sums.len()).map(viscous));
+        let seen = &*seen;
+        self.flow
+            .pack_wall(|j| [seen[j][0], seen[j][1], seen[j][2], 0.0, 1.0]);
+    }
+
+    /// Counts the particles of the surface in every support.
+    fn mark(&mut self) {
+        let n = self.flow.liquid();
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.resize(n, 0.0);
+        let out = Slots::new(&mut marks);
+        each(n, |i| *unsafe { out.at(i) } = f32::from(self.is_surface(i)));
+        self.flow
+            .pack(|_, i| [marks[i], 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+        self.marks = marks;
+        let scale = self.scale();
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(records, rows, scale, &Marked, &mut self.marks);
+    }
+
+    fn add_tension(&mut self) {
+        let Some(mut tension) = self.tension.take() else {
+            return;
+        };
+        let sources = self.flow.sources();
+        let flow = crate::method::surface_of(&self.flow, &sources);
+        tension.update(&flow, |i| self.is_surface(i));
+        drop(sources);
+        tension.add(&mut self.held);
+        self.tension = Some(tension);
+    }
+
+    fn remember(&mut self) {
+        let p = &self.flow.particles;
+        for a in 0..3 {
+            self.before[0][a].clone_from(&p.position[a]);
+            self.before[1][a].clone_from(&p.velocity[a]);
+        }
+    }
+
+    fn restore(&mut self) {
+        let p = &mut self.flow.particles;
+        for a in 0..3 {
+            p.position[a].copy_from_slice(&self.before[0][a]);
+            p.velocity[a].copy_from_slice(&self.before[1][a]);
+        }
+    }
+
+    /// (5): v* and r*.
+    fn predict(&mut self, dt: f64) {
+        let n = self.flow.liquid();
+        let held = &self.held;
+        let p = &mut self.flow.particles;
+        let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
+        each(n, |i| {
+            for a in 0..3 {
+                let v = unsafe { v[a].at(i) };
+                *v += dt * held[i][a] as f64;
+                *unsafe { x[a].at(i) } += dt * *v;
+            }
+        });
+    }
+
+    /// (7), damped.
+    fn correct(&mut self, dt: f64) {
+        let n = self.flow.liquid();
+        let damp = 1.0 / (1.0 + self.case.damping * dt);
+        let (push, [before, _]) = (&self.push, &self.before);
+        let p = &mut self.flow.particles;
+        let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
+        each(n, |i| {
+            for a in 0..3 {
+                let v = unsafe { v[a].at(i) };
+                *v = damp * (*v + dt * push[i][a] as f64);
+                *unsafe { x[a].at(i) } = before[a][i] + dt * *v;
+            }
+        });
+        self.fastest = self.speed();
+    }
+}

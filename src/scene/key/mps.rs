@@ -1,0 +1,41 @@
+//! Settings of MPS.
+
+use super::super::{Mps, MpsClosure, MpsGradient, Pressure};
+use super::isph::{preconditioner, source};
+use super::{List, Unit};
+
+/// All but those that every method has.
+pub(super) fn settings(list: &mut List, settings: &Mps) {
+    list.number("method.mps.radius", settings.radius, Unit::One);
+    let name = "method.mps.laplacian_radius";
+    list.number(name, settings.laplacian_radius, Unit::One);
+    source(list, "mps", settings.source);
+    match settings.closure {
+        MpsClosure::Threshold => {
+            list.word("method.mps.closure", "threshold");
+            list.number("method.mps.beta", settings.beta, Unit::One);
+        }
+        MpsClosure::Completed => list.word("method.mps.closure", "completed"),
+    }
+    let gradient = match settings.gradient {
+        MpsGradient::Minimum => "minimum",
+        MpsGradient::Symmetric => "symmetric",
+        MpsGradient::Corrected => "corrected",
+    };
+    list.word("method.mps.gradient", gradient);
+    let pressure = match settings.pressure {
+        Pressure::Clipped => "clipped",
+        _ => "signed",
+    };
+    list.word("method.mps.pressure", pressure);
+    let word = preconditioner(settings.preconditioner);
+    list.word("method.mps.preconditioner", word);
+    list.number("method.mps.tolerance", settings.tolerance, Unit::One);
+    list.count("method.mps.iterations", settings.iterations as u64);
+    list.number("method.mps.shifting", settings.shifting, Unit::One);
+    list.number("method.mps.courant", settings.courant, Unit::One);
+    list.number("method.mps.shortest", settings.shortest, Unit::Time);
+    if settings.longest.is_finite() {
+        list.number("method.mps.longest", settings.longest, Unit::Time);
+    }
+}

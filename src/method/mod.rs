@@ -9,6 +9,7 @@ pub mod model;
 pub mod mps;
 pub mod pass;
 pub mod pressure;
+pub mod projection;
 pub mod shifting;
 pub mod start;
 pub mod wcsph;
@@ -25,6 +26,7 @@ use crate::scene::{Body, KernelName, Method, Scene, Shape, TensionStrength};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
 use model::{Case, Model};
+use projection::Projection;
 
 /// Physics gone wrong. The caller keeps the last good checkpoint.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -186,16 +188,17 @@ impl select::Visitor for Parts<'_> {
                     model, flow, viscosity, tension, state, pool,
                 ))
             }
-            Method::Mps(settings) => {
-                let (case, settings) = (Case::new(scene, phase, body), settings.clone());
-                Box::new(mps::Mps::new(case, settings, flow, tension, state, pool))
-            }
             Method::Isph(settings) => {
                 let case = Case::new(scene, phase, body);
-                let settings = settings.clone();
-                Box::new(isph::Isph::<K, V>::new(
-                    case, settings, flow, viscosity, tension, state, pool,
-                ))
+                let scheme = isph::Isph::<K, V>::new(settings, viscosity);
+                let parts = (settings.projection, scheme);
+                Box::new(Projection::new(case, parts, flow, tension, state, pool))
+            }
+            Method::Mps(settings) => {
+                let case = Case::new(scene, phase, body);
+                let scheme = mps::Mps::new(settings, case.dimension.count());
+                let parts = (settings.projection, scheme);
+                Box::new(Projection::new(case, parts, flow, tension, state, pool))
             }
         }
     }

@@ -15,46 +15,34 @@
 //! about it, in its place (Khayyer & Gotoh 2008): momentum is kept between liquid particles.
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
-//! `closure.completed` is that of ISPH, [`super::isph::surface`], with the weights of (4); there
-//! and in the shifting a smooth kernel of h = r_e / 2 shows the surface. Walls:
-//! [`super::isph::walls`].
+//! `closure.completed` is that of ISPH, [`surface`], with the weights of (4); there
+//! and in the shifting a smooth kernel of h = r_e / 2 shows the surface. The
+//! step, its limits, walls and shifting: [`super::projection`]. Near a surface only tension shifts:
+//! what stirs the neighbours is not summed.
 //!
-//! Time step: courant l0 / u_max, and the viscous, capillary and force limits of [`super::limit`],
-//! between `shortest` and `longest`. The paper gives none. A pressure that cannot be found is
-//! treated as in ISPH. Fails with `courant` 0.25 (vortices), and with `corrected` and `paper` in a
+//! Fails with `courant` 0.25 (vortices), and with `corrected` and `paper` in a
 //! hydrostatic column (docs/validation.md); where (6) and (7) are not the same operator, so that
 //! v^(n+1) keeps some divergence; (6) as printed turns noise of n into pressure.
 //! The tension of Eqs. 10-16 and the wetting of Eq. 18 are not here: `effect::tension` serves.
 //! Tests: tests/engine/mps_*.rs, tests/validation.
 
+mod least;
 pub mod pass;
-mod project;
-mod report;
-mod shift;
-mod step;
 
-use super::flow::Flow;
-use super::isph::surface;
-use super::isph::walls::Walls;
 use super::model::Case;
-use super::pressure::{Equation, Outcome, Solver as PressureSolver};
+use super::projection::correction::times;
+use super::projection::look::Local;
+use super::projection::{Projection, Scheme, surface};
 use super::shifting::LOOSE;
-use super::{Diverged, Solver};
-use crate::effect::tension::Tension;
-use crate::kernel::{Kernel, WendlandC2};
-use crate::particle::{Frame, State};
-use crate::scene::{Mps as Settings, MpsClosure, PoissonSource};
-use crate::space::parallel::{max, sum};
-use pass::{Local, Sums};
+use crate::kernel::WendlandC2;
+use crate::scene::Projection as Common;
+use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, PoissonSource, Pressure};
+use crate::space::parallel::{Slots, each};
+use crate::space::sweep;
+use pass::{Around, Look, Number, PressureSlope, Viscous, Weights};
 
-/// The kernel of the free surface and of the shifting.
+/// The kernel of walls, of the free surface and of the shifting.
 pub type Smooth = WendlandC2;
-
-/// Less of the support than this is liquid at the free surface, as in ISPH.
-const SURFACE: f64 = 0.9;
-
-/// A particle with a kernel sum below this that crosses a periodic side is mist, as in WCSPH.
-const MIST: f32 = 0.4;
 
 /// Sums of the weight (1) over the lattice, the particle itself left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,278 +74,237 @@ impl Lattice {
     }
 }
 
-/// The solver.
-pub struct Mps {
-    case: Case,
-    settings: Settings,
-    flow: Flow,
-    tension: Option<Tension>,
-    time: f64,
-    step: u64,
-    last_step: f64,
-    /// Largest speed, m/s, and explicit acceleration, m/s^2, of the last step.
-    fastest: f64,
-    hardest: f64,
-    /// Explicit acceleration, m/s^2.
-    held: Vec<[f32; 3]>,
-    around: Vec<Sums>,
-    /// Particles of the surface in the support.
-    marks: Vec<f32>,
-    local: Vec<Local>,
-    /// Pa, by liquid particle.
-    pressure: Vec<f64>,
-    /// The same and that of the groups of wall particles.
-    unknown: Vec<f64>,
-    /// Pressure acceleration of a step, m/s^2.
-    push: Vec<[f32; 3]>,
-    /// Positions and velocities at the start of a step.
-    before: [[Vec<f64>; 3]; 2],
-    walls: Walls,
-    closure: surface::Completion,
-    equation: Equation,
-    sums: Vec<[f32; 7]>,
+/// What is MPS's own.
+pub(super) struct Mps {
+    /// r_e of (2), (3), and of (4), in spacings.
+    radius: f64,
+    laplacian_radius: f64,
+    beta: f64,
+    closure: MpsClosure,
+    gradient: MpsGradient,
+    pressure: Pressure,
+    /// The lattice at the two radii.
+    lattice: Lattice,
+    laplacian: Lattice,
     /// 1, or 0 where p = 0 is given, by unknown.
     inside: Vec<f32>,
     /// Least pressure about, Pa, by liquid and wall particle.
     least: Vec<f64>,
-    /// The lattice at the radii of (2), (3) and of (4).
-    lattice: Lattice,
-    laplacian: Lattice,
-    solver: PressureSolver,
-    outcome: Outcome,
-    /// Repeated solutions of the run.
-    repeated: u64,
-    pool: bool,
-    scratch: Scratch,
-}
-
-/// Kept, so that a step allocates nothing.
-#[derive(Default)]
-struct Scratch {
-    mist: Vec<bool>,
-    f64s: Vec<f64>,
-    around: Vec<Sums>,
-    viscous: Vec<[f32; 3]>,
 }
 
 impl Mps {
-    pub(super) fn new(
-        case: Case,
-        settings: Settings,
-        mut flow: Flow,
-        tension: Option<Tension>,
-        state: &State,
-        pool: bool,
-    ) -> Self {
-        flow.wall_sees_wall =
-            settings.source == PoissonSource::Density || settings.closure == MpsClosure::Threshold;
-        let d = case.dimension.count();
-        let lattice = Lattice::of(settings.radius, d);
-        let laplacian = Lattice::of(settings.laplacian_radius, d);
-        let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
-        flow.removed = (
-            named("removed_mass_kg").unwrap_or(0.0),
-            named("removed_particles").unwrap_or(0.0) as u64,
-        );
-        let n = flow.liquid();
-        let array = |name: &str| state.arrays.iter().find(|a| a.0 == name).map(|a| &a.1);
-        let walls = Walls::new(&case, &flow.wall);
-        let closure = surface::Completion::of::<Smooth>(case.sph.kernel, d, case.sph.smoothing)
-            .with_full(laplacian.number);
-        let mut solver = Mps {
-            case,
-            settings,
-            flow,
-            tension,
-            time: state.time,
-            step: state.step,
-            last_step: named("time_step_s").unwrap_or(0.0),
-            fastest: 0.0,
-            hardest: named("acceleration_m_s2").unwrap_or(0.0),
-            held: vec![[0.0; 3]; n],
-            around: vec![Sums::default(); n],
-            marks: Vec::new(),
-            local: Vec::new(),
-            pressure: array("pressure").map_or(vec![0.0; n], Clone::clone),
-            unknown: Vec::new(),
-            push: Vec::new(),
-            before: Default::default(),
-            walls,
-            closure,
-            equation: Equation::default(),
-            sums: Vec::new(),
+    pub fn new(settings: &Settings, dimension: usize) -> Self {
+        Mps {
+            radius: settings.radius,
+            laplacian_radius: settings.laplacian_radius,
+            beta: settings.beta,
+            closure: settings.closure,
+            gradient: settings.gradient,
+            pressure: settings.pressure,
+            lattice: Lattice::of(settings.radius, dimension),
+            laplacian: Lattice::of(settings.laplacian_radius, dimension),
             inside: Vec::new(),
             least: Vec::new(),
-            lattice,
-            laplacian,
-            solver: PressureSolver::default(),
-            outcome: Outcome {
-                iterations: named("pressure_iterations").unwrap_or(0.0) as usize,
-                residual: named("pressure_residual").unwrap_or(0.0),
-                converged: true,
-            },
-            repeated: named("pressure_repeated").unwrap_or(0.0) as u64,
-            pool,
-            scratch: Scratch::default(),
-        };
-        if let Some(sums) = array("kernel_sum") {
-            let around = solver.around.iter_mut().zip(sums);
-            around.for_each(|(s, x)| s.kernel = *x as f32);
         }
-        solver.fastest = solver.speed();
-        solver
-    }
-
-    fn scale(&self) -> [f32; 3] {
-        self.flow.grid.scale(self.case.h)
     }
 
     /// r_e / h of number density and gradient, and of the Laplacian.
-    fn reach(&self) -> f32 {
-        (self.settings.radius / self.case.sph.smoothing) as f32
+    fn reach(&self, case: &Case) -> f32 {
+        (self.radius / case.sph.smoothing) as f32
     }
 
-    fn laplacian_reach(&self) -> f32 {
-        (self.settings.laplacian_radius / self.case.sph.smoothing) as f32
+    fn laplacian_reach(&self, case: &Case) -> f32 {
+        (self.laplacian_radius / case.sph.smoothing) as f32
     }
 
     /// d / n0 of (3).
-    fn gradient_factor(&self) -> f64 {
-        self.case.dimension.count() as f64 / self.lattice.number
+    fn gradient_factor(&self, case: &Case) -> f64 {
+        case.dimension.count() as f64 / self.lattice.number
     }
 
     /// 2 d / (n0 lambda) of (4), 1/m^2.
-    fn laplacian_factor(&self) -> f64 {
-        let spread = self.laplacian.spread * self.case.spacing.powi(2);
-        2.0 * self.case.dimension.count() as f64 / spread
+    fn laplacian_factor(&self, case: &Case) -> f64 {
+        let spread = self.laplacian.spread * case.spacing.powi(2);
+        2.0 * case.dimension.count() as f64 / spread
     }
 
-    /// norm s0^d / h^d: turns a sum of w into the kernel sum.
-    fn sum_factor(&self) -> f32 {
-        let d = self.case.dimension.count();
-        (Smooth::norm(d) * (self.case.spacing / self.case.h).powi(d as i32)) as f32
+    fn look_with<const CORRECTED: bool>(p: &mut Projection<Self>) {
+        let pass = Look::<CORRECTED> {
+            reach: p.scheme.reach(&p.case),
+            number: 1.0 / p.scheme.lattice.number,
+            value: p.scheme.gradient_factor(&p.case),
+            length: p.case.h,
+            smooth: p.factor(0),
+            active: p.active(),
+            marks: &p.marks,
+        };
+        let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
+        sweep::rows(records, rows, scale, &pass, &mut p.local);
     }
 
-    /// Largest speed now, m/s.
-    fn speed(&self) -> f64 {
-        let p = &self.flow.particles;
-        max(p.len(), |i| p.speed(i)).max(0.0)
-    }
-
-    /// Kernel sum of particle `i` at r^n: 1 inside.
-    #[inline(always)]
-    fn kernel_sum(&self, i: usize) -> f32 {
-        self.sum_factor() * self.around[i].kernel
-    }
-
-    /// Whether particle `i` is at the free surface, at r^n: n < beta n0, or less than [`SURFACE`]
-    /// of its support is liquid or hardly anything is near.
-    #[inline(always)]
-    fn is_surface(&self, i: usize) -> bool {
-        let Sums {
-            kernel,
-            slope,
-            number,
-        } = self.around[i];
-        if self.settings.closure == MpsClosure::Threshold {
-            return (number as f64) < self.settings.beta;
-        }
-        let steep = slope
-            .iter()
-            .map(|s| (*s as f64).powi(2))
-            .sum::<f64>()
-            .sqrt();
-        self.kernel_sum(i) < LOOSE || self.closure.share.at(steep / kernel as f64)[0] < SURFACE
-    }
-
-    /// Whether Eq. 8 stands as printed: walls with a number density and without offsets.
-    fn is_printed(&self) -> bool {
-        self.settings.source == PoissonSource::Density
+    /// Unknowns whose p is zero because n < beta n0.
+    fn flag(p: &mut Projection<Self>) {
+        let n = p.flow.liquid();
+        let threshold = p.scheme.closure == MpsClosure::Threshold;
+        let (local, walls, beta) = (&p.local, &p.walls, p.scheme.beta);
+        let inside = |i: usize| {
+            let number = match i.checked_sub(n) {
+                None => local[i].number as f64,
+                Some(g) => walls.density[walls.contact[g] as usize],
+            };
+            f32::from(!threshold || number >= beta)
+        };
+        p.scheme.inside.clear();
+        p.scheme.inside.extend((0..n + walls.len()).map(inside));
     }
 }
 
-impl Solver for Mps {
-    fn time(&self) -> f64 {
-        self.time
+impl Scheme for Mps {
+    const NAME: &'static str = "mps";
+    const TRAPEZOIDAL: bool = false;
+    type Kernel = Smooth;
+    /// n / n0.
+    type Own = f32;
+    /// The last: w of neighbours with p = 0.
+    type Row = [f32; 7];
+
+    fn completion(&self, case: &Case) -> surface::Completion {
+        let d = case.dimension.count();
+        surface::Completion::of::<Smooth>(case.sph.kernel, d, case.sph.smoothing)
+            .with_full(self.laplacian.number)
     }
 
-    fn step_count(&self) -> u64 {
-        self.step
+    fn walls_are_dense(&self, settings: &Common) -> bool {
+        settings.source == PoissonSource::Density || self.closure == MpsClosure::Threshold
     }
 
-    fn len(&self) -> usize {
-        self.flow.liquid()
-    }
-
-    fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
-        self.advance_step()?;
-        on_step(self);
-        Ok(())
-    }
-
-    fn state(&self) -> State {
-        let mut scalars = vec![
-            ("removed_mass_kg".to_string(), self.flow.removed.0),
-            ("removed_particles".to_string(), self.flow.removed.1 as f64),
-            ("time_step_s".to_string(), self.last_step),
-            ("acceleration_m_s2".to_string(), self.hardest),
-        ];
-        let solution = self.solution_scalars();
-        scalars.extend(solution.map(|(name, value)| (name.to_string(), value)));
-        if let Some(tension) = &self.tension {
-            scalars.push(("tension_strength".to_string(), tension.strength));
-        }
-        // The last pressure is the first guess of the next; kernel sums decide on mist.
-        let mut arrays = vec![("pressure".to_string(), self.pressure.clone())];
-        if self.pool {
-            let sums = self.around.iter().map(|s| s.kernel as f64).collect();
-            arrays.push(("kernel_sum".to_string(), sums));
-        }
-        State {
-            time: self.time,
-            step: self.step,
-            particles: self.flow.particles.clone(),
-            scalars,
-            arrays,
+    fn look_around(p: &mut Projection<Self>) {
+        let n = p.flow.liquid();
+        p.held.fill([0.0; 3]);
+        p.pack_velocity(1.0);
+        let pass = Around {
+            reach: p.scheme.reach(&p.case),
+            number: 1.0 / p.scheme.lattice.number,
+        };
+        let scale = p.scale();
+        let (records, rows) = (&p.flow.records, &p.flow.rows);
+        p.around.resize(n, Default::default());
+        sweep::rows(records, rows, scale, &pass, &mut p.around);
+        if let Some(viscosity) = p.case.effects.viscosity {
+            p.pack_no_slip(1.0);
+            let pass = Viscous {
+                reach: p.scheme.laplacian_reach(&p.case),
+                factor: viscosity / p.case.density * p.scheme.laplacian_factor(&p.case),
+            };
+            let (records, rows) = (&p.flow.records, &p.flow.rows);
+            sweep::rows(records, rows, scale, &pass, &mut p.held);
         }
     }
 
-    fn frame(&self) -> Frame {
-        self.make_frame()
+    fn threshold(p: &Projection<Self>, i: usize) -> Option<bool> {
+        let flagged = p.scheme.closure == MpsClosure::Threshold;
+        flagged.then(|| (p.around[i].own as f64) < p.scheme.beta)
     }
 
-    fn unrest(&self) -> (f64, f64) {
-        let kinetic = self.budget()[0];
-        let rho0 = self.case.density;
-        let [squares, count] = sum(self.flow.liquid(), |i| {
-            let d = self.flow.particles.density[i] - rho0;
-            match self.marks.get(i) {
-                Some(0.0) => [d * d, 1.0],
-                _ => [0.0, 0.0],
+    fn look(p: &mut Projection<Self>) {
+        match p.scheme.gradient {
+            MpsGradient::Corrected => Self::look_with::<true>(p),
+            _ => Self::look_with::<false>(p),
+        }
+    }
+
+    fn look_at_walls(p: &mut Projection<Self>) {
+        let pass = Number {
+            reach: p.scheme.reach(&p.case),
+            factor: 1.0 / p.scheme.lattice.number,
+        };
+        let (records, rows, scale) = (&p.flow.records, &p.flow.wall_rows, p.scale());
+        sweep::rows(records, rows, scale, &pass, &mut p.walls.density);
+    }
+
+    /// The weights of (4).
+    fn couple(p: &mut Projection<Self>) {
+        Self::flag(p);
+        let (local, walls, inside) = (&p.local, &p.walls, &p.scheme.inside);
+        let n = p.flow.liquid();
+        p.flow.pack(
+            |_, i| [inside[i], 1.0 / local[i].density, 0.0, 0.0, 0.0],
+            |_, j| {
+                let inside = inside[n + walls.group[j] as usize];
+                [inside, 1.0, 0.0, walls.offset[j], 0.0]
+            },
+        );
+        p.walls.number(n);
+        let layout = p.walls.layout(&p.flow, p.case.h);
+        let reach = p.scheme.laplacian_reach(&p.case);
+        let e = &mut p.equation;
+        let (sparse, degree, sums) = (&mut e.coupling, &mut e.diagonal, &mut p.sums);
+        match p.scheme.closure {
+            MpsClosure::Threshold => {
+                sparse.build(&layout, &Weights::<true> { reach }, degree, sums)
             }
+            MpsClosure::Completed => {
+                sparse.build(&layout, &Weights::<false> { reach }, degree, sums)
+            }
+        }
+    }
+
+    fn flagged(p: &Projection<Self>, i: usize, _: f64) -> Option<f64> {
+        (p.scheme.closure == MpsClosure::Threshold).then(|| p.sums[i][6] as f64)
+    }
+
+    fn given(p: &Projection<Self>, i: usize) -> bool {
+        p.scheme.inside[i] == 0.0
+    }
+
+    fn dense(p: &Projection<Self>, i: usize) -> [f64; 2] {
+        let local = &p.local[i];
+        match p.scheme.closure {
+            MpsClosure::Completed => [local.density as f64; 2],
+            MpsClosure::Threshold => [1.0, local.number as f64],
+        }
+    }
+
+    fn unit(p: &Projection<Self>) -> f64 {
+        p.scheme.laplacian_factor(&p.case) / p.case.density
+    }
+
+    fn slope(p: &mut Projection<Self>) {
+        let n = p.flow.liquid();
+        if p.scheme.pressure == Pressure::Clipped {
+            p.unknown.iter_mut().for_each(|p| *p = p.max(0.0));
+            p.pressure.copy_from_slice(&p.unknown[..n]);
+        }
+        p.push.resize(n, [0.0; 3]);
+        let (scale, reach) = (p.scale(), p.scheme.reach(&p.case));
+        p.pack_pressure();
+        let (records, rows) = (&p.flow.records, &p.flow.rows);
+        if p.scheme.gradient == MpsGradient::Symmetric {
+            let pass = PressureSlope::<true> { reach };
+            sweep::rows(records, rows, scale, &pass, &mut p.push);
+        } else {
+            let pass = PressureSlope::<false> { reach };
+            sweep::rows(records, rows, scale, &pass, &mut p.push);
+        }
+        // d = r_i - r_j: the sign of (3) and that of the acceleration cancel.
+        let factor = p.scheme.gradient_factor(&p.case) / (p.case.h * p.case.density);
+        let corrected = p.scheme.gradient == MpsGradient::Corrected;
+        let (local, push) = (&p.local, Slots::new(&mut p.push));
+        each(n, |i| {
+            let push = unsafe { push.at(i) };
+            let mut sum = push.map(|s| factor * s as f64);
+            if corrected {
+                sum = times(&local[i].correction, sum);
+            }
+            *push = sum.map(|a| a as f32);
         });
-        (kinetic, (squares / count.max(1.0)).sqrt())
     }
 
-    fn limits(&self) -> Vec<(&'static str, f64)> {
-        self.step_limits()
+    fn stir(_: &Local, fastest: f64) -> (f32, f32) {
+        (LOOSE, fastest as f32)
     }
 
-    fn memory(&self) -> (f64, f64) {
-        let n = self.len().max(1) as f64;
-        let own = 8 * (self.pressure.capacity() + self.unknown.capacity())
-            + 48 * self.before[0][0].capacity()
-            + 12 * (self.held.capacity() + self.push.capacity())
-            + 4 * self.marks.capacity()
-            + std::mem::size_of::<Local>() * self.local.capacity()
-            + std::mem::size_of::<Sums>() * self.around.capacity() * 2
-            + 28 * self.sums.capacity()
-            + 4 * self.inside.capacity()
-            + 8 * self.least.capacity()
-            + self.solver.memory()
-            + self.tension.as_ref().map_or(0, Tension::memory);
-        let (bare, whole) = self.flow.memory();
-        let own = own as f64 / n;
-        (bare + own, whole + own + self.equation.memory() as f64 / n)
+    fn memory(&self) -> usize {
+        4 * self.inside.capacity() + 8 * self.least.capacity()
     }
 }

@@ -6,7 +6,7 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
-use super::{Dimension, Method, Motion, Scene, Shape, Side, TimeStepping, numbers};
+use super::{Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, numbers};
 
 /// Bodies are numbered by a byte.
 const BODIES: usize = 255;
@@ -240,10 +240,11 @@ fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         let problem = format!("makes more than {FRAMES:.0e} frames until `impact.end`");
         return Err(interval.fault(&problem, "make it longer"));
     }
-    let settings = match &scene.method {
-        Method::Wcsph(settings) => settings,
-        Method::Isph(s) => return steps("isph", [s.shortest, s.longest], root),
-        Method::Mps(s) => return steps("mps", [s.shortest, s.longest], root),
+    if let Some(settings) = scene.method.projection() {
+        return steps(scene.method.name(), settings, root);
+    }
+    let Method::Wcsph(settings) = &scene.method else {
+        return Ok(());
     };
     let TimeStepping::Fixed { step } = settings.time_stepping else {
         return Ok(());
@@ -262,15 +263,13 @@ fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn steps(method: &str, [shortest, longest]: [f64; 2], root: &Cursor<'_>) -> Result<(), SceneError> {
-    if shortest <= longest {
+fn steps(method: &str, settings: &Projection, root: &Cursor<'_>) -> Result<(), SceneError> {
+    if settings.shortest <= settings.longest {
         return Ok(());
     }
-    let problem = format!(
-        "is above the longest step of {}",
-        human(longest, Unit::Time)
-    );
+    let longest = human(settings.longest, Unit::Time);
     let place = root.nearest(&format!("method.{method}.shortest"));
+    let problem = format!("is above the longest step of {longest}");
     Err(place.fault(&problem, "make it shorter"))
 }
 

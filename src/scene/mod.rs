@@ -15,14 +15,16 @@ pub mod key;
 mod mps;
 pub mod numbers;
 pub mod preset;
+mod projection;
 pub mod quantity;
 mod resolve;
 pub mod schema;
 mod shape;
 mod tree;
 
-pub use isph::{Closure, Gradient, Isph, PoissonSource, Preconditioner};
+pub use isph::{Closure, Gradient, Isph};
 pub use mps::{Mps, MpsClosure, MpsGradient};
+pub use projection::{PoissonSource, Preconditioner, Projection};
 
 /// Number of space dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -350,6 +352,15 @@ impl Method {
             Method::Wcsph(settings) => &settings.sph,
             Method::Isph(settings) => &settings.sph,
             Method::Mps(settings) => &settings.sph,
+        }
+    }
+
+    /// The settings of a projection method.
+    pub fn projection(&self) -> Option<&Projection> {
+        match self {
+            Method::Wcsph(_) => None,
+            Method::Isph(settings) => Some(&settings.projection),
+            Method::Mps(settings) => Some(&settings.projection),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Settings of MPS.
 
-use super::{PoissonSource, Preconditioner, Pressure, Sph};
+use super::{Pressure, Projection, Sph};
 
 /// How the pressure of MPS ends at a free surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,29 +28,16 @@ pub enum MpsGradient {
 pub struct Mps {
     /// Kernel of the tension and of the free surface; h is half the largest radius.
     pub sph: Sph,
+    pub projection: Projection,
     /// Radius r_e / l0 of number density and gradient, and of the Laplacian.
     pub radius: f64,
     pub laplacian_radius: f64,
     /// n / n0 below which a particle is at the surface.
     pub beta: f64,
-    pub source: PoissonSource,
     pub closure: MpsClosure,
     pub gradient: MpsGradient,
     /// What a pressure below zero becomes.
     pub pressure: Pressure,
-    pub preconditioner: Preconditioner,
-    /// Residual over right-hand side at which the pressure is found.
-    pub tolerance: f64,
-    /// Most iterations of one solution.
-    pub iterations: usize,
-    /// Strength of particle shifting (0 is off).
-    pub shifting: f64,
-    /// Spacings that the fastest particle crosses in a step.
-    pub courant: f64,
-    /// Shortest step, s.
-    pub shortest: f64,
-    /// Longest step, s; infinite for none.
-    pub longest: f64,
 }
 
 impl Mps {

@@ -239,16 +239,12 @@ pub fn limits(scene: &Scene) -> Vec<Row> {
     let sound = sound_speed(scene);
     let limit = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
     let cross = scene.pack.spacing / speed;
-    let mut limits = match &scene.method {
-        Method::Wcsph(_) => vec![
+    let mut limits = match scene.method.projection() {
+        None => vec![
             limit("acoustic", 0.25 * h / (sound + speed), "0.25 h / (c + V)"),
             limit("advective", 0.25 * cross, "0.25 s0 / V"),
         ],
-        Method::Isph(settings) => {
-            let value = (settings.courant * cross).clamp(settings.shortest, settings.longest);
-            vec![limit("advective", value, "courant s0 / V")]
-        }
-        Method::Mps(settings) => {
+        Some(settings) => {
             let value = (settings.courant * cross).clamp(settings.shortest, settings.longest);
             vec![limit("advective", value, "courant s0 / V")]
         }

@@ -15,6 +15,7 @@ pub use mps::{mps_corrected, mps_modern, mps_paper};
 
 mod isph;
 mod mps;
+mod projection;
 
 /// Nishio et al. 2010, Int. J. Numer. Meth. Fluids 63, 1435-1447, as printed.
 pub fn wcsph_paper() -> Wcsph {

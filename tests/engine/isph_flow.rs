@@ -140,7 +140,8 @@ fn no_pressure_is_an_error_that_keeps_the_state() {
     let coronet::scene::Method::Isph(settings) = &mut scene.method else {
         panic!("another method");
     };
-    (settings.iterations, settings.tolerance) = (1, 1e-13);
+    let equation = &mut settings.projection;
+    (equation.iterations, equation.tolerance) = (1, 1e-13);
     let mut solver = solver(&scene, |_| true);
     let before = solver.state();
     let error = solver.advance(&mut |_| ()).unwrap_err();

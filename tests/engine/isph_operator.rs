@@ -3,9 +3,10 @@
 use super::cloud::{Cloud, OPEN, PERIODIC};
 use super::pack_scene::S0;
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
-use coronet::method::isph::correction::{inverse, least_eigenvalue, times};
-use coronet::method::isph::pass::{Local, Look, PressureSlope, Weights};
-use coronet::method::isph::surface::{Completion, Share, is_surface};
+use coronet::method::isph::pass::{Look, PressureSlope, Weights};
+use coronet::method::projection::correction::{inverse, least_eigenvalue, times};
+use coronet::method::projection::look::Local;
+use coronet::method::projection::surface::{Completion, Share, is_surface};
 use coronet::scene::{Dimension, KernelName};
 use coronet::space::sparse::{Layout, Sparse};
 use coronet::space::sweep;

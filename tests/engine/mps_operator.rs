@@ -2,9 +2,10 @@
 
 use super::cloud::{Cloud, OPEN};
 use super::pack_scene::S0;
-use coronet::method::isph::correction::times;
 use coronet::method::mps::Lattice;
-use coronet::method::mps::pass::{Local, Look, Number, PressureSlope, Viscous, Weights};
+use coronet::method::mps::pass::{Look, Number, PressureSlope, Viscous, Weights};
+use coronet::method::projection::correction::times;
+use coronet::method::projection::look::Local;
 use coronet::scene::Dimension;
 use coronet::space::sparse::{Layout, Sparse};
 use coronet::space::sweep::{self, Pass};

@@ -30,11 +30,17 @@ fn results_change_only_with_their_version() {
         ("wcsph", "corrected"),
         ("wcsph", "modern"),
         ("isph", "modern"),
+        ("mps", "modern"),
     ] {
         let program = Program::new();
         let [method_set, preset_set] = [("name", method), ("preset", preset)]
             .map(|(key, value)| format!("method.{key}={value}"));
-        program.run(&["--set", &method_set, "--set", &preset_set]);
+        let mut sets = vec!["--set", &method_set, "--set", &preset_set];
+        if method == "mps" {
+            // Its viscosity has one form.
+            sets.extend(["--set", "effects.viscosity={ dynamic = \"1 mPa s\" }"]);
+        }
+        program.run(&sets);
         for job in JOBS {
             let stamp = Stamp::read(&program.latest(job)).unwrap().unwrap();
             found += &format!(

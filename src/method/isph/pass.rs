@@ -1,8 +1,9 @@
 //! Pair sums of ISPH. Lengths in units of h, as in `method::pass`.
 
-use super::correction::{Tensor, inverse};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::projection::correction::{AXES, IDENTITY, inverse};
+use crate::method::projection::look::{Local, Sums, complete, divergence};
 use crate::space::lane::Lanes;
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
@@ -43,25 +44,7 @@ impl<K: Kernel, const PRINTED: bool> Couple<6> for Weights<K, PRINTED> {
     }
 }
 
-/// What a particle knows of its neighbourhood at r*.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Local {
-    /// SUM W V: 1 inside.
-    pub kernel_sum: f32,
-    /// n of `surface::Share`.
-    pub density: f32,
-    /// Divergence of v*, 1/s.
-    pub divergence: f32,
-    /// SUM V grad W, 1/m.
-    pub slope: [f32; 3],
-    /// Root mean square of |v*_ab| over the neighbours, by W, m/s.
-    pub stir: f32,
-    /// B = SUM V (r_b - r_a) x grad W, and the matrix L that corrects gradients.
-    pub moment: Tensor,
-    pub correction: Tensor,
-}
-
-/// Fills [`Local`]. Payload: v* (3), unused (2).
+/// Fills [`Local`], its number with the kernel sum. Payload: v* (3), unused (2).
 /// `CORRECTED`: divergence and L are those of corrected gradients, else L is the identity.
 pub struct Look<'a, K, const CORRECTED: bool> {
     /// V norm / h^d and that over h.
@@ -90,7 +73,7 @@ impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
                 v[a] = L::sub(pair.other[a], pair.own[a]);
             }
             sum[19] = L::fma(w, L::dot(v, v), sum[19]);
-            for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+            for (k, [a, b]) in AXES.into_iter().enumerate() {
                 sum[4 + k] = L::fma(g[a], pair.d[b], sum[4 + k]);
             }
             for a in 0..3 {
@@ -103,35 +86,20 @@ impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
     #[inline(always)]
     fn finish(&self, target: usize, s: [f32; 20], out: &mut Local) {
         out.kernel_sum = (self.value * (s[0] as f64 + K::w(0.0))) as f32;
+        out.number = out.kernel_sum;
         out.stir = (s[19] / s[0].max(f32::MIN_POSITIVE)).sqrt();
         out.slope = [s[1], s[2], s[3]].map(|s| (self.gradient * s as f64) as f32);
         out.moment = std::array::from_fn(|k| (-self.value * s[4 + k] as f64) as f32);
-        // An axis along which nothing varies has no moment of its own.
-        for (k, [a, b]) in PAIRS.into_iter().enumerate() {
-            if a == b && !self.active[a] {
-                out.moment[k] = 1.0;
-            }
-        }
+        complete(&mut out.moment, self.active);
         out.correction = if CORRECTED && self.marks[target] == 0.0 {
             inverse(&out.moment)
         } else {
-            [1.0, 0.0, 0.0, 1.0, 0.0, 1.0]
+            IDENTITY
         };
-        let mut divergence = 0.0;
-        for (k, [a, b]) in PAIRS.into_iter().enumerate() {
-            let g = if a == b {
-                s[10 + 4 * a]
-            } else {
-                s[10 + 3 * a + b] + s[10 + 3 * b + a]
-            };
-            divergence += out.correction[k] as f64 * g as f64;
-        }
+        let divergence = divergence(&out.correction, &s[10..19]);
         out.divergence = (self.gradient * divergence) as f32;
     }
 }
-
-/// Axes of the six entries of a symmetric tensor.
-pub const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
 
 /// SUM slope (P_b +- P_a) d. Payload 0: P. `SYMMETRIC`: the sum, else the difference.
 pub struct PressureSlope<K, const SYMMETRIC: bool>(pub PhantomData<K>);
@@ -159,7 +127,7 @@ impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
     }
 }
 
-/// What the explicit half of a step needs at r^n. Payload: velocity, unused, 1 / rho^2.
+/// What the explicit half of a step needs at r^n, and the viscous acceleration, m/s^2. Payload: velocity, unused, 1 / rho^2.
 pub struct Around<K, V> {
     /// m norm / h^(d+1).
     pub factor: f64,
@@ -167,18 +135,8 @@ pub struct Around<K, V> {
     pub kernel: PhantomData<K>,
 }
 
-/// Sums of [`Around`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sums {
-    /// Viscous acceleration, m/s^2.
-    pub viscous: [f32; 3],
-    /// SUM w with the particle itself, and SUM slope d.
-    pub kernel: f32,
-    pub slope: [f32; 3],
-}
-
 impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
-    type Out = Sums;
+    type Out = Sums<[f32; 3]>;
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) {
         unsafe {
@@ -201,9 +159,9 @@ impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
         }
     }
     #[inline(always)]
-    fn finish(&self, _: usize, s: [f32; 7], out: &mut Sums) {
+    fn finish(&self, _: usize, s: [f32; 7], out: &mut Sums<[f32; 3]>) {
         *out = Sums {
-            viscous: [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32),
+            own: [s[0], s[1], s[2]].map(|s| (self.factor * s as f64) as f32),
             kernel: s[3] + K::w(0.0) as f32,
             slope: [s[4], s[5], s[6]],
         };

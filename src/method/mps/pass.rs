@@ -5,8 +5,8 @@
 
 use super::Smooth;
 use crate::kernel::Kernel;
-use crate::method::isph::correction::{Tensor, inverse};
-use crate::method::isph::pass::PAIRS;
+use crate::method::projection::correction::{AXES, IDENTITY, inverse};
+use crate::method::projection::look::{Local, Sums, complete, divergence};
 use crate::space::lane::Lanes;
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
@@ -42,7 +42,7 @@ unsafe fn steep<L: Lanes>(q2: L::F, reach: f32) -> L::F {
 }
 
 /// Weights of the Laplacian (Eq. 6). Payload: 1 inside and 0 where p = 0 is given, 1 / n with the
-/// density n of `isph::surface::Share`, unused, offset c of a wall particle, Pa, unused.
+/// density n of `surface::Share`, unused, offset c of a wall particle, Pa, unused.
 ///
 /// `FLAGGED`: an unknown with p = 0 given is coupled to nothing and goes to the diagonal; else the
 /// weights are divided by both n.
@@ -74,22 +74,6 @@ impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
             w
         }
     }
-}
-
-/// What a particle knows of its neighbourhood at r*.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Local {
-    /// n / n0 (Eq. 4).
-    pub number: f32,
-    /// Kernel sum: 1 inside, and its gradient, 1/m.
-    pub kernel_sum: f32,
-    pub slope: [f32; 3],
-    /// n of `isph::surface::Share`.
-    pub density: f32,
-    /// Divergence of v*, 1/s.
-    pub divergence: f32,
-    /// The matrix that corrects gradients.
-    pub correction: Tensor,
 }
 
 /// Fills [`Local`]. Payload: v* (3), unused (2).
@@ -126,7 +110,7 @@ impl<const CORRECTED: bool> Pass<20> for Look<'_, CORRECTED> {
                 g[a] = L::mul(f, pair.d[a]);
                 v[a] = L::sub(pair.own[a], pair.other[a]);
             }
-            for (k, [a, b]) in PAIRS.into_iter().enumerate() {
+            for (k, [a, b]) in AXES.into_iter().enumerate() {
                 sum[5 + k] = L::fma(g[a], pair.d[b], sum[5 + k]);
             }
             for a in 0..3 {
@@ -141,26 +125,14 @@ impl<const CORRECTED: bool> Pass<20> for Look<'_, CORRECTED> {
         out.number = (self.number * s[0] as f64) as f32;
         out.kernel_sum = (self.smooth * (s[1] as f64 + Smooth::w(0.0))) as f32;
         out.slope = [s[2], s[3], s[4]].map(|s| (self.smooth / self.length * s as f64) as f32);
-        out.correction = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
-        if CORRECTED && self.marks[target] == 0.0 {
-            let mut moment: Tensor = std::array::from_fn(|k| (self.value * s[5 + k] as f64) as f32);
-            // An axis along which nothing varies has no moment of its own.
-            for (k, [a, b]) in PAIRS.into_iter().enumerate() {
-                if a == b && !self.active[a] {
-                    moment[k] = 1.0;
-                }
-            }
-            out.correction = inverse(&moment);
-        }
-        let mut divergence = 0.0;
-        for (k, [a, b]) in PAIRS.into_iter().enumerate() {
-            let g = if a == b {
-                s[11 + 4 * a]
-            } else {
-                s[11 + 3 * a + b] + s[11 + 3 * b + a]
-            };
-            divergence += out.correction[k] as f64 * g as f64;
-        }
+        out.moment = std::array::from_fn(|k| (self.value * s[5 + k] as f64) as f32);
+        complete(&mut out.moment, self.active);
+        out.correction = if CORRECTED && self.marks[target] == 0.0 {
+            inverse(&out.moment)
+        } else {
+            IDENTITY
+        };
+        let divergence = divergence(&out.correction, &s[11..20]);
         out.divergence = (self.value / self.length * divergence) as f32;
     }
 }
@@ -237,25 +209,15 @@ impl Pass<3> for Viscous {
     }
 }
 
-/// What shows the free surface at r^n. Payload: unused.
+/// What shows the free surface at r^n, and n / n0. Payload: unused.
 pub struct Around {
     /// r_e / h and 1 / n0.
     pub reach: f32,
     pub number: f64,
 }
 
-/// Sums of [`Around`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sums {
-    /// n / n0.
-    pub number: f32,
-    /// SUM w with the particle itself, and SUM slope d, of the smooth kernel.
-    pub kernel: f32,
-    pub slope: [f32; 3],
-}
-
 impl Pass<5> for Around {
-    type Out = Sums;
+    type Out = Sums<f32>;
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
         unsafe {
@@ -270,9 +232,9 @@ impl Pass<5> for Around {
         }
     }
     #[inline(always)]
-    fn finish(&self, _: usize, s: [f32; 5], out: &mut Sums) {
+    fn finish(&self, _: usize, s: [f32; 5], out: &mut Sums<f32>) {
         *out = Sums {
-            number: (self.number * s[0] as f64) as f32,
+            own: (self.number * s[0] as f64) as f32,
             kernel: s[1] + Smooth::w(0.0) as f32,
             slope: [s[2], s[3], s[4]],
         };

@@ -51,14 +51,7 @@ pub static MPS: &[Field] = &[
         Kind::Number(Range::Between(0.5, 1.0)),
         "Number density over n0 below which a particle is at the free surface.",
     ),
-    optional(
-        "source",
-        Kind::Either(&[
-            Kind::Word(&["density"]),
-            Kind::Table(SOURCE, &["divergence"]),
-        ]),
-        "What the pressure makes: density rho0 at once, or no divergence.",
-    ),
+    POISSON,
     optional(
         "closure",
         Kind::Word(&["threshold", "completed"]),
@@ -88,14 +81,7 @@ pub static ISPH: &[Field] = &[
     KERNEL,
     SMOOTHING,
     MASS,
-    optional(
-        "source",
-        Kind::Either(&[
-            Kind::Word(&["density"]),
-            Kind::Table(SOURCE, &["divergence"]),
-        ]),
-        "What the pressure makes: density rho0 at once, or no divergence.",
-    ),
+    POISSON,
     optional(
         "closure",
         Kind::Word(&["mirrored", "completed"]),
@@ -114,6 +100,17 @@ pub static ISPH: &[Field] = &[
     SHORTEST,
     LONGEST,
 ];
+
+static EITHER_SOURCE: &[Kind] = &[
+    Kind::Word(&["density"]),
+    Kind::Table(SOURCE, &["divergence"]),
+];
+
+const POISSON: Field = optional(
+    "source",
+    Kind::Either(EITHER_SOURCE),
+    "What the pressure makes: density rho0 at once, or no divergence.",
+);
 
 const PRECONDITIONER: Field = optional(
     "preconditioner",

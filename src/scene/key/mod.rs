@@ -9,6 +9,7 @@ mod body;
 mod flow;
 mod isph;
 mod mps;
+mod projection;
 
 use std::path::Path;
 

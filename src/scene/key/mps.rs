@@ -1,7 +1,7 @@
 //! Settings of MPS.
 
 use super::super::{Mps, MpsClosure, MpsGradient, Pressure};
-use super::isph::{preconditioner, source};
+use super::projection::{solution, source};
 use super::{List, Unit};
 
 /// All but those that every method has.
@@ -9,7 +9,7 @@ pub(super) fn settings(list: &mut List, settings: &Mps) {
     list.number("method.mps.radius", settings.radius, Unit::One);
     let name = "method.mps.laplacian_radius";
     list.number(name, settings.laplacian_radius, Unit::One);
-    source(list, "mps", settings.source);
+    source(list, "mps", &settings.projection);
     match settings.closure {
         MpsClosure::Threshold => {
             list.word("method.mps.closure", "threshold");
@@ -28,14 +28,5 @@ pub(super) fn settings(list: &mut List, settings: &Mps) {
         _ => "signed",
     };
     list.word("method.mps.pressure", pressure);
-    let word = preconditioner(settings.preconditioner);
-    list.word("method.mps.preconditioner", word);
-    list.number("method.mps.tolerance", settings.tolerance, Unit::One);
-    list.count("method.mps.iterations", settings.iterations as u64);
-    list.number("method.mps.shifting", settings.shifting, Unit::One);
-    list.number("method.mps.courant", settings.courant, Unit::One);
-    list.number("method.mps.shortest", settings.shortest, Unit::Time);
-    if settings.longest.is_finite() {
-        list.number("method.mps.longest", settings.longest, Unit::Time);
-    }
+    solution(list, "mps", &settings.projection);
 }

@@ -1,12 +1,12 @@
 //! Presets of ISPH.
 
+use super::projection::{override_projection, projection_modern};
 use super::{choose, override_effects, override_sph, sph_modern};
 use crate::scene::cursor::Cursor;
 use crate::scene::error::SceneError;
-use crate::scene::quantity::Unit;
 use crate::scene::{
-    Closure, Gradient, Isph, KernelName, Mass, PoissonSource, Preconditioner, Sph, TensionForm,
-    TensionStrength, ViscosityForm,
+    Closure, Gradient, Isph, KernelName, Mass, PoissonSource, Preconditioner, Projection, Sph,
+    TensionForm, TensionStrength, ViscosityForm,
 };
 
 /// Kuri, Yamaguchi, Kagawa, Nakajima & Fujimura, Simulations of droplet impact onto a liquid
@@ -22,16 +22,18 @@ pub fn isph_paper() -> Isph {
             tension_strength: TensionStrength::Flat, // text after Eq. 6
             tension_smoothing: 2.5,                  // text after Eq. 4: H = 2.5 h
         },
-        source: PoissonSource::Density,           // Eq. 8
-        closure: Closure::Mirrored,               // Eq. 11
-        gradient: Gradient::Symmetric,            // Eq. 9
-        preconditioner: Preconditioner::Diagonal, // PCG, its preconditioner not given
-        tolerance: 1e-6,                          // not given
-        iterations: 2000,
-        shifting: 0.0,
-        courant: 0.1,   // law not given: speeds of 1.25 to 5 m/s span
-        shortest: 5e-6, // the steps of Section 3 at d0 = 0.25 mm
-        longest: 20e-6,
+        projection: Projection {
+            source: PoissonSource::Density,           // Eq. 8
+            preconditioner: Preconditioner::Diagonal, // PCG, its preconditioner not given
+            tolerance: 1e-6,                          // not given
+            iterations: 2000,
+            shifting: 0.0,
+            courant: 0.1,   // law not given: speeds of 1.25 to 5 m/s span
+            shortest: 5e-6, // the steps of Section 3 at d0 = 0.25 mm
+            longest: 20e-6,
+        },
+        closure: Closure::Mirrored,    // Eq. 11
+        gradient: Gradient::Symmetric, // Eq. 9
     }
 }
 
@@ -44,8 +46,11 @@ pub fn isph_corrected() -> Isph {
             tension_smoothing: 2.0,                    // 2.5 h is the radius of the drop
             ..paper.sph
         },
-        // Asai et al. 2012: the whole deviation at once is 100-700 Pa of noise for 0.1 %.
-        source: PoissonSource::Divergence { density: 0.01 },
+        projection: Projection {
+            // Asai et al. 2012: the whole deviation at once is 100-700 Pa of noise for 0.1 %.
+            source: PoissonSource::Divergence { density: 0.01 },
+            ..paper.projection
+        },
         closure: Closure::Completed, // Nair & Tomar 2014, without flags that flicker
         ..paper
     }
@@ -56,11 +61,7 @@ pub fn isph_modern() -> Isph {
     Isph {
         sph: sph_modern(),
         gradient: Gradient::Corrected, // Bonet & Lok 1999
-        preconditioner: Preconditioner::Multigrid,
-        shifting: 4.0, // Lind et al. 2012, as strong as in WCSPH
-        courant: 0.25, // Shao & Lo 2003 use 0.1, Lind et al. 2012 up to 0.25
-        shortest: 0.1e-6,
-        longest: f64::INFINITY,
+        projection: projection_modern(isph_corrected().projection.source),
         ..isph_corrected()
     }
 }
@@ -75,11 +76,12 @@ pub(super) fn isph(root: &Cursor<'_>) -> Result<Isph, SceneError> {
 
 fn override_flow(settings: &mut Isph, table: &Cursor<'_>) -> Result<(), SceneError> {
     for (key, value) in table.entries() {
-        if override_sph(&mut settings.sph, key, &value)? {
+        if override_sph(&mut settings.sph, key, &value)?
+            || override_projection(&mut settings.projection, key, &value)?
+        {
             continue;
         }
         match key {
-            "source" => settings.source = source(&value)?,
             "closure" => {
                 settings.closure = match value.text()? {
                     "mirrored" => Closure::Mirrored,
@@ -92,39 +94,8 @@ fn override_flow(settings: &mut Isph, table: &Cursor<'_>) -> Result<(), SceneErr
                     _ => Gradient::Corrected,
                 }
             }
-            "preconditioner" => settings.preconditioner = preconditioner(&value)?,
-            "tolerance" => settings.tolerance = value.number()?,
-            "iterations" => settings.iterations = value.count()? as usize,
-            "shifting" => settings.shifting = value.number()?,
-            "courant" => settings.courant = value.number()?,
-            "shortest" => settings.shortest = value.quantity(Unit::Time)?,
-            "longest" => {
-                settings.longest = match value.text() {
-                    Ok("none") => f64::INFINITY,
-                    _ => value.quantity(Unit::Time)?,
-                }
-            }
             _ => return Err(value.fault("is not read by any method", "remove it")),
         }
     }
     Ok(())
-}
-
-pub(super) fn source(value: &Cursor<'_>) -> Result<PoissonSource, SceneError> {
-    match value.get("divergence") {
-        Some(divergence) => {
-            let density = divergence.number_at("density")?;
-            Ok(PoissonSource::Divergence { density })
-        }
-        None => Ok(PoissonSource::Density),
-    }
-}
-
-pub(super) fn preconditioner(value: &Cursor<'_>) -> Result<Preconditioner, SceneError> {
-    Ok(match value.text()? {
-        "none" => Preconditioner::None,
-        "diagonal" => Preconditioner::Diagonal,
-        "ssor" => Preconditioner::Ssor,
-        _ => Preconditioner::Multigrid,
-    })
 }

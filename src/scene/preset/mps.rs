@@ -1,11 +1,12 @@
 //! Presets of MPS.
 
-use super::isph::{preconditioner, source};
+use super::projection::{override_projection, projection_modern};
 use super::{choose, override_effects, sph_modern};
 use crate::scene::cursor::Cursor;
 use crate::scene::error::SceneError;
-use crate::scene::quantity::Unit;
-use crate::scene::{Mps, MpsClosure, MpsGradient, PoissonSource, Preconditioner, Pressure, Sph};
+use crate::scene::{
+    Mps, MpsClosure, MpsGradient, PoissonSource, Preconditioner, Pressure, Projection, Sph,
+};
 
 /// Xie, Koshizuka & Oka 2007, Modeling the wetting effects in droplet impingement using particle
 /// method, as printed, but for its tension (Eqs. 10-16).
@@ -18,42 +19,51 @@ pub fn mps_paper() -> Mps {
         radius: 2.1,                    // not given; usual
         laplacian_radius: 3.1,          // not given; usual
         beta: 0.97,                     // not given; Koshizuka & Oka 1996
-        source: PoissonSource::Density, // Eq. 8
         closure: MpsClosure::Threshold, // not described; Koshizuka & Oka 1996
         gradient: MpsGradient::Minimum, // Eq. 5 needs it: Koshizuka, Nobe & Oka 1998
         pressure: Pressure::Clipped,    // not described
-        preconditioner: Preconditioner::Diagonal,
-        tolerance: 1e-6, // not given
-        iterations: 2000,
-        shifting: 0.0,
-        courant: 0.1, // not given
-        shortest: 0.1e-6,
-        longest: f64::INFINITY,
+        projection: Projection {
+            source: PoissonSource::Density, // Eq. 8
+            preconditioner: Preconditioner::Diagonal,
+            tolerance: 1e-6, // not given
+            iterations: 2000,
+            shifting: 0.0,
+            courant: 0.1, // not given
+            shortest: 0.1e-6,
+            longest: f64::INFINITY,
+        },
     };
     mps.with_length()
 }
 
 /// The same method, its known errors removed.
 pub fn mps_corrected() -> Mps {
+    let paper = mps_paper();
     Mps {
         gradient: MpsGradient::Symmetric, // Khayyer & Gotoh 2008: Eq. 5 loses momentum
-        // Tanaka & Masunaga 2010: the whole deviation at once is noise of pressure.
-        source: PoissonSource::Divergence { density: 0.01 },
-        ..mps_paper()
+        projection: Projection {
+            // Tanaka & Masunaga 2010: the whole deviation at once is noise of pressure.
+            source: PoissonSource::Divergence { density: 0.01 },
+            ..paper.projection
+        },
+        ..paper
     }
 }
 
 /// MPS with what has been learned since.
 pub fn mps_modern() -> Mps {
+    let corrected = mps_corrected();
     let mps = Mps {
         radius: 3.1,
         laplacian_radius: 2.1, // with 3.1 short waves of pressure are corrected too far
         closure: MpsClosure::Completed, // Nair & Tomar 2014, no flicker
         gradient: MpsGradient::Corrected, // Khayyer & Gotoh 2011; Tamai & Koshizuka 2014
         pressure: Pressure::Signed,
-        preconditioner: Preconditioner::Multigrid,
-        shifting: 4.0, // Lind et al. 2012, as strong as in the other methods
-        ..mps_corrected()
+        projection: Projection {
+            courant: 0.1, // 0.25 diverges in vortices
+            ..projection_modern(corrected.projection.source)
+        },
+        ..corrected
     };
     mps.with_length()
 }
@@ -72,11 +82,13 @@ pub(super) fn mps(root: &Cursor<'_>) -> Result<Mps, SceneError> {
 
 fn override_flow(settings: &mut Mps, table: &Cursor<'_>) -> Result<(), SceneError> {
     for (key, value) in table.entries() {
+        if override_projection(&mut settings.projection, key, &value)? {
+            continue;
+        }
         match key {
             "radius" => settings.radius = value.number()?,
             "laplacian_radius" => settings.laplacian_radius = value.number()?,
             "beta" => settings.beta = value.number()?,
-            "source" => settings.source = source(&value)?,
             "closure" => {
                 settings.closure = match value.text()? {
                     "threshold" => MpsClosure::Threshold,
@@ -94,18 +106,6 @@ fn override_flow(settings: &mut Mps, table: &Cursor<'_>) -> Result<(), SceneErro
                 settings.pressure = match value.text()? {
                     "clipped" => Pressure::Clipped,
                     _ => Pressure::Signed,
-                }
-            }
-            "preconditioner" => settings.preconditioner = preconditioner(&value)?,
-            "tolerance" => settings.tolerance = value.number()?,
-            "iterations" => settings.iterations = value.count()? as usize,
-            "shifting" => settings.shifting = value.number()?,
-            "courant" => settings.courant = value.number()?,
-            "shortest" => settings.shortest = value.quantity(Unit::Time)?,
-            "longest" => {
-                settings.longest = match value.text() {
-                    Ok("none") => f64::INFINITY,
-                    _ => value.quantity(Unit::Time)?,
                 }
             }
             _ => return Err(value.fault("is not read by any method", "remove it")),

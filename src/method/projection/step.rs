@@ -1,7 +1,6 @@
-//! One step, as the algorithm box of the paper has it.
+//! One step, as the algorithm box of Kuri et al. has it.
 
-use super::pass::{Around, Viscous};
-use super::{MIST, Mps, Smooth};
+use super::{MIST, Projection, Scheme};
 use crate::effect::gravity;
 use crate::method::Diverged;
 use crate::method::flow::retain;
@@ -17,7 +16,7 @@ const HALVINGS: usize = 5;
 /// Longest step of a liquid that nothing moves, s.
 const IDLE: f64 = 1.0;
 
-impl Mps {
+impl<S: Scheme> Projection<S> {
     pub(super) fn advance_step(&mut self) -> Result<(), Diverged> {
         let expected = self.next_step();
         self.flow.lasting = if self.fastest > 0.0 { expected } else { 0.0 };
@@ -110,28 +109,10 @@ impl Mps {
         self.flow.find();
     }
 
-    /// (5) without the step: viscosity, gravity, tension at r^n.
+    /// (1) without the step: viscosity, gravity, tension at r^n.
     fn hold(&mut self) {
-        let n = self.flow.liquid();
-        self.held.clear();
-        self.held.resize(n, [0.0; 3]);
-        self.pack_velocity();
-        let scale = self.scale();
-        let pass = Around {
-            reach: self.reach(),
-            number: 1.0 / self.lattice.number,
-        };
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.around);
-        if let Some(viscosity) = self.case.effects.viscosity {
-            self.pack_walls();
-            let pass = Viscous {
-                reach: self.laplacian_reach(),
-                factor: viscosity / self.case.density * self.laplacian_factor(),
-            };
-            let (records, rows) = (&self.flow.records, &self.flow.rows);
-            sweep::rows(records, rows, scale, &pass, &mut self.held);
-        }
+        self.held.resize(self.flow.liquid(), [0.0; 3]);
+        S::look_around(self);
         self.mark();
         if let Some(g) = self.case.effects.gravity {
             gravity::add(g, &mut self.held);
@@ -139,30 +120,30 @@ impl Mps {
         self.add_tension();
         let held = &self.held;
         let square = |i: usize| held[i].iter().map(|a| (*a as f64).powi(2)).sum();
-        self.hardest = max(n, square).max(0.0).sqrt();
+        self.hardest = max(held.len(), square).max(0.0).sqrt();
     }
 
-    /// Records for viscosity: velocity.
-    fn pack_velocity(&mut self) {
+    /// Records for viscosity: velocity, unused, `weight`.
+    pub(in crate::method) fn pack_velocity(&mut self, weight: f32) {
         self.flow.pack(
             |p, i| {
                 let [x, y, z] = [0, 1, 2].map(|a| p.velocity[a][i] as f32);
-                [x, y, z, 0.0, 1.0]
+                [x, y, z, 0.0, weight]
             },
             |w, j| {
                 let [x, y, z] = [0, 1, 2].map(|a| w.velocity[a][j] as f32);
-                [x, y, z, 0.0, 1.0]
+                [x, y, z, 0.0, weight]
             },
         );
     }
 
-    /// Gives walls the velocity of no slip, unless Eq. 8 stands as printed.
-    fn pack_walls(&mut self) {
+    /// Gives walls in these records the velocity of no slip, unless Eq. 8 stands as printed.
+    pub(in crate::method) fn pack_no_slip(&mut self, weight: f32) {
         if self.is_printed() || self.walls.len() == 0 {
             return;
         }
         let scale = self.scale();
-        let pass = Extrapolation::<Smooth> {
+        let pass = Extrapolation::<S::Kernel> {
             kernel: PhantomData,
         };
         let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
@@ -185,7 +166,7 @@ impl Mps {
         seen.extend((0..sums.len()).map(viscous));
         let seen = &*seen;
         self.flow
-            .pack_wall(|j| [seen[j][0], seen[j][1], seen[j][2], 0.0, 1.0]);
+            .pack_wall(|j| [seen[j][0], seen[j][1], seen[j][2], 0.0, weight]);
     }
 
     /// Counts the particles of the surface in every support.
@@ -231,7 +212,7 @@ impl Mps {
         }
     }
 
-    /// (5): v* and r*.
+    /// (1): v* and r*.
     fn predict(&mut self, dt: f64) {
         let n = self.flow.liquid();
         let held = &self.held;
@@ -246,18 +227,22 @@ impl Mps {
         });
     }
 
-    /// (7), damped.
+    /// (2) and (3), damped.
     fn correct(&mut self, dt: f64) {
         let n = self.flow.liquid();
         let damp = 1.0 / (1.0 + self.case.damping * dt);
-        let (push, [before, _]) = (&self.push, &self.before);
+        let (push, before) = (&self.push, &self.before);
         let p = &mut self.flow.particles;
         let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
         each(n, |i| {
             for a in 0..3 {
                 let v = unsafe { v[a].at(i) };
                 *v = damp * (*v + dt * push[i][a] as f64);
-                *unsafe { x[a].at(i) } = before[a][i] + dt * *v;
+                let mean = match S::TRAPEZOIDAL {
+                    true => 0.5 * (before[1][a][i] + *v),
+                    false => *v,
+                };
+                *unsafe { x[a].at(i) } = before[0][a][i] + dt * mean;
             }
         });
         self.fastest = self.speed();

@@ -21,7 +21,7 @@
 //! Tests: tests/engine/isph_operator.rs.
 
 use super::correction::{least_eigenvalue, times};
-use super::pass::Local;
+use super::look::Local;
 use crate::kernel::{self, Kernel};
 use crate::scene::KernelName;
 use crate::space::grid::Grid;

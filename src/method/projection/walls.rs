@@ -15,10 +15,12 @@
 //! solution. Viscosity sees 2 v_wall - SUM v W / SUM W (Adami, Hu & Adams 2012,
 //! Eq. 23). Test: tests/engine/isph_flow.rs.
 
+use crate::method::flow::Flow;
 use crate::method::model::Case;
 use crate::method::pass::WallSums;
 use crate::particle::Wall;
 use crate::scene::Side;
+use crate::space::sparse::Layout;
 use std::collections::HashMap;
 
 /// Groups of wall particles, one for each particle in contact.
@@ -127,6 +129,19 @@ impl Walls {
     pub fn number(&mut self, liquid: usize) {
         for (unknown, group) in self.unknown.iter_mut().zip(&self.group) {
             *unknown = liquid as u32 + group;
+        }
+    }
+
+    /// Where the rows of the equation come from; groups are numbered after the liquid. `h` in m.
+    pub fn layout<'a>(&'a self, flow: &'a Flow, h: f64) -> Layout<'a> {
+        Layout {
+            records: &flow.records,
+            liquid: &flow.rows,
+            wall: &flow.wall_rows,
+            start: &self.start,
+            member: &self.member,
+            unknown: &self.unknown,
+            scale: flow.grid.scale(h),
         }
     }
 

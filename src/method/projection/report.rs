@@ -1,13 +1,13 @@
 //! What a run tells of itself: divergence, budgets, frames.
 
-use super::Mps;
+use super::{Projection, Scheme};
 use crate::method::{Diverged, frame};
 use crate::particle::Frame;
 
 /// Spacings that no particle crosses in one step: its neighbours would be others.
 const STRIDE: f64 = 2.0;
 
-impl Mps {
+impl<S: Scheme> Projection<S> {
     fn fault(&self, what: String, remedy: &str) -> Diverged {
         let (i, _) = frame::fastest(&self.flow);
         frame::fault(&self.flow, (self.time, self.step), i, what, remedy)
@@ -23,7 +23,8 @@ impl Mps {
             "{:.4e} m in a step of {dt:.4e} s, above {STRIDE} spacings, {far:.4e} m",
             self.fastest * dt
         );
-        Err(self.fault(what, "a smaller method.mps.courant or shortest step"))
+        let remedy = format!("a smaller method.{}.courant or shortest step", S::NAME);
+        Err(self.fault(what, &remedy))
     }
 
     /// No pressure, for no step down to `dt` s.
@@ -36,7 +37,8 @@ impl Mps {
             self.outcome.residual,
             self.settings.tolerance
         );
-        self.fault(what, "more method.mps.iterations or a larger tolerance")
+        let remedy = format!("more method.{}.iterations or a larger tolerance", S::NAME);
+        self.fault(what, &remedy)
     }
 
     /// What the solver of the pressure did, for states and frames.

@@ -4,6 +4,11 @@ use nalgebra::{Matrix3, SymmetricEigen};
 
 pub type Tensor = [f32; 6];
 
+/// Axes of the six entries.
+pub const AXES: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
+
+pub const IDENTITY: Tensor = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
+
 /// Least eigenvalue that is inverted: that of the moment of a few neighbours on one side is near
 /// zero, and its inverse would be noise (0.2 to 0.3 is common practice, after Bonet & Lok 1999).
 const LEAST: f64 = 0.3;

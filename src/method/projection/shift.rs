@@ -1,13 +1,10 @@
 //! Particle shifting as in [`super::super::shifting`], C at r*. Velocity stays with the particle.
 
-use super::Isph;
-use super::pass::Local;
-use crate::effect::viscosity::PairViscosity;
-use crate::kernel::Kernel;
+use super::{Projection, Scheme};
 use crate::method::shifting::{LOOSE, Shifting};
 use crate::space::parallel::{each, slots3};
 
-impl<K: Kernel, V: PairViscosity> Isph<K, V> {
+impl<S: Scheme> Projection<S> {
     pub(super) fn shift(&mut self, dt: f64) {
         let case = &self.case;
         let shifting = Shifting {
@@ -21,21 +18,18 @@ impl<K: Kernel, V: PairViscosity> Isph<K, V> {
         let (local, marks, tension) = (&self.local, &self.marks, &self.tension);
         let x = slots3(&mut self.flow.particles.position);
         each(local.len(), |i| {
-            let Local {
-                slope,
-                kernel_sum,
-                stir,
-                ..
-            } = local[i];
-            let slope = slope.map(f64::from);
+            let seen = &local[i];
+            if seen.kernel_sum < LOOSE {
+                return;
+            }
+            let slope = seen.slope.map(f64::from);
             let normal = match tension {
                 Some(tension) => tension.root_of(i).map(f64::from),
                 None => [marks[i] as f64; 3],
             };
             let dr = if normal.iter().any(|n| *n != 0.0) {
-                shifting.near(slope, normal, kernel_sum, stir)
-            } else if kernel_sum < LOOSE {
-                return;
+                let (support, stir) = S::stir(seen, shifting.fastest);
+                shifting.near(slope, normal, support, stir)
             } else {
                 shifting.inside(slope)
             };

@@ -1,0 +1,68 @@
+//! What the gradients of MPS subtract from pressures.
+
+use super::Mps;
+use crate::method::projection::Projection;
+use crate::scene::MpsGradient;
+use crate::space::parallel::{Slots, each};
+
+impl Projection<Mps> {
+    /// P and Q of `PressureSlope`: p less the least about it and that (`symmetric`), p and the
+    /// least about it (`minimum`), or p and itself, near a surface with its sign turned.
+    pub(super) fn pack_pressure(&mut self) {
+        let n = self.flow.liquid();
+        let gradient = self.scheme.gradient;
+        if gradient != MpsGradient::Corrected {
+            self.find_least();
+        }
+        let (x, walls, least, marks) =
+            (&self.unknown, &self.walls, &self.scheme.least, &self.marks);
+        self.flow.pack(
+            |_, i| {
+                let [p, q] = match gradient {
+                    MpsGradient::Symmetric => [x[i] - least[i], 0.0],
+                    MpsGradient::Minimum => [x[i], least[i]],
+                    MpsGradient::Corrected if marks[i] > 0.0 => [x[i], -x[i]],
+                    MpsGradient::Corrected => [x[i], x[i]],
+                };
+                [p as f32, q as f32, 0.0, 0.0, 0.0]
+            },
+            |_, j| {
+                let mut p = x[n + walls.group[j] as usize] + walls.offset[j] as f64;
+                if gradient == MpsGradient::Symmetric {
+                    p -= least[n + j];
+                }
+                [p as f32, 0.0, 0.0, 0.0, 0.0]
+            },
+        );
+    }
+
+    /// The least pressure within the radius of (3) of every particle, itself included.
+    fn find_least(&mut self) {
+        let n = self.flow.liquid();
+        let (flow, walls, x) = (&self.flow, &self.walls, &self.unknown);
+        let pressure = |j: usize| match j.checked_sub(n) {
+            None => x[j],
+            Some(w) => x[n + walls.group[w] as usize] + walls.offset[w] as f64,
+        };
+        let square = (self.scheme.radius * self.case.spacing).powi(2);
+        let unit = flow.grid.unit;
+        self.scheme.least.resize(n + flow.walls(), 0.0);
+        let least = Slots::new(&mut self.scheme.least);
+        each(n + flow.walls(), |i| {
+            let row = match i.checked_sub(n) {
+                None => flow.rows.row(i),
+                Some(w) => flow.wall_rows.row(w),
+            };
+            let own = &flow.records[i];
+            let mut lowest = pressure(i);
+            for &j in row {
+                let other = &flow.records[j as usize];
+                let away = |a: usize| other.at(a).wrapping_sub(own.at(a)) as f64 * unit[a];
+                if (0..3).map(|a| away(a).powi(2)).sum::<f64>() < square {
+                    lowest = lowest.min(pressure(j as usize));
+                }
+            }
+            *unsafe { least.at(i) } = lowest;
+        });
+    }
+}

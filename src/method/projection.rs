@@ -1,0 +1,342 @@
+//! Projection methods: an explicit step, then the pressure that makes its velocity keep the volume.
+//!
+//! (1) v* = v^n + dt (viscosity + tension + g),  r* = r^n + dt v*
+//! (2) the pressure equation at r*: SUM w (p_a - p_b) + surface terms = right-hand side
+//! (3) v^(n+1) = v* - dt grad p / rho
+//! (4) r^(n+1) = r^n + dt v, v the mean of v^n and v^(n+1), or v^(n+1)
+//!
+//! What [`super::isph`] and [`super::mps`] do each in their own way is a [`Scheme`]: sums, weights,
+//! gradients. The rest is here: walls are [`walls`], free surfaces [`surface`], the equation and
+//! its solvers [`super::pressure`], shifting [`shift`].
+//!
+//! Time step: courant s0 / u_max, and the viscous, capillary and force limits of [`super::limit`],
+//! between `shortest` and `longest`. A solution that does not converge is tried again with the
+//! diagonal preconditioner, then over half the step, five times; then the run has diverged, its
+//! state as before the step.
+//! Fails where: (2) and (3) are not the same operator, so that v^(n+1) keeps some divergence.
+//! Tests: tests/engine/{isph,mps,pressure}_*.rs, tests/validation.
+
+pub mod correction;
+pub mod look;
+mod report;
+mod shift;
+mod solve;
+mod step;
+pub mod surface;
+pub(super) mod walls;
+
+use super::flow::Flow;
+use super::model::Case;
+use super::pressure::{Equation, Outcome, Solver as PressureSolver};
+use super::shifting::LOOSE;
+use super::{Diverged, Solver};
+use crate::effect::tension::Tension;
+use crate::kernel::Kernel;
+use crate::particle::{Frame, State};
+use crate::scene::{PoissonSource, Projection as Settings};
+use crate::space::parallel::{max, sum};
+use look::{Local, Sums};
+use std::mem::size_of;
+use std::ops::Index;
+use surface::Completion;
+use walls::Walls;
+
+/// Less of the support than this is liquid at the free surface: 0.75 or so in the top layer of a
+/// lattice, more than 0.95 in the next.
+const SURFACE: f64 = 0.9;
+
+/// A particle with a kernel sum below this that crosses a periodic side is mist, as in WCSPH.
+const MIST: f32 = 0.4;
+
+/// What a method does in its own way. `p` is the solver that it belongs to.
+pub(super) trait Scheme: Sized + Send + Sync {
+    /// As in `method.NAME` of a scene.
+    const NAME: &'static str;
+    /// Whether particles move with the mean of old and new velocity, else with the new one.
+    const TRAPEZOIDAL: bool;
+    /// The kernel of walls, free surface and shifting.
+    type Kernel: Kernel;
+    /// What the explicit half sums beside the kernel.
+    type Own: Copy + Default + Send + Sync;
+    /// Sums along a row of the equation: w q^2; w c of the neighbours; w d (3); w c of the target;
+    /// the method's own.
+    type Row: Copy + Default + Send + Sync + Index<usize, Output = f32>;
+
+    /// How the equation ends at a free surface.
+    fn completion(&self, case: &Case) -> Completion;
+    /// Whether wall particles have a density, for which they see each other.
+    fn walls_are_dense(&self, settings: &Settings) -> bool;
+    /// Fills `around` at r^n, and `held` with the acceleration of viscosity.
+    fn look_around(p: &mut Projection<Self>);
+    /// Whether particle `i` is at the surface, where a number decides.
+    fn threshold(p: &Projection<Self>, i: usize) -> Option<bool>;
+    /// Fills `local` at r*, but for its density. Records hold v*.
+    fn look(p: &mut Projection<Self>);
+    /// Fills the density of wall particles, over rho0.
+    fn look_at_walls(p: &mut Projection<Self>);
+    /// Fills coupling, diagonal and sums of the equation.
+    fn couple(p: &mut Projection<Self>);
+    /// What is coupled to p = 0, where flags decide; `degree`: the diagonal so far.
+    fn flagged(p: &Projection<Self>, i: usize, degree: f64) -> Option<f64>;
+    /// Whether p = 0 is given for the unknown `i`.
+    fn given(p: &Projection<Self>, i: usize) -> bool;
+    /// Density of the rows of liquid particle `i`, and of what the source sees, over rho0.
+    fn dense(p: &Projection<Self>, i: usize) -> [f64; 2];
+    /// The Laplacian of p / rho over SUM w (p_b - p_a), m^3/(kg m^2).
+    fn unit(p: &Projection<Self>) -> f64;
+    /// Fills `push` with -grad p / rho.
+    fn slope(p: &mut Projection<Self>);
+    /// Support and stir for `Shifting::near`; `fastest` in m/s.
+    fn stir(local: &Local, fastest: f64) -> (f32, f32);
+    /// Bytes held.
+    fn memory(&self) -> usize;
+}
+
+/// The solver.
+pub(super) struct Projection<S: Scheme> {
+    pub case: Case,
+    pub settings: Settings,
+    pub scheme: S,
+    pub flow: Flow,
+    tension: Option<Tension>,
+    time: f64,
+    step: u64,
+    last_step: f64,
+    /// Largest speed, m/s, and explicit acceleration, m/s^2, of the last step.
+    fastest: f64,
+    hardest: f64,
+    /// Explicit acceleration, m/s^2.
+    pub held: Vec<[f32; 3]>,
+    pub around: Vec<Sums<S::Own>>,
+    /// Particles of the surface in the support.
+    pub marks: Vec<f32>,
+    pub local: Vec<Local>,
+    /// Pa, by liquid particle.
+    pub pressure: Vec<f64>,
+    /// The same and that of the groups of wall particles.
+    pub unknown: Vec<f64>,
+    /// Pressure acceleration of a step, m/s^2.
+    pub push: Vec<[f32; 3]>,
+    /// Positions and velocities at the start of a step.
+    before: [[Vec<f64>; 3]; 2],
+    pub walls: Walls,
+    closure: Completion,
+    pub equation: Equation,
+    pub sums: Vec<S::Row>,
+    solver: PressureSolver,
+    outcome: Outcome,
+    /// Repeated solutions of the run.
+    repeated: u64,
+    pool: bool,
+    scratch: Scratch<S::Own>,
+}
+
+/// Kept, so that a step allocates nothing.
+#[derive(Default)]
+struct Scratch<T> {
+    mist: Vec<bool>,
+    f64s: Vec<f64>,
+    around: Vec<Sums<T>>,
+    viscous: Vec<[f32; 3]>,
+}
+
+impl<S: Scheme> Projection<S> {
+    pub fn new(
+        case: Case,
+        (settings, scheme): (Settings, S),
+        mut flow: Flow,
+        tension: Option<Tension>,
+        state: &State,
+        pool: bool,
+    ) -> Self {
+        flow.wall_sees_wall = scheme.walls_are_dense(&settings);
+        let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
+        flow.removed = (
+            named("removed_mass_kg").unwrap_or(0.0),
+            named("removed_particles").unwrap_or(0.0) as u64,
+        );
+        let n = flow.liquid();
+        let array = |name: &str| state.arrays.iter().find(|a| a.0 == name).map(|a| &a.1);
+        let walls = Walls::new(&case, &flow.wall);
+        let closure = scheme.completion(&case);
+        let mut solver = Projection {
+            case,
+            settings,
+            scheme,
+            flow,
+            tension,
+            time: state.time,
+            step: state.step,
+            last_step: named("time_step_s").unwrap_or(0.0),
+            fastest: 0.0,
+            hardest: named("acceleration_m_s2").unwrap_or(0.0),
+            held: vec![[0.0; 3]; n],
+            around: vec![Sums::default(); n],
+            marks: Vec::new(),
+            local: Vec::new(),
+            pressure: array("pressure").map_or(vec![0.0; n], Clone::clone),
+            unknown: Vec::new(),
+            push: Vec::new(),
+            before: Default::default(),
+            walls,
+            closure,
+            equation: Equation::default(),
+            sums: Vec::new(),
+            solver: PressureSolver::default(),
+            outcome: Outcome {
+                iterations: named("pressure_iterations").unwrap_or(0.0) as usize,
+                residual: named("pressure_residual").unwrap_or(0.0),
+                converged: true,
+            },
+            repeated: named("pressure_repeated").unwrap_or(0.0) as u64,
+            pool,
+            scratch: Scratch::default(),
+        };
+        if let Some(sums) = array("kernel_sum") {
+            let around = solver.around.iter_mut().zip(sums);
+            around.for_each(|(s, x)| s.kernel = *x as f32);
+        }
+        solver.fastest = solver.speed();
+        solver
+    }
+
+    pub fn scale(&self) -> [f32; 3] {
+        self.flow.grid.scale(self.case.h)
+    }
+
+    /// V norm / h^(d+k), V = m / rho0.
+    pub fn factor(&self, k: i32) -> f64 {
+        let d = self.case.dimension.count();
+        let volume = self.flow.particles.mass / self.case.density;
+        volume * S::Kernel::norm(d) / self.case.h.powi(d as i32 + k)
+    }
+
+    /// norm s0^d / h^d: turns `Sums::kernel` into the kernel sum.
+    fn sum_factor(&self) -> f32 {
+        let d = self.case.dimension.count();
+        (S::Kernel::norm(d) * (self.case.spacing / self.case.h).powi(d as i32)) as f32
+    }
+
+    /// Axes along which anything varies.
+    pub fn active(&self) -> [bool; 3] {
+        self.flow.grid.unit.map(|unit| unit > 0.0)
+    }
+
+    /// Largest speed now, m/s.
+    fn speed(&self) -> f64 {
+        let p = &self.flow.particles;
+        max(p.len(), |i| p.speed(i)).max(0.0)
+    }
+
+    /// Kernel sum of particle `i` at r^n: 1 inside.
+    #[inline(always)]
+    fn kernel_sum(&self, i: usize) -> f32 {
+        self.sum_factor() * self.around[i].kernel
+    }
+
+    /// Whether particle `i` is at the free surface, at r^n: less than [`SURFACE`] of its support is
+    /// liquid, or hardly anything is near. A thin liquid is no surface.
+    #[inline(always)]
+    fn is_surface(&self, i: usize) -> bool {
+        if let Some(below) = S::threshold(self, i) {
+            return below;
+        }
+        let Sums { kernel, slope, .. } = self.around[i];
+        let steep = slope
+            .iter()
+            .map(|s| (*s as f64).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        self.kernel_sum(i) < LOOSE || self.closure.share.at(steep / kernel as f64)[0] < SURFACE
+    }
+
+    /// Whether the source is density alone, as printed: walls with a density, without offsets.
+    pub fn is_printed(&self) -> bool {
+        self.settings.source == PoissonSource::Density
+    }
+}
+
+impl<S: Scheme> Solver for Projection<S> {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn step_count(&self) -> u64 {
+        self.step
+    }
+
+    fn len(&self) -> usize {
+        self.flow.liquid()
+    }
+
+    fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
+        self.advance_step()?;
+        on_step(self);
+        Ok(())
+    }
+
+    fn state(&self) -> State {
+        let mut scalars = vec![
+            ("removed_mass_kg".to_string(), self.flow.removed.0),
+            ("removed_particles".to_string(), self.flow.removed.1 as f64),
+            ("time_step_s".to_string(), self.last_step),
+            ("acceleration_m_s2".to_string(), self.hardest),
+        ];
+        let solution = self.solution_scalars();
+        scalars.extend(solution.map(|(name, value)| (name.to_string(), value)));
+        if let Some(tension) = &self.tension {
+            scalars.push(("tension_strength".to_string(), tension.strength));
+        }
+        // The last pressure is the first guess of the next; kernel sums decide on mist.
+        let mut arrays = vec![("pressure".to_string(), self.pressure.clone())];
+        if self.pool {
+            let sums = self.around.iter().map(|s| s.kernel as f64).collect();
+            arrays.push(("kernel_sum".to_string(), sums));
+        }
+        State {
+            time: self.time,
+            step: self.step,
+            particles: self.flow.particles.clone(),
+            scalars,
+            arrays,
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        self.make_frame()
+    }
+
+    fn unrest(&self) -> (f64, f64) {
+        let kinetic = self.budget()[0];
+        let rho0 = self.case.density;
+        let [squares, count] = sum(self.flow.liquid(), |i| {
+            let d = self.flow.particles.density[i] - rho0;
+            match self.marks.get(i) {
+                Some(0.0) => [d * d, 1.0],
+                _ => [0.0, 0.0],
+            }
+        });
+        (kinetic, (squares / count.max(1.0)).sqrt())
+    }
+
+    fn limits(&self) -> Vec<(&'static str, f64)> {
+        self.step_limits()
+    }
+
+    fn memory(&self) -> (f64, f64) {
+        let n = self.len().max(1) as f64;
+        let own = 8 * (self.pressure.capacity() + self.unknown.capacity())
+            + 48 * self.before[0][0].capacity()
+            + 12 * (self.held.capacity() + self.push.capacity())
+            + 4 * self.marks.capacity()
+            + size_of::<Local>() * self.local.capacity()
+            + size_of::<Sums<S::Own>>() * self.around.capacity() * 2
+            + size_of::<S::Row>() * self.sums.capacity()
+            + self.scheme.memory()
+            + self.solver.memory()
+            + self.tension.as_ref().map_or(0, Tension::memory);
+        let (bare, whole) = self.flow.memory();
+        let own = own as f64 / n;
+        (bare + own, whole + own + self.equation.memory() as f64 / n)
+    }
+}

@@ -1,0 +1,201 @@
+//! The second half of a step: from predicted positions and velocities to the pressure.
+
+use super::{Projection, Scheme};
+use crate::method::pass::Extrapolation;
+use crate::method::pressure::Outcome;
+use crate::method::pressure::multigrid::Domain;
+use crate::scene::{PoissonSource, Preconditioner};
+use crate::space::parallel::{Slots, each};
+use crate::space::sweep;
+use std::marker::PhantomData;
+
+/// How many more iterations a safer preconditioner may take.
+const PATIENCE: usize = 4;
+
+impl<S: Scheme> Projection<S> {
+    /// Solves for the pressure at the predicted state; `push` becomes its acceleration.
+    pub(super) fn project(&mut self, dt: f64) -> Outcome {
+        self.look_ahead(dt);
+        S::couple(self);
+        self.close();
+        self.set_right(dt);
+        self.guess();
+        let outcome = self.solve();
+        if outcome.converged {
+            let n = self.flow.liquid();
+            self.pressure.copy_from_slice(&self.unknown[..n]);
+            S::slope(self);
+        }
+        outcome
+    }
+
+    /// Kernel sums, divergence, corrections, and what walls are to have.
+    fn look_ahead(&mut self, dt: f64) {
+        let pressure = &self.pressure;
+        self.flow.pack(
+            |p, i| {
+                let [x, y, z] = [0, 1, 2].map(|a| p.velocity[a][i] as f32);
+                [x, y, z, pressure[i] as f32, 1.0]
+            },
+            |_, _| [0.0, 0.0, 0.0, 0.0, 1.0],
+        );
+        let scale = self.scale();
+        let extrapolation = Extrapolation::<S::Kernel> {
+            kernel: PhantomData,
+        };
+        let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
+        sweep::rows(records, rows, scale, &extrapolation, &mut self.walls.sums);
+        self.walls.gather(&self.flow.wall);
+        let still = self.is_printed();
+        let (wall, density) = (&self.flow.wall, self.case.density);
+        self.walls.set_offsets(wall, still, density, dt);
+        let walls = &self.walls;
+        self.flow.pack_wall(|j| {
+            let [x, y, z] = walls.velocity[walls.group[j] as usize];
+            [x, y, z, 0.0, 1.0]
+        });
+        self.local.resize(self.flow.liquid(), Default::default());
+        S::look(self);
+        let (rho0, h, closure) = (self.case.density, self.case.h, &self.closure);
+        let out = Slots::new(&mut self.flow.particles.density);
+        let count = self.local.len();
+        let local = Slots::new(&mut self.local);
+        each(count, |i| {
+            let local = unsafe { local.at(i) };
+            let slope = local.slope.map(|s| h * s as f64);
+            local.density = closure.density(local.kernel_sum as f64, slope) as f32;
+            *unsafe { out.at(i) } = rho0 * local.number as f64;
+        });
+        if self.flow.wall_sees_wall {
+            S::look_at_walls(self);
+        }
+    }
+
+    /// Free surfaces, shares and places; a wall that touches nothing has p = 0.
+    fn close(&mut self) {
+        let n = self.flow.liquid();
+        let (h, d) = (self.case.h, self.case.dimension.count() as f64);
+        let mut e = std::mem::take(&mut self.equation);
+        let count = e.diagonal.len();
+        e.surface.resize(count, 0.0);
+        e.share.resize(count, 0.0);
+        e.right.resize(count, 0.0);
+        e.place.iter_mut().for_each(|x| x.resize(count, 0.0));
+        let (surface, diagonal) = (Slots::new(&mut e.surface), Slots::new(&mut e.diagonal));
+        let (share, this, closure) = (Slots::new(&mut e.share), &*self, &self.closure);
+        each(count, |i| {
+            let diagonal = unsafe { diagonal.at(i) };
+            let sums = &this.sums[i];
+            let s = match S::flagged(this, i, *diagonal) {
+                Some(s) => s,
+                None if i >= n => 0.0,
+                None => {
+                    let local = &this.local[i];
+                    let slope = local.slope.map(|s| h * s as f64);
+                    let moment = [2, 3, 4].map(|k| sums[k] as f64);
+                    closure.surface(local.kernel_sum as f64, slope, *diagonal, moment)
+                }
+            };
+            // Who has no neighbours has no pressure.
+            let s = if *diagonal + s > 0.0 {
+                s
+            } else {
+                closure.full()
+            };
+            *diagonal += s;
+            *unsafe { surface.at(i) } = s;
+            *unsafe { share.at(i) } = sums[0] as f64 * h * h / (2.0 * d);
+        });
+        for a in 0..3 {
+            let (liquid, wall) = (
+                &self.flow.particles.position[a],
+                &self.flow.wall.position[a],
+            );
+            e.place[a][..n].copy_from_slice(liquid);
+            for (g, x) in e.place[a][n..].iter_mut().enumerate() {
+                *x = wall[self.walls.contact[g] as usize];
+            }
+        }
+        self.equation = e;
+    }
+
+    /// Right-hand side of (2), positive where the pressure must rise.
+    fn set_right(&mut self, dt: f64) {
+        let mut values = std::mem::take(&mut self.equation.right);
+        let right = Slots::new(&mut values);
+        let this = &*self;
+        let unit = S::unit(this);
+        let n = this.flow.liquid();
+        each(this.sums.len(), |i| {
+            *unsafe { right.at(i) } = match this.settings.source {
+                _ if S::given(this, i) => 0.0,
+                PoissonSource::Density => {
+                    let walls = &this.walls;
+                    let dense = match i.checked_sub(n) {
+                        None => this.local[i].number as f64,
+                        Some(g) if walls.wet[g] => walls.density[walls.contact[g] as usize],
+                        Some(_) => 1.0,
+                    };
+                    (dense - 1.0) / (dt * dt * unit)
+                }
+                PoissonSource::Divergence { density } if i < n => {
+                    // Rows count as much as their volume, 1 / n. Who lacks neighbours at a surface
+                    // is not too thin.
+                    let [n, seen] = S::dense(this, i);
+                    let mut dense = seen - 1.0;
+                    if this.marks[i] > 0.0 {
+                        dense = dense.max(0.0);
+                    }
+                    let rate = density * dense / dt - this.local[i].divergence as f64;
+                    rate / (n * dt * unit) + this.sums[i][1] as f64
+                }
+                PoissonSource::Divergence { .. } => this.wall_flux(i, dt),
+            };
+        });
+        self.equation.right = values;
+    }
+
+    /// The right-hand side of the group of wall particles `i`: what its offsets move.
+    fn wall_flux(&self, i: usize, dt: f64) -> f64 {
+        let (density, h, sums) = (self.case.density, self.case.h, &self.sums[i]);
+        let group = i - self.flow.liquid();
+        let slope = self.walls.slope(group, &self.flow.wall, density, dt);
+        let lever = |a: usize| slope[a] * h * sums[2 + a] as f64;
+        (0..3).map(lever).sum::<f64>() - sums[5] as f64
+    }
+
+    /// First guess: the last pressure, and before walls that of the liquid.
+    fn guess(&mut self) {
+        let n = self.flow.liquid();
+        self.unknown.resize(self.equation.len(), 0.0);
+        self.unknown[..n].copy_from_slice(&self.pressure);
+        self.unknown[n..].copy_from_slice(&self.walls.guess);
+    }
+
+    /// With the preconditioner of the settings, then with the safest.
+    fn solve(&mut self) -> Outcome {
+        let domain = Domain {
+            active: self.active(),
+            periodic: self.flow.grid.periodic,
+            size: self.case.domain.size,
+            pitch: 2.0 * self.case.h,
+        };
+        let wanted = (self.settings.tolerance, self.settings.iterations);
+        let (equation, x) = (&mut self.equation, &mut self.unknown);
+        let first = self.settings.preconditioner;
+        let outcome = self.solver.solve(equation, &domain, first, wanted, x);
+        if outcome.converged {
+            return outcome;
+        }
+        self.repeated += 1;
+        self.guess();
+        let (equation, x) = (&mut self.equation, &mut self.unknown);
+        let wanted = (wanted.0, PATIENCE * wanted.1);
+        let second = Preconditioner::Diagonal;
+        let again = self.solver.solve(equation, &domain, second, wanted, x);
+        Outcome {
+            iterations: outcome.iterations + again.iterations,
+            ..again
+        }
+    }
+}

@@ -127,7 +127,8 @@ impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
     }
 }
 
-/// What the explicit half of a step needs at r^n, and the viscous acceleration, m/s^2. Payload: velocity, unused, 1 / rho^2.
+/// What the explicit half of a step needs at r^n, and the viscous acceleration, m/s^2. Payload:
+/// velocity, unused, 1 / rho^2.
 pub struct Around<K, V> {
     /// m norm / h^(d+1).
     pub factor: f64,

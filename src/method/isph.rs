@@ -28,7 +28,7 @@ use super::projection::look::Local;
 use super::projection::{Projection, Scheme, surface};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::scene::{Closure, Gradient, Isph as Settings, PoissonSource, Projection as Common};
+use crate::scene::{Closure, Gradient, Isph as Settings, PoissonSource};
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
 use pass::{Around, Look, PressureSlope, Weights};
@@ -100,8 +100,8 @@ impl<K: Kernel, V: PairViscosity> Scheme for Isph<K, V> {
         surface::Completion::of::<K>(case.sph.kernel, d, case.sph.smoothing)
     }
 
-    fn walls_are_dense(&self, settings: &Common) -> bool {
-        settings.source == PoissonSource::Density
+    fn walls_are_dense(p: &Projection<Self>) -> bool {
+        p.is_printed()
     }
 
     fn look_around(p: &mut Projection<Self>) {
@@ -136,14 +136,17 @@ impl<K: Kernel, V: PairViscosity> Scheme for Isph<K, V> {
     }
 
     fn look_at_walls(p: &mut Projection<Self>) {
-        let value = p.factor(0);
         let pass = Summation::<K> {
-            factor: value,
-            own: value * K::w(0.0),
+            factor: p.factor(0),
+            own: 0.0,
             kernel: PhantomData,
         };
         let (records, rows, scale) = (&p.flow.records, &p.flow.wall_rows, p.scale());
         sweep::rows(records, rows, scale, &pass, &mut p.walls.density);
+    }
+
+    fn wall_to_wall(p: &Projection<Self>, q: f64) -> f64 {
+        p.factor(0) * K::w(q)
     }
 
     /// The weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)).

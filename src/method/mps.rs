@@ -11,8 +11,9 @@
 //! (7) v^(n+1) = v* - dt grad p / rho,  r^(n+1) = r^n + dt v^(n+1)
 //!
 //! Not in the paper: p = 0 where n < beta n0 (Koshizuka & Oka 1996); in (3) p_i is the least p
-//! about i (Koshizuka, Nobe & Oka 1998). `gradient.symmetric` has p_j + p_i, each less the least
-//! about it, in its place (Khayyer & Gotoh 2008): momentum is kept between liquid particles.
+//! about i (Koshizuka, Nobe & Oka 1998). `gradient.symmetric` has p_j + p_i in its place (Tanaka &
+//! Masunaga 2010): momentum is kept between liquid particles. Taking the least about each away from
+//! it (Khayyer & Gotoh 2008) would leave nothing of a linear p on a lattice.
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
 //! `closure.completed` is that of ISPH, [`surface`], with the weights of (4); there
@@ -35,8 +36,7 @@ use super::projection::look::Local;
 use super::projection::{Projection, Scheme, surface};
 use super::shifting::LOOSE;
 use crate::kernel::WendlandC2;
-use crate::scene::Projection as Common;
-use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, PoissonSource, Pressure};
+use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, Pressure};
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
 use pass::{Around, Look, Number, PressureSlope, Viscous, Weights};
@@ -174,8 +174,8 @@ impl Scheme for Mps {
             .with_full(self.laplacian.number)
     }
 
-    fn walls_are_dense(&self, settings: &Common) -> bool {
-        settings.source == PoissonSource::Density || self.closure == MpsClosure::Threshold
+    fn walls_are_dense(p: &Projection<Self>) -> bool {
+        p.is_printed() || p.scheme.closure == MpsClosure::Threshold
     }
 
     fn look_around(p: &mut Projection<Self>) {
@@ -220,6 +220,16 @@ impl Scheme for Mps {
         };
         let (records, rows, scale) = (&p.flow.records, &p.flow.wall_rows, p.scale());
         sweep::rows(records, rows, scale, &pass, &mut p.walls.density);
+    }
+
+    fn wall_to_wall(p: &Projection<Self>, q: f64) -> f64 {
+        let reach = p.scheme.reach(&p.case) as f64;
+        let weight = if q > 0.0 {
+            (reach / q - 1.0).max(0.0)
+        } else {
+            0.0
+        };
+        weight / p.scheme.lattice.number
     }
 
     /// The weights of (4).

@@ -64,16 +64,18 @@ pub(super) trait Scheme: Sized + Send + Sync {
 
     /// How the equation ends at a free surface.
     fn completion(&self, case: &Case) -> Completion;
-    /// Whether wall particles have a density, for which they see each other.
-    fn walls_are_dense(&self, settings: &Settings) -> bool;
+    /// Whether wall particles have a density.
+    fn walls_are_dense(p: &Projection<Self>) -> bool;
     /// Fills `around` at r^n, and `held` with the acceleration of viscosity.
     fn look_around(p: &mut Projection<Self>);
     /// Whether particle `i` is at the surface, where a number decides.
     fn threshold(p: &Projection<Self>, i: usize) -> Option<bool>;
     /// Fills `local` at r*, but for its density. Records hold v*.
     fn look(p: &mut Projection<Self>);
-    /// Fills the density of wall particles, over rho0.
+    /// Fills the density of wall particles, over rho0, with what the liquid adds.
     fn look_at_walls(p: &mut Projection<Self>);
+    /// What wall particles add to each other at a distance of `q` h; 0: a particle to itself.
+    fn wall_to_wall(p: &Projection<Self>, q: f64) -> f64;
     /// Fills coupling, diagonal and sums of the equation.
     fn couple(p: &mut Projection<Self>);
     /// What is coupled to p = 0, where flags decide; `degree`: the diagonal so far.
@@ -149,7 +151,6 @@ impl<S: Scheme> Projection<S> {
         state: &State,
         pool: bool,
     ) -> Self {
-        flow.wall_sees_wall = scheme.walls_are_dense(&settings);
         let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
         flow.removed = (
             named("removed_mass_kg").unwrap_or(0.0),

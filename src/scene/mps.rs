@@ -16,8 +16,7 @@ pub enum MpsClosure {
 pub enum MpsGradient {
     /// Eq. 5 with the least pressure about for the own one (Koshizuka, Nobe & Oka 1998).
     Minimum,
-    /// With the sum of both pressures above the least about them: keeps momentum (Khayyer & Gotoh
-    /// 2008).
+    /// With the sum of both pressures: keeps momentum (Tanaka & Masunaga 2010).
     Symmetric,
     /// With a matrix that makes it exact for linear pressure.
     Corrected,

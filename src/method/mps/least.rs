@@ -6,37 +6,34 @@ use crate::scene::MpsGradient;
 use crate::space::parallel::{Slots, each};
 
 impl Projection<Mps> {
-    /// P and Q of `PressureSlope`: p less the least about it and that (`symmetric`), p and the
-    /// least about it (`minimum`), or p and itself, near a surface with its sign turned.
+    /// P and Q of `PressureSlope`: p (`symmetric`), p and the least about it (`minimum`), or p and
+    /// itself, near a surface with its sign turned.
     pub(super) fn pack_pressure(&mut self) {
         let n = self.flow.liquid();
         let gradient = self.scheme.gradient;
-        if gradient != MpsGradient::Corrected {
+        if gradient == MpsGradient::Minimum {
             self.find_least();
         }
-        let (x, walls, least, marks) =
-            (&self.unknown, &self.walls, &self.scheme.least, &self.marks);
+        let (x, walls, marks) = (&self.unknown, &self.walls, &self.marks);
+        let least = &self.scheme.least;
         self.flow.pack(
             |_, i| {
-                let [p, q] = match gradient {
-                    MpsGradient::Symmetric => [x[i] - least[i], 0.0],
-                    MpsGradient::Minimum => [x[i], least[i]],
-                    MpsGradient::Corrected if marks[i] > 0.0 => [x[i], -x[i]],
-                    MpsGradient::Corrected => [x[i], x[i]],
+                let q = match gradient {
+                    MpsGradient::Symmetric => 0.0,
+                    MpsGradient::Minimum => least[i],
+                    MpsGradient::Corrected if marks[i] > 0.0 => -x[i],
+                    MpsGradient::Corrected => x[i],
                 };
-                [p as f32, q as f32, 0.0, 0.0, 0.0]
+                [x[i] as f32, q as f32, 0.0, 0.0, 0.0]
             },
             |_, j| {
-                let mut p = x[n + walls.group[j] as usize] + walls.offset[j] as f64;
-                if gradient == MpsGradient::Symmetric {
-                    p -= least[n + j];
-                }
+                let p = x[n + walls.group[j] as usize] + walls.offset[j] as f64;
                 [p as f32, 0.0, 0.0, 0.0, 0.0]
             },
         );
     }
 
-    /// The least pressure within the radius of (3) of every particle, itself included.
+    /// The least pressure within the radius of (3) of every liquid particle, itself included.
     fn find_least(&mut self) {
         let n = self.flow.liquid();
         let (flow, walls, x) = (&self.flow, &self.walls, &self.unknown);
@@ -46,16 +43,12 @@ impl Projection<Mps> {
         };
         let square = (self.scheme.radius * self.case.spacing).powi(2);
         let unit = flow.grid.unit;
-        self.scheme.least.resize(n + flow.walls(), 0.0);
+        self.scheme.least.resize(n, 0.0);
         let least = Slots::new(&mut self.scheme.least);
-        each(n + flow.walls(), |i| {
-            let row = match i.checked_sub(n) {
-                None => flow.rows.row(i),
-                Some(w) => flow.wall_rows.row(w),
-            };
+        each(n, |i| {
             let own = &flow.records[i];
             let mut lowest = pressure(i);
-            for &j in row {
+            for &j in flow.rows.row(i) {
                 let other = &flow.records[j as usize];
                 let away = |a: usize| other.at(a).wrapping_sub(own.at(a)) as f64 * unit[a];
                 if (0..3).map(|a| away(a).powi(2)).sum::<f64>() < square {

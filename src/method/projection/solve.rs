@@ -66,8 +66,11 @@ impl<S: Scheme> Projection<S> {
             local.density = closure.density(local.kernel_sum as f64, slope) as f32;
             *unsafe { out.at(i) } = rho0 * local.number as f64;
         });
-        if self.flow.wall_sees_wall {
+        if S::walls_are_dense(self) {
             S::look_at_walls(self);
+            let own = self.walls.own.iter();
+            let density = self.walls.density.iter_mut();
+            density.zip(own).for_each(|(density, own)| *density += own);
         }
     }
 

@@ -106,7 +106,30 @@ impl<S: Scheme> Projection<S> {
         let cells = &self.flow.liquid_cells;
         cells.permute(&mut self.pressure, &mut self.scratch.f64s);
         cells.permute(&mut self.around, &mut self.scratch.around);
+        if self.walls.own.is_empty() && S::walls_are_dense(self) {
+            self.look_along_walls();
+        }
         self.flow.find();
+    }
+
+    /// Density of wall particles by each other, once: walls stand still.
+    fn look_along_walls(&mut self) {
+        self.flow.wall_sees_wall = true;
+        self.flow.find();
+        self.flow.wall_sees_wall = false;
+        let (n, unit) = (self.flow.liquid(), self.flow.grid.unit);
+        let (at, rows) = (&self.flow.at, &self.flow.wall_rows);
+        let add = |j: usize, k: usize| {
+            let away = |a: usize| at[a][k].wrapping_sub(at[a][j]) as f64 * unit[a];
+            let r = (0..3).map(|a| away(a).powi(2)).sum::<f64>().sqrt();
+            S::wall_to_wall(self, r / self.case.h)
+        };
+        let own = |j: usize| {
+            let others = rows.row(j).iter().map(|k| *k as usize);
+            let others = others.filter(|k| *k >= n && *k != n + j);
+            add(n + j, n + j) + others.map(|k| add(n + j, k)).sum::<f64>()
+        };
+        self.walls.own = (0..self.flow.walls()).map(own).collect();
     }
 
     /// (1) without the step: viscosity, gravity, tension at r^n.

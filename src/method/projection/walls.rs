@@ -39,6 +39,8 @@ pub struct Walls {
     /// Per wall particle: sums over the liquid, and its density over rho0.
     pub sums: Vec<WallSums>,
     pub density: Vec<f64>,
+    /// The part of the density that is the walls' own.
+    pub own: Vec<f64>,
     /// Per group: v*_w, m/s; mean pressure of the liquid, Pa; whether any is there.
     pub velocity: Vec<[f32; 3]>,
     pub guess: Vec<f64>,

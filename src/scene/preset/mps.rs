@@ -40,7 +40,7 @@ pub fn mps_paper() -> Mps {
 pub fn mps_corrected() -> Mps {
     let paper = mps_paper();
     Mps {
-        gradient: MpsGradient::Symmetric, // Khayyer & Gotoh 2008: Eq. 5 loses momentum
+        gradient: MpsGradient::Symmetric, // Tanaka & Masunaga 2010: Eq. 5 loses momentum
         projection: Projection {
             // Tanaka & Masunaga 2010: the whole deviation at once is noise of pressure.
             source: PoissonSource::Divergence { density: 0.01 },

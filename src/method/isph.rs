@@ -21,10 +21,11 @@
 
 pub mod pass;
 
+use super::flow::Flow;
 use super::model::Case;
 use super::pass::Summation;
 use super::projection::correction::times;
-use super::projection::look::Local;
+use super::projection::look::{Local, Sums};
 use super::projection::{Projection, Scheme, surface};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
@@ -34,22 +35,42 @@ use crate::space::sweep;
 use pass::{Around, Look, PressureSlope, Weights};
 use std::marker::PhantomData;
 
-/// `K`: kernel; `V`: viscosity, `()` for none.
-pub(super) struct Isph<K, V> {
+/// A sweep of [`Around`] with the viscosity of the scene, which nothing else depends on.
+type Explicit = Box<dyn Fn(&Flow, [f32; 3], &mut [Sums<[f32; 3]>]) + Send + Sync>;
+
+/// `K`: kernel.
+pub(super) struct Isph<K> {
     closure: Closure,
     gradient: Gradient,
-    viscosity: V,
+    explicit: Explicit,
+    is_viscous: bool,
     /// Flags of the first closure.
     mirrored: Vec<bool>,
     kernel: PhantomData<K>,
 }
 
-impl<K: Kernel, V: PairViscosity> Isph<K, V> {
-    pub fn new(settings: &Settings, viscosity: V) -> Self {
+impl<K: Kernel> Isph<K> {
+    /// `V`: viscosity, `()` for none; `mass` of a particle, kg.
+    pub fn new<V: PairViscosity>(
+        settings: &Settings,
+        viscosity: V,
+        case: &Case,
+        mass: f64,
+    ) -> Self {
+        let (d, volume) = (case.dimension.count(), mass / case.density);
+        let pass = Around::<K, V> {
+            factor: volume * K::norm(d) / case.h.powi(d as i32 + 1) * case.density,
+            viscosity,
+            kernel: PhantomData,
+        };
+        let explicit = move |flow: &Flow, scale, out: &mut [Sums<[f32; 3]>]| {
+            sweep::rows(&flow.records, &flow.rows, scale, &pass, out)
+        };
         Isph {
             closure: settings.closure,
             gradient: settings.gradient,
-            viscosity,
+            explicit: Box::new(explicit),
+            is_viscous: V::PRESENT,
             mirrored: Vec::new(),
             kernel: PhantomData,
         }
@@ -87,7 +108,7 @@ impl<K: Kernel, V: PairViscosity> Isph<K, V> {
     }
 }
 
-impl<K: Kernel, V: PairViscosity> Scheme for Isph<K, V> {
+impl<K: Kernel> Scheme for Isph<K> {
     const NAME: &'static str = "isph";
     const TRAPEZOIDAL: bool = true;
     type Kernel = K;
@@ -100,6 +121,10 @@ impl<K: Kernel, V: PairViscosity> Scheme for Isph<K, V> {
         surface::Completion::of::<K>(case.sph.kernel, d, case.sph.smoothing)
     }
 
+    fn is_symmetric(&self) -> bool {
+        self.gradient == Gradient::Symmetric
+    }
+
     fn walls_are_dense(p: &Projection<Self>) -> bool {
         p.is_printed()
     }
@@ -108,18 +133,13 @@ impl<K: Kernel, V: PairViscosity> Scheme for Isph<K, V> {
         let rho0 = p.case.density;
         let weight = (1.0 / (rho0 * rho0)) as f32;
         p.pack_velocity(weight);
-        if V::PRESENT {
+        if p.scheme.is_viscous {
             p.pack_no_slip(weight);
         }
         let n = p.flow.liquid();
-        let pass = Around::<K, V> {
-            factor: p.factor(1) * rho0,
-            viscosity: p.scheme.viscosity,
-            kernel: PhantomData,
-        };
-        let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
         p.around.resize(n, Default::default());
-        sweep::rows(records, rows, scale, &pass, &mut p.around);
+        let scale = p.scale();
+        (p.scheme.explicit)(&p.flow, scale, &mut p.around);
         let (around, held) = (&p.around, Slots::new(&mut p.held));
         each(n, |i| *unsafe { held.at(i) } = around[i].own);
     }

@@ -26,6 +26,8 @@ use crate::scene::{Body, KernelName, Method, Scene, Shape, TensionStrength};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
 use model::{Case, Model};
+use pressure::Equation;
+use pressure::multigrid::Domain;
 use projection::Projection;
 
 /// Physics gone wrong. The caller keeps the last good checkpoint.
@@ -86,6 +88,11 @@ pub trait Solver: Send {
     fn limits(&self) -> Vec<(&'static str, f64)>;
     /// Bytes per particle: without neighbour rows, with them.
     fn memory(&self) -> (f64, f64);
+    /// The pressure equation of the last step and where multigrid lays its grids, of a method that
+    /// has one: for measurements.
+    fn equation(&mut self) -> Option<(&mut Equation, Domain)> {
+        None
+    }
 }
 
 /// What a solver is to do.
@@ -190,7 +197,8 @@ impl select::Visitor for Parts<'_> {
             }
             Method::Isph(settings) => {
                 let case = Case::new(scene, phase, body);
-                let scheme = isph::Isph::<K, V>::new(settings, viscosity);
+                let mass = flow.particles.mass;
+                let scheme = isph::Isph::<K>::new(settings, viscosity, &case, mass);
                 let parts = (settings.projection, scheme);
                 Box::new(Projection::new(case, parts, flow, tension, state, pool))
             }

@@ -174,6 +174,10 @@ impl Scheme for Mps {
             .with_full(self.laplacian.number)
     }
 
+    fn is_symmetric(&self) -> bool {
+        self.gradient == MpsGradient::Symmetric
+    }
+
     fn walls_are_dense(p: &Projection<Self>) -> bool {
         p.is_printed() || p.scheme.closure == MpsClosure::Threshold
     }

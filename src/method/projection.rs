@@ -10,11 +10,13 @@
 //! its solvers [`super::pressure`], shifting [`shift`].
 //!
 //! Time step: courant s0 / u_max, and the viscous, capillary and force limits of [`super::limit`],
-//! between `shortest` and `longest`. A solution that does not converge is tried again with the
+//! between `shortest` and `longest`. A gradient with p_a + p_b is a spring between particles, of
+//! (omega s0)^2 = 4 to 8 p / rho (a lattice, its rows moving against each other), explicit and so
+//! unstable beyond omega dt = 2: dt <= s0 / (4 sqrt(p / rho)) with the largest p. A solution that does not converge is tried again with the
 //! diagonal preconditioner, then over half the step, five times; then the run has diverged, its
 //! state as before the step.
 //! Fails where: (2) and (3) are not the same operator, so that v^(n+1) keeps some divergence.
-//! Tests: tests/engine/{isph,mps,pressure}_*.rs, tests/validation.
+//! Tests: tests/engine/{projection,pressure}_*.rs, tests/validation.
 
 pub mod correction;
 pub mod look;
@@ -27,6 +29,7 @@ pub(super) mod walls;
 
 use super::flow::Flow;
 use super::model::Case;
+use super::pressure::multigrid::Domain;
 use super::pressure::{Equation, Outcome, Solver as PressureSolver};
 use super::shifting::LOOSE;
 use super::{Diverged, Solver};
@@ -64,6 +67,8 @@ pub(super) trait Scheme: Sized + Send + Sync {
 
     /// How the equation ends at a free surface.
     fn completion(&self, case: &Case) -> Completion;
+    /// Whether the gradient has p_a + p_b, so that pressure alone pushes particles apart.
+    fn is_symmetric(&self) -> bool;
     /// Whether wall particles have a density.
     fn walls_are_dense(p: &Projection<Self>) -> bool;
     /// Fills `around` at r^n, and `held` with the acceleration of viscosity.
@@ -107,6 +112,8 @@ pub(super) struct Projection<S: Scheme> {
     /// Largest speed, m/s, and explicit acceleration, m/s^2, of the last step.
     fastest: f64,
     hardest: f64,
+    /// Largest pressure, Pa.
+    peak: f64,
     /// Explicit acceleration, m/s^2.
     pub held: Vec<[f32; 3]>,
     pub around: Vec<Sums<S::Own>>,
@@ -171,6 +178,7 @@ impl<S: Scheme> Projection<S> {
             last_step: named("time_step_s").unwrap_or(0.0),
             fastest: 0.0,
             hardest: named("acceleration_m_s2").unwrap_or(0.0),
+            peak: 0.0,
             held: vec![[0.0; 3]; n],
             around: vec![Sums::default(); n],
             marks: Vec::new(),
@@ -198,6 +206,7 @@ impl<S: Scheme> Projection<S> {
             around.for_each(|(s, x)| s.kernel = *x as f32);
         }
         solver.fastest = solver.speed();
+        solver.peak = solver.peak();
         solver
     }
 
@@ -223,10 +232,25 @@ impl<S: Scheme> Projection<S> {
         self.flow.grid.unit.map(|unit| unit > 0.0)
     }
 
+    /// Where multigrid lays its grids.
+    fn domain(&self) -> Domain {
+        Domain {
+            active: self.active(),
+            periodic: self.flow.grid.periodic,
+            size: self.case.domain.size,
+            pitch: 2.0 * self.case.h,
+        }
+    }
+
     /// Largest speed now, m/s.
     fn speed(&self) -> f64 {
         let p = &self.flow.particles;
         max(p.len(), |i| p.speed(i)).max(0.0)
+    }
+
+    /// Largest pressure now, Pa, or zero.
+    fn peak(&self) -> f64 {
+        max(self.pressure.len(), |i| self.pressure[i]).max(0.0)
     }
 
     /// Kernel sum of particle `i` at r^n: 1 inside.
@@ -339,5 +363,10 @@ impl<S: Scheme> Solver for Projection<S> {
         let (bare, whole) = self.flow.memory();
         let own = own as f64 / n;
         (bare + own, whole + own + self.equation.memory() as f64 / n)
+    }
+
+    fn equation(&mut self) -> Option<(&mut Equation, Domain)> {
+        let domain = self.domain();
+        Some((&mut self.equation, domain))
     }
 }

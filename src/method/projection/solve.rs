@@ -3,7 +3,6 @@
 use super::{Projection, Scheme};
 use crate::method::pass::Extrapolation;
 use crate::method::pressure::Outcome;
-use crate::method::pressure::multigrid::Domain;
 use crate::scene::{PoissonSource, Preconditioner};
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
@@ -177,12 +176,7 @@ impl<S: Scheme> Projection<S> {
 
     /// With the preconditioner of the settings, then with the safest.
     fn solve(&mut self) -> Outcome {
-        let domain = Domain {
-            active: self.active(),
-            periodic: self.flow.grid.periodic,
-            size: self.case.domain.size,
-            pitch: 2.0 * self.case.h,
-        };
+        let domain = self.domain();
         let wanted = (self.settings.tolerance, self.settings.iterations);
         let (equation, x) = (&mut self.equation, &mut self.unknown);
         let first = self.settings.preconditioner;

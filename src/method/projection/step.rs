@@ -13,6 +13,9 @@ use std::marker::PhantomData;
 /// Halvings of a step whose pressure cannot be found.
 const HALVINGS: usize = 5;
 
+/// Spacings that sqrt(p / rho) crosses in a step: a third of what is stable on a lattice.
+const ELASTIC: f64 = 0.25;
+
 /// Longest step of a liquid that nothing moves, s.
 const IDLE: f64 = 1.0;
 
@@ -25,17 +28,20 @@ impl<S: Scheme> Projection<S> {
         let mut dt = self.next_step().min(expected.max(self.settings.shortest));
         self.remember();
         let mut done = false;
-        for _ in 0..=HALVINGS {
+        for attempt in 0..=HALVINGS {
             self.predict(dt);
             if !self.flow.stale(|_| 0.0) {
                 self.outcome = self.project(dt);
                 done = self.outcome.converged;
             }
-            if done {
+            self.peak = self.peak();
+            let stable = self.elastic();
+            if done && (dt <= 2.0 * stable || attempt == HALVINGS) {
                 break;
             }
             self.restore();
-            dt *= 0.5;
+            dt = if done { stable } else { 0.5 * dt };
+            done = false;
         }
         if !done {
             return Err(self.unsolved(dt));
@@ -68,18 +74,35 @@ impl<S: Scheme> Projection<S> {
     pub(super) fn step_limits(&self) -> Vec<(&'static str, f64)> {
         let mut all = self.limits_now().all();
         all.retain(|(name, _)| *name != "acoustic");
-        let advective = self.settings.courant * self.case.spacing / self.fastest.max(1e-30);
-        all.push(("advective", advective));
+        all.push(("advective", self.advective()));
+        all.push(("pressure", self.elastic()));
         all.sort_by(|a, b| a.1.total_cmp(&b.1));
         all
     }
 
+    fn advective(&self) -> f64 {
+        self.settings.courant * self.case.spacing / self.fastest.max(1e-30)
+    }
+
+    /// Where a symmetric gradient stays stable, s.
+    fn elastic(&self) -> f64 {
+        if !self.scheme.is_symmetric() {
+            return f64::INFINITY;
+        }
+        ELASTIC * self.case.spacing / (self.peak / self.case.density).sqrt().max(1e-30)
+    }
+
     fn next_step(&self) -> f64 {
         let limits = self.limits_now();
-        let advective = self.settings.courant * self.case.spacing / self.fastest.max(1e-30);
-        let others = limits.force().min(limits.viscous()).min(limits.capillary());
+        let mut least = limits.force().min(limits.viscous()).min(limits.capillary());
+        if self.scheme.is_symmetric() {
+            least = least.min(self.elastic());
+        }
         let (shortest, longest) = (self.settings.shortest, self.settings.longest);
-        advective.min(others).clamp(shortest, longest).min(IDLE)
+        self.advective()
+            .min(least)
+            .clamp(shortest, longest)
+            .min(IDLE)
     }
 
     /// Wraps, removes, sorts along cells, finds neighbours.
@@ -250,10 +273,22 @@ impl<S: Scheme> Projection<S> {
         });
     }
 
-    /// (2) and (3), damped.
+    /// Rate of damping, 1/s. A relaxation whose source is density puts it right by displacements at
+    /// once (the top layer's lacks a quarter); carried on, the speed of that would overshoot, so
+    /// that at least half of it goes in every step.
+    fn damping(&self, dt: f64) -> f64 {
+        let damping = self.case.damping;
+        if damping > 0.0 && self.is_printed() {
+            damping.max(1.0 / dt)
+        } else {
+            damping
+        }
+    }
+
+    /// (3) and (4), damped.
     fn correct(&mut self, dt: f64) {
         let n = self.flow.liquid();
-        let damp = 1.0 / (1.0 + self.case.damping * dt);
+        let damp = 1.0 / (1.0 + self.damping(dt) * dt);
         let (push, before) = (&self.push, &self.before);
         let p = &mut self.flow.particles;
         let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));

@@ -13,7 +13,7 @@
 //! particle j behind contact g is p_j = p_g + c_j,
 //! c_j = rho0 / dt n n . (v*_w - v_wall) (r_j - r_g). On a lattice p = rho g depth is then an exact
 //! solution. Viscosity sees 2 v_wall - SUM v W / SUM W (Adami, Hu & Adams 2012,
-//! Eq. 23). Test: tests/engine/isph_flow.rs.
+//! Eq. 23). Test: tests/engine/projection_flow.rs.
 
 use crate::method::flow::Flow;
 use crate::method::model::Case;

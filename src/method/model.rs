@@ -18,6 +18,8 @@ pub struct Case {
     pub h: f64,
     /// rho0, kg/m^3.
     pub density: f64,
+    /// Largest speed that the scene suggests, m/s.
+    pub speed: f64,
     /// Damping rate, 1/s; 0 in the impact.
     pub damping: f64,
     /// Whether the pressure solves an equation.
@@ -89,6 +91,7 @@ impl Case {
             spacing: scene.pack.spacing,
             h: sph.smoothing * scene.pack.spacing,
             density: scene.density,
+            speed: numbers::reference_speed(scene),
             damping,
             is_implicit: !matches!(scene.method, Method::Wcsph(_)),
         }

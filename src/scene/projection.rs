@@ -5,7 +5,8 @@
 pub enum PoissonSource {
     /// Density rho0 at the predicted positions (Kuri Eq. 8).
     Density,
-    /// No divergence, and this part of the deviation of density gone in a step.
+    /// No divergence, and this part of the deviation of density gone in a step at the scene's
+    /// speed.
     Divergence { density: f64 },
 }
 

@@ -127,7 +127,7 @@ impl<S: Scheme> Projection<S> {
         let right = Slots::new(&mut values);
         let this = &*self;
         let unit = S::unit(this);
-        let n = this.flow.liquid();
+        let (n, span) = (this.flow.liquid(), this.span(dt));
         each(this.sums.len(), |i| {
             *unsafe { right.at(i) } = match this.settings.source {
                 _ if S::given(this, i) => 0.0,
@@ -148,13 +148,20 @@ impl<S: Scheme> Projection<S> {
                     if this.marks[i] > 0.0 {
                         dense = dense.max(0.0);
                     }
-                    let rate = density * dense / dt - this.local[i].divergence as f64;
+                    let rate = density * dense / span - this.local[i].divergence as f64;
                     rate / (n * dt * unit) + this.sums[i][1] as f64
                 }
                 PoissonSource::Divergence { .. } => this.wall_flux(i, dt),
             };
         });
         self.equation.right = values;
+    }
+
+    /// In which time a part of the deviation of density goes, s: a step of the scene's own speed at
+    /// least, else the steps that a few fast particles shorten would ask for ever more pressure.
+    fn span(&self, dt: f64) -> f64 {
+        let usual = self.settings.courant * self.case.spacing / self.case.speed;
+        if usual.is_finite() { dt.max(usual) } else { dt }
     }
 
     /// The right-hand side of the group of wall particles `i`: what its offsets move.

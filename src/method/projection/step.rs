@@ -35,7 +35,7 @@ impl<S: Scheme> Projection<S> {
                 done = self.outcome.converged;
             }
             self.peak = self.peak();
-            let stable = self.elastic();
+            let stable = self.elastic().max(self.settings.shortest);
             if done && (dt <= 2.0 * stable || attempt == HALVINGS) {
                 break;
             }

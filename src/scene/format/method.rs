@@ -154,7 +154,7 @@ pub static DIVERGENCE: &[Field] = &[default(
     "density",
     Kind::Number(Range::Between(0.0, 1.0)),
     "0.01",
-    "Part of the deviation of density that goes in a step.",
+    "Part of the deviation of density that goes in a step at the scene's speed.",
 )];
 
 const KERNEL: Field = optional(

@@ -6,7 +6,8 @@ use coronet::measure::scatter::{Cloud, Scatter};
 use coronet::measure::tradeoff::{Sample, growth};
 
 use crate::fault;
-use crate::study::Study;
+use crate::points::Study;
+use crate::target::Target;
 use crate::trial::{Outcome, Trial};
 
 /// Names of the groups: the labels of a point without that of its spacing.
@@ -106,7 +107,13 @@ pub fn table(
 }
 
 /// Error against time, one colour a group.
-pub fn figure(study: &Study, trials: &[Trial], samples: &[Sample], on_front: &[bool]) -> Scatter {
+pub fn figure(
+    study: &Study,
+    target: &Target,
+    trials: &[Trial],
+    samples: &[Sample],
+    on_front: &[bool],
+) -> Scatter {
     let place = |s: &Sample| [s.seconds, 100.0 * s.error];
     let shown = |s: &&Sample| s.error > 0.0 && s.seconds > 0.0;
     let clouds = groups(trials)
@@ -138,7 +145,7 @@ pub fn figure(study: &Study, trials: &[Trial], samples: &[Sample], on_front: &[b
     Scatter {
         title: study.title.clone(),
         x: "CPU time of the impact (s)".to_string(),
-        y: format!("error of {} (%)", study.error.column),
+        y: format!("error of {} (%)", target.column),
         clouds,
         front,
     }

@@ -7,6 +7,7 @@ mod effect_tension;
 mod isph_flow;
 mod isph_operator;
 mod kernel_shape;
+mod measure_conservation;
 mod measure_drop;
 mod measure_pool;
 mod measure_post;

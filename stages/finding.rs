@@ -3,7 +3,9 @@
 use anyhow::Result;
 use coronet::measure::plot::PALETTE;
 use coronet::measure::scatter::{Cloud, Scatter};
+use coronet::measure::summary::digits;
 use coronet::measure::tradeoff::{Sample, growth};
+use coronet::scene::quantity::{Unit, human};
 
 use crate::fault;
 use crate::points::Study;
@@ -151,6 +153,64 @@ pub fn figure(
     }
 }
 
+/// A page: one row a spacing, one column a group, with error and CPU time; below, the sentences.
+pub fn page(
+    study: &Study,
+    target: &Target,
+    trials: &[Trial],
+    outcomes: &[Outcome],
+    samples: &[Sample],
+) -> String {
+    let groups = groups(trials);
+    let mut spacings: Vec<f64> = trials.iter().map(|trial| trial.spacing).collect();
+    spacings.sort_by(|a, b| b.total_cmp(a));
+    spacings.dedup();
+    let heads: Vec<&str> = groups.iter().map(|group| named(group)).collect();
+    let mut page = format!(
+        "# {}\n\nError of `{}`, CPU time of the impact.\n\n| s0 | {} |\n|---|{}\n",
+        study.title,
+        target.column,
+        heads.join(" | "),
+        "---|".repeat(groups.len())
+    );
+    for spacing in spacings {
+        let cells = (0..groups.len()).map(|group| {
+            let own = |k: &usize| samples[*k].group == group && trials[*k].spacing == spacing;
+            let cells = (0..trials.len()).filter(own);
+            let cells = cells.map(|k| cell(&outcomes[k], samples[k].error));
+            cells.collect::<Vec<_>>().join("; ")
+        });
+        let cells: Vec<String> = cells.collect();
+        let spacing = human(spacing, Unit::Length);
+        page += &format!("| {spacing} | {} |\n", cells.join(" | "));
+    }
+    page += "\n";
+    for (group, name) in groups.iter().enumerate() {
+        if let Some(sentence) = sentence(name, samples, group) {
+            page += &format!("* {sentence}\n");
+        }
+    }
+    page
+}
+
+fn cell(outcome: &Outcome, error: f64) -> String {
+    match outcome {
+        Outcome::Done { cpu_seconds, .. } => {
+            let seconds = digits(*cpu_seconds);
+            match error.is_finite() {
+                true => format!("{:.1} %, {seconds} s", 100.0 * error),
+                false => format!("reference, {seconds} s"),
+            }
+        }
+        Outcome::Failed { code, .. } if *code == fault::DIVERGED => "diverged".to_string(),
+        Outcome::Failed { .. } => "failed".to_string(),
+    }
+}
+
+fn named(group: &str) -> &str {
+    if group.is_empty() { "all" } else { group }
+}
+
 /// What a group's accuracy costs, in words.
 pub fn sentence(name: &str, samples: &[Sample], group: usize) -> Option<String> {
     let growth = growth(samples, group);
@@ -166,6 +226,6 @@ pub fn sentence(name: &str, samples: &[Sample], group: usize) -> Option<String> 
             "each halving of the error costs {halving:.1} times the CPU time"
         ));
     }
-    let name = if name.is_empty() { "all" } else { name };
+    let name = named(name);
     (!parts.is_empty()).then(|| format!("{name}: {}", parts.join("; ")))
 }

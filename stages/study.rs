@@ -21,12 +21,14 @@ use crate::finding::{figure, groups, samples, sentence, table};
 use crate::points::{Study, load};
 use crate::promise::Verdict;
 use crate::trial::{Outcome, Trial};
-use crate::verdict;
 use crate::watch::duration;
+use crate::{finding, verdict};
 
 /// The table, one row a point.
 const TABLE: &str = "study.csv";
 const FIGURE: &str = "error-against-time.svg";
+/// The same for reading.
+const COSTS: &str = "study.md";
 /// The table of promises, one row each, and the page that sums it up.
 const PROMISES: &str = "promises.csv";
 const PAGE: &str = "promises.md";
@@ -66,6 +68,8 @@ fn tell_costs(
     make(out)?;
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
     write_file(&out.join(TABLE), &table)?;
+    let page = finding::page(study, target, trials, &outcomes, &samples);
+    write_file(&out.join(COSTS), page.as_bytes())?;
     let figure = figure(study, target, trials, &samples, &on_front).svg()?;
     if let Some(figure) = &figure {
         write_file(&out.join(FIGURE), figure.as_bytes())?;

@@ -8,7 +8,7 @@ use super::series::Series;
 use super::summary::total_energy;
 use crate::particle::Frame;
 use crate::scene::numbers::{length, reference_speed};
-use crate::scene::{Scene, Side};
+use crate::scene::{Method, Pressure, Scene, Side};
 
 /// Names and meanings of all figures.
 pub const FIGURES: [(&str, &str); 8] = [
@@ -122,7 +122,7 @@ impl<'a> Conservation<'a> {
             self.strange,
             self.mass_error,
             self.crossing / scene.pack.spacing,
-            energy_growth(measures) / (0.5 * mass * speed * speed),
+            energy_growth(measures, &scene.method) / (0.5 * mass * speed * speed),
             momentum_change(measures) / (mass * speed),
             viscosity * late(0.5, "speed_max_m_s") / tension,
             late(0.75, "kinetic_energy_J") / (mass * gravity * scene.pack.spacing),
@@ -138,12 +138,14 @@ fn last(measures: &Series, column: &str) -> f64 {
     values.last().copied().unwrap_or(f64::NAN)
 }
 
-/// J.
-fn energy_growth(measures: &Series) -> f64 {
+/// J. Where negative pressure is clipped, a thinned-out skin stores no energy, whatever the measure
+/// of compression says: it is left out there.
+fn energy_growth(measures: &Series, method: &Method) -> f64 {
     let Some(mut total) = total_energy(measures) else {
         return f64::NAN;
     };
-    if let Some(compression) = measures.column("compression_energy_J") {
+    let stores = !matches!(method, Method::Wcsph(s) if s.pressure == Pressure::Clipped);
+    if let Some(compression) = measures.column("compression_energy_J").filter(|_| stores) {
         total.iter_mut().zip(compression).for_each(|(e, c)| *e += c);
     }
     let first = total.first().copied().unwrap_or(f64::NAN);

@@ -2,6 +2,7 @@
 
 mod allocation;
 mod cloud;
+mod effect_absent;
 mod effect_select;
 mod effect_tension;
 mod isph_flow;

@@ -47,8 +47,8 @@ fn walls_particles_and_numbers_are_watched() {
     for name in ["not_a_number", "mass_error", "wall_crossing"] {
         assert_eq!(figure(&fine, &none, name), 0.0, "{name}");
     }
-    // A quarter of the spacing of 0.5 mm below the floor, and beside the wall at 12 mm.
-    let low = frame([[1e-3, -0.125e-3], [12.1e-3, 1e-3]], 0.0);
+    // A quarter of the spacing of 0.25 mm below the floor, and beside the wall at 12 mm.
+    let low = frame([[1e-3, -0.0625e-3], [12.05e-3, 1e-3]], 0.0);
     let crossing = figure(&[low], &none, "wall_crossing");
     assert!((crossing - 0.25).abs() < 1e-6, "{crossing}");
     // Above the open top nothing is crossed.

@@ -48,7 +48,7 @@ pub const FIGURES: [(&str, &str); 8] = [
 pub const ALWAYS: [(&str, f64); 3] = [
     ("not_a_number", 0.0),
     ("mass_error", 0.0),
-    ("wall_crossing", 0.5),
+    ("wall_crossing", 1.0),
 ];
 
 /// Takes the frames of a run in their order.

@@ -5,6 +5,7 @@ mod cloud;
 mod effect_absent;
 mod effect_select;
 mod effect_tension;
+mod flow_wall;
 mod isph_flow;
 mod isph_operator;
 mod kernel_shape;

@@ -17,7 +17,10 @@ impl Flow {
         let p = &mut self.particles;
         for a in (0..3).filter(|&a| domain.boundary[a].contains(&Side::Wall)) {
             let [low, high] = domain.boundary[a].map(|side| side == Side::Wall);
-            let (at, velocity) = (Slots::new(&mut p.position[a]), Slots::new(&mut p.velocity[a]));
+            let (at, velocity) = (
+                Slots::new(&mut p.position[a]),
+                Slots::new(&mut p.velocity[a]),
+            );
             let size = domain.size[a];
             each(n, |i| {
                 let (x, v) = unsafe { (at.at(i), velocity.at(i)) };

@@ -12,6 +12,9 @@ use crate::points::Study;
 use crate::target::Target;
 use crate::trial::{Outcome, Trial};
 
+/// Below this order an error does not fall with the spacing, to speak of.
+const LEVEL: f64 = 0.2;
+
 /// Names of the groups: the labels of a point without that of its spacing.
 fn group(trial: &Trial, trials: &[Trial]) -> String {
     let varies = |axis: usize| {
@@ -126,9 +129,8 @@ pub fn figure(
                 .iter()
                 .zip(trials)
                 .filter(|(s, _)| s.group == g && shown(s));
-            let mark = |(s, trial): (&Sample, &Trial)| {
-                (place(s), format!("{:.3} mm", 1e3 * trial.spacing))
-            };
+            let mark =
+                |(s, trial): (&Sample, &Trial)| (place(s), human(trial.spacing, Unit::Length));
             let points = own.map(mark).collect();
             Cloud {
                 label,
@@ -217,11 +219,14 @@ pub fn sentence(name: &str, samples: &[Sample], group: usize) -> Option<String> 
     let mut parts = Vec::new();
     if let Some(order) = growth.order {
         parts.push(format!("error ~ s0^{order:.2}"));
+        if order < LEVEL {
+            parts.push("it hardly falls with the spacing".to_string());
+        }
     }
     if let Some(work) = growth.work {
         parts.push(format!("time ~ N^{work:.2}"));
     }
-    if let Some(halving) = growth.halving {
+    if let Some(halving) = growth.halving.filter(|_| growth.order > Some(LEVEL)) {
         parts.push(format!(
             "each halving of the error costs {halving:.1} times the CPU time"
         ));

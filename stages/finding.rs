@@ -209,7 +209,8 @@ fn cell(outcome: &Outcome, error: f64) -> String {
     }
 }
 
-fn named(group: &str) -> &str {
+/// A group for people.
+pub fn named(group: &str) -> &str {
     if group.is_empty() { "all" } else { group }
 }
 

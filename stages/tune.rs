@@ -15,7 +15,7 @@ use serde_json::json;
 
 use crate::arguments::TuneArguments;
 use crate::fault::Usage;
-use crate::finding::{groups, samples};
+use crate::finding::{groups, named, samples};
 use crate::points::load;
 use crate::study::run;
 use crate::target::Target;
@@ -216,7 +216,7 @@ fn tell(tuned: &Tuned, target: &Target, checked: Option<(f64, f64)>, arguments: 
     }
     println!(
         "cheapest {}, s0 = {}: error of {} {}, {} of CPU",
-        tuned.group,
+        named(&tuned.group),
         human(rounded(trial.spacing), Unit::Length),
         target.column,
         percent(tuned.error),

@@ -28,7 +28,7 @@ says = ["sound speed"]
 
 [[case]]
 name = "nothing there"
-set = ["body.drop.sphere.diameter=0.1 mm"]
+set = ["body.drop.disc.diameter=0.1 mm"]
 only = ["adaptive"]
 ends = "refused"
 says = ["fewer than 2 particles", "drop"]

@@ -31,6 +31,9 @@ pub enum Command {
     /// Run a table of settings over one store; write what accuracy costs in time
     #[command(after_help = EXIT_CODES)]
     Study(StudyArguments),
+    /// Name the cheapest settings of a study that meet an error, as a command
+    #[command(after_help = EXIT_CODES)]
+    Tune(TuneArguments),
     /// Show what would run, why, and about how long it would take
     Plan(PlanArguments),
     /// Hash all finished results again; set damaged files aside, so that `run` makes them anew
@@ -88,6 +91,27 @@ pub struct RunArguments {
 pub struct StudyArguments {
     /// The study file (see `scenes/study/`)
     pub study: PathBuf,
+    #[command(flatten)]
+    pub store: StoreArguments,
+    /// Points to run side by side; they share the cores
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: u16,
+}
+
+#[derive(Debug, Args)]
+pub struct TuneArguments {
+    /// The study file; points that have not run yet run first
+    pub study: PathBuf,
+    /// Largest error
+    #[arg(long, value_name = "PART", default_value = "5 %")]
+    pub error: String,
+    /// Run the chosen settings and compare
+    #[arg(long)]
+    pub check: bool,
+    /// Write a pipeline file with the chosen settings; paths in it stay as they were
+    #[arg(long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
     #[command(flatten)]
     pub store: StoreArguments,
     /// Points to run side by side; they share the cores

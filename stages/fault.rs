@@ -3,6 +3,7 @@
 use std::io;
 
 use coronet::method::Diverged;
+use coronet::particle::pack::PackError;
 use coronet::pipeline::PipelineError;
 use coronet::scene::error::SceneError;
 use coronet::scene::key::KeyError;
@@ -46,6 +47,9 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
         };
     }
     if error.is::<SceneError>() || error.is::<KeyError>() || error.is::<Usage>() {
+        return Some(USAGE);
+    }
+    if let Some(PackError::TooFew { .. }) = error.downcast_ref::<PackError>() {
         return Some(USAGE);
     }
     if error.is::<Untrusted>() {

@@ -3,11 +3,17 @@
 use anyhow::Result;
 use coronet::measure::plot::PALETTE;
 use coronet::measure::scatter::{Cloud, Scatter};
+use coronet::measure::summary::digits;
 use coronet::measure::tradeoff::{Sample, growth};
+use coronet::scene::quantity::{Unit, human};
 
 use crate::fault;
-use crate::study::Study;
+use crate::points::Study;
+use crate::target::Target;
 use crate::trial::{Outcome, Trial};
+
+/// Below this order an error does not fall with the spacing, to speak of.
+const LEVEL: f64 = 0.2;
 
 /// Names of the groups: the labels of a point without that of its spacing.
 fn group(trial: &Trial, trials: &[Trial]) -> String {
@@ -106,7 +112,13 @@ pub fn table(
 }
 
 /// Error against time, one colour a group.
-pub fn figure(study: &Study, trials: &[Trial], samples: &[Sample], on_front: &[bool]) -> Scatter {
+pub fn figure(
+    study: &Study,
+    target: &Target,
+    trials: &[Trial],
+    samples: &[Sample],
+    on_front: &[bool],
+) -> Scatter {
     let place = |s: &Sample| [s.seconds, 100.0 * s.error];
     let shown = |s: &&Sample| s.error > 0.0 && s.seconds > 0.0;
     let clouds = groups(trials)
@@ -117,9 +129,8 @@ pub fn figure(study: &Study, trials: &[Trial], samples: &[Sample], on_front: &[b
                 .iter()
                 .zip(trials)
                 .filter(|(s, _)| s.group == g && shown(s));
-            let mark = |(s, trial): (&Sample, &Trial)| {
-                (place(s), format!("{:.3} mm", 1e3 * trial.spacing))
-            };
+            let mark =
+                |(s, trial): (&Sample, &Trial)| (place(s), human(trial.spacing, Unit::Length));
             let points = own.map(mark).collect();
             Cloud {
                 label,
@@ -138,10 +149,69 @@ pub fn figure(study: &Study, trials: &[Trial], samples: &[Sample], on_front: &[b
     Scatter {
         title: study.title.clone(),
         x: "CPU time of the impact (s)".to_string(),
-        y: format!("error of {} (%)", study.error.column),
+        y: format!("error of {} (%)", target.column),
         clouds,
         front,
     }
+}
+
+/// A page: one row a spacing, one column a group, with error and CPU time; below, the sentences.
+pub fn page(
+    study: &Study,
+    target: &Target,
+    trials: &[Trial],
+    outcomes: &[Outcome],
+    samples: &[Sample],
+) -> String {
+    let groups = groups(trials);
+    let mut spacings: Vec<f64> = trials.iter().map(|trial| trial.spacing).collect();
+    spacings.sort_by(|a, b| b.total_cmp(a));
+    spacings.dedup();
+    let heads: Vec<&str> = groups.iter().map(|group| named(group)).collect();
+    let mut page = format!(
+        "# {}\n\nError of `{}`, CPU time of the impact.\n\n| s0 | {} |\n|---|{}\n",
+        study.title,
+        target.column,
+        heads.join(" | "),
+        "---|".repeat(groups.len())
+    );
+    for spacing in spacings {
+        let cells = (0..groups.len()).map(|group| {
+            let own = |k: &usize| samples[*k].group == group && trials[*k].spacing == spacing;
+            let cells = (0..trials.len()).filter(own);
+            let cells = cells.map(|k| cell(&outcomes[k], samples[k].error));
+            cells.collect::<Vec<_>>().join("; ")
+        });
+        let cells: Vec<String> = cells.collect();
+        let spacing = human(spacing, Unit::Length);
+        page += &format!("| {spacing} | {} |\n", cells.join(" | "));
+    }
+    page += "\n";
+    for (group, name) in groups.iter().enumerate() {
+        if let Some(sentence) = sentence(name, samples, group) {
+            page += &format!("* {sentence}\n");
+        }
+    }
+    page
+}
+
+fn cell(outcome: &Outcome, error: f64) -> String {
+    match outcome {
+        Outcome::Done { cpu_seconds, .. } => {
+            let seconds = digits(*cpu_seconds);
+            match error.is_finite() {
+                true => format!("{:.1} %, {seconds} s", 100.0 * error),
+                false => format!("reference, {seconds} s"),
+            }
+        }
+        Outcome::Failed { code, .. } if *code == fault::DIVERGED => "diverged".to_string(),
+        Outcome::Failed { .. } => "failed".to_string(),
+    }
+}
+
+/// A group for people.
+pub fn named(group: &str) -> &str {
+    if group.is_empty() { "all" } else { group }
 }
 
 /// What a group's accuracy costs, in words.
@@ -150,15 +220,18 @@ pub fn sentence(name: &str, samples: &[Sample], group: usize) -> Option<String> 
     let mut parts = Vec::new();
     if let Some(order) = growth.order {
         parts.push(format!("error ~ s0^{order:.2}"));
+        if order < LEVEL {
+            parts.push("it hardly falls with the spacing".to_string());
+        }
     }
     if let Some(work) = growth.work {
         parts.push(format!("time ~ N^{work:.2}"));
     }
-    if let Some(halving) = growth.halving {
+    if let Some(halving) = growth.halving.filter(|_| growth.order > Some(LEVEL)) {
         parts.push(format!(
             "each halving of the error costs {halving:.1} times the CPU time"
         ));
     }
-    let name = if name.is_empty() { "all" } else { name };
+    let name = named(name);
     (!parts.is_empty()).then(|| format!("{name}: {}", parts.join("; ")))
 }

@@ -26,6 +26,9 @@ pub const FRAMES: &str = "frames.mcap";
 /// For viewers, shows all of the log.
 pub const LAYOUT: &str = "layout.json";
 
+/// What a warning says before the folder of what a diverged run leaves.
+pub const KEPT_IN: &str = "are kept in";
+
 /// Parts of the run between checkpoints that stay, for shorter runs to start from.
 const PARTS: f64 = 4.0;
 
@@ -129,7 +132,7 @@ impl Impact<'_> {
             if let Err(diverged) = advanced {
                 flight.land(context)?;
                 let work = context.work().display();
-                context.warn(&format!("checkpoints and frames so far are kept in {work}"));
+                context.warn(&format!("checkpoints and frames so far {KEPT_IN} {work}"));
                 return Err(StageError::failed(diverged));
             }
             frames.check()?;

@@ -20,7 +20,7 @@ pub mod version {
     pub const PACK: u32 = 2;
     pub const RELAX: u32 = 6;
     pub const CALIBRATE: u32 = 3;
-    pub const IMPACT: u32 = 5;
+    pub const IMPACT: u32 = 6;
     pub const POST: u32 = 1;
 }
 

@@ -13,12 +13,17 @@ mod keep;
 mod pace;
 mod pack;
 mod plan;
+mod points;
 mod post;
+mod promise;
 mod relax;
 mod run;
 mod settings;
 mod study;
+mod target;
 mod trial;
+mod tune;
+mod verdict;
 mod watch;
 
 use std::io::ErrorKind;
@@ -43,6 +48,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Study(arguments) => study::study(&arguments),
+        Command::Tune(arguments) => tune::tune(&arguments),
         Command::Plan(arguments) => plan::plan(&arguments),
         Command::Verify(arguments) => keep::verify(&arguments),
         Command::Gc(arguments) => keep::sweep(&arguments),

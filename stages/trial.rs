@@ -9,17 +9,22 @@ use coronet::measure::series::Series;
 use coronet::pipeline::Stamp;
 use serde_json::Value;
 
-use crate::fault;
+use crate::{fault, impact};
 
 /// What is run.
+#[derive(Clone)]
 pub struct Trial {
     /// Of its results under `latest/`.
     pub name: String,
     pub pipeline: PathBuf,
     pub sets: Vec<String>,
+    /// Case and labels, for people.
+    pub title: String,
+    /// Of the study's cases, which.
+    pub case: Option<usize>,
     /// Label on each axis.
     pub labels: Vec<String>,
-    /// Particle spacing, m, and number of particles.
+    /// Particle spacing, m, and number of particles; NaN for a scene that is to be refused.
     pub spacing: f64,
     pub count: f64,
 }
@@ -28,14 +33,22 @@ pub struct Trial {
 pub enum Outcome {
     Done {
         measures: Series,
+        /// The log of the impact.
+        frames: PathBuf,
         /// Of the impact, all attempts, s.
         cpu_seconds: f64,
         wall_seconds: f64,
         /// Whether nothing had to run.
         fresh: bool,
     },
-    /// The last line of its complaint, and the exit code.
-    Failed { why: String, code: u8 },
+    Failed {
+        /// The last line of its complaint.
+        why: String,
+        /// Exit code.
+        code: u8,
+        /// Where checkpoints and frames so far are kept.
+        work: Option<PathBuf>,
+    },
 }
 
 impl Trial {
@@ -65,7 +78,11 @@ impl Trial {
                 bail!("point {} was stopped: {why}", self.name);
             }
             let why = why.trim_start_matches("error: ").to_string();
-            return Ok(Outcome::Failed { why, code });
+            let kept = complaint
+                .lines()
+                .find_map(|line| line.split_once(impact::KEPT_IN));
+            let work = kept.map(|(_, folder)| PathBuf::from(folder.trim()));
+            return Ok(Outcome::Failed { why, code, work });
         }
         self.read(&String::from_utf8_lossy(&ended.stdout))
     }
@@ -79,13 +96,15 @@ impl Trial {
         let stages = || lines.iter().filter(|line| line["stage"].is_string());
         let impact = stages().find(|line| line["stage"] == "impact");
         let folder = impact.and_then(|line| line["folder"].as_str());
-        let table = lines.last().and_then(|line| line["measures"].as_str());
-        let (Some(folder), Some(table)) = (folder, table) else {
+        let path = |name: &str| lines.last().and_then(|line| line[name].as_str());
+        let (Some(folder), Some(table), Some(log)) = (folder, path("measures"), path("frames"))
+        else {
             bail!("point {} tells neither impact nor measures", self.name);
         };
         let stamp = Stamp::read(Path::new(folder))?.context("the impact has no stamp")?;
         Ok(Outcome::Done {
             measures: Series::read(Path::new(table))?,
+            frames: PathBuf::from(log),
             cpu_seconds: stamp.cpu_seconds,
             wall_seconds: stamp.wall_seconds,
             fresh: stages().all(|line| line["status"] == "fresh"),

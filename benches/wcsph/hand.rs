@@ -79,6 +79,7 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
         };
         let support = 2.0 * smoothing(scene);
         let lengths = Lengths {
+            spacing: model.spacing,
             support,
             longest: support,
             late: 0.0,

@@ -136,7 +136,7 @@ fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
 
 fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
     first_last(series, "aspect_ratio", "aspect ratio", 1.0, "", lines);
-    if let Some(period) = period(series) {
+    if let Some(period) = period(series, "amplitude") {
         lines.push((
             "period of the n = 2 oscillation".into(),
             format!("{:.3} ms", 1e3 * period),
@@ -148,9 +148,9 @@ fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
     }
 }
 
-/// Period of the amplitude about its mean, s: twice the mean time between crossings.
-pub fn period(series: &Series) -> Option<f64> {
-    let (t, a) = (series.time(), series.column("amplitude")?);
+/// Period of a column about its mean, s: twice the mean time between crossings.
+pub fn period(series: &Series, column: &str) -> Option<f64> {
+    let (t, a) = (series.time(), series.column(column)?);
     let mean = a.iter().fold(0.0, |sum, x| sum + x) / a.len() as f64;
     let crossings: Vec<f64> = (1..t.len())
         .filter(|&i| (a[i - 1] < mean) != (a[i] < mean))

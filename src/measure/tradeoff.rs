@@ -67,3 +67,66 @@ pub fn growth(samples: &[Sample], group: usize) -> Growth {
         halving: slope.filter(|k| *k < 0.0).map(|k| 0.5f64.powf(k)),
     }
 }
+
+/// Settings that should meet an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// The sample that it is taken from: the coarsest of its group that meets the error, as do all
+    /// finer ones.
+    pub sample: usize,
+    /// The next coarser sample, which does not.
+    pub coarser: Option<usize>,
+    /// Largest spacing that should meet the error, m.
+    pub spacing: f64,
+}
+
+/// What each group offers to meet `error`: the coarsest sample from which on all meet it, and where
+/// between that and the next coarser one ln error, taken as linear in ln spacing, passes it. One
+/// lucky sample among worse ones counts for nothing.
+pub fn meeting(samples: &[Sample], error: f64) -> Vec<Choice> {
+    let groups = samples.iter().map(|s| s.group + 1).max().unwrap_or(0);
+    let choose = |group: usize| {
+        let known = |k: &usize| samples[*k].group == group && samples[*k].error.is_finite();
+        let mut own: Vec<usize> = (0..samples.len()).filter(known).collect();
+        own.sort_by(|a, b| samples[*a].spacing.total_cmp(&samples[*b].spacing));
+        let good = own.iter().take_while(|k| samples[**k].error <= error);
+        let count = good.count();
+        let sample = *own.get(count.checked_sub(1)?)?;
+        let coarser = own.get(count).copied();
+        let spacing = coarser.map_or(samples[sample].spacing, |coarser| {
+            let (fine, coarse) = (&samples[sample], &samples[coarser]);
+            let part = ratio(error, fine.error, coarse.error);
+            fine.spacing * (coarse.spacing / fine.spacing).powf(part)
+        });
+        Some(Choice {
+            sample,
+            coarser,
+            spacing,
+        })
+    };
+    (0..groups).filter_map(choose).collect()
+}
+
+/// Error and time at `spacing`, m, between the samples of a choice, by powers of it.
+pub fn predict(samples: &[Sample], choice: &Choice, spacing: f64) -> (f64, f64) {
+    let fine = &samples[choice.sample];
+    let Some(coarse) = choice.coarser.map(|k| &samples[k]) else {
+        return (fine.error, fine.seconds);
+    };
+    let part = ratio(spacing, fine.spacing, coarse.spacing);
+    let between = |a: f64, b: f64| if a > 0.0 { a * (b / a).powf(part) } else { b };
+    (
+        between(fine.error, coarse.error),
+        between(fine.seconds, coarse.seconds),
+    )
+}
+
+/// Where ln x lies between ln a (0) and ln b (1); 0 if there is no telling.
+fn ratio(x: f64, a: f64, b: f64) -> f64 {
+    let part = (x / a).ln() / (b / a).ln();
+    if part.is_finite() {
+        part.clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}

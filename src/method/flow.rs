@@ -5,6 +5,7 @@
 //! that eight lanes can be loaded anywhere.
 
 mod pack;
+mod wall;
 
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Side};
@@ -33,6 +34,8 @@ const PART: usize = 512;
 /// Lengths that shape a flow, m.
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths {
+    /// Particle spacing.
+    pub spacing: f64,
     /// Support radius of the pair sums (2 h).
     pub support: f64,
     /// Longest distance that anything asks for (2 H with tension).
@@ -174,9 +177,11 @@ impl Flow {
         support + 2.0 * self.moved()
     }
 
-    /// Wraps periodic axes and removes what left through open sides or is `doomed`; returns
-    /// the kept indices if any went, for arrays that the caller holds.
+    /// Wraps periodic axes, puts back what is behind the first layer of a wall and removes what
+    /// left through open sides or is `doomed`; returns the kept indices if any went, for arrays
+    /// that the caller holds.
     pub fn confine(&mut self, doomed: impl Fn(usize) -> bool + Sync) -> Option<Vec<u32>> {
+        self.hold_back();
         let (domain, grid) = (&self.domain, &self.grid);
         let n = self.particles.len();
         let outside = {

@@ -231,6 +231,7 @@ fn flow_of(
         _ => 0.0,
     };
     let lengths = Lengths {
+        spacing: case.spacing,
         support,
         longest: long.max(support),
         late,

@@ -114,7 +114,8 @@ pub fn impact_speed(scene: &Scene) -> f64 {
     speed
 }
 
-fn length(vector: [f64; 3]) -> f64 {
+/// Length of a vector.
+pub fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|each| each * each).sum::<f64>().sqrt()
 }
 

@@ -95,6 +95,7 @@ impl Cloud {
             Wall::default()
         };
         let lengths = Lengths {
+            spacing: S0,
             support: 2.0 * h * S0,
             longest: 2.0 * h * S0,
             late: 0.0,

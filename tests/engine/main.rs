@@ -2,10 +2,13 @@
 
 mod allocation;
 mod cloud;
+mod effect_absent;
 mod effect_select;
 mod effect_tension;
+mod flow_wall;
 mod isph_operator;
 mod kernel_shape;
+mod measure_conservation;
 mod measure_drop;
 mod measure_pool;
 mod measure_post;

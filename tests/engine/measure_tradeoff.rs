@@ -1,6 +1,6 @@
 //! What accuracy costs.
 
-use coronet::measure::tradeoff::{Sample, exponent, front, growth};
+use coronet::measure::tradeoff::{Sample, exponent, front, growth, meeting, predict};
 
 fn sample(group: usize, spacing: f64, error: f64, seconds: f64) -> Sample {
     let count = spacing.powi(-3);
@@ -43,4 +43,25 @@ fn the_front_is_whom_nobody_beats() {
     ];
     let samples: Vec<Sample> = runs.map(|(e, t)| sample(0, 1.0, e, t)).to_vec();
     assert_eq!(front(&samples), [true, true, false, true, false, false]);
+}
+
+#[test]
+fn settings_between_two_samples_are_predicted() {
+    // error = 10 s0^2, time = s0^-4; a lucky coarse run in front.
+    let run = |s: f64| sample(0, s, 10.0 * s * s, s.powi(-4));
+    let mut samples: Vec<Sample> = [0.4, 0.2, 0.1, 0.05].map(run).to_vec();
+    samples.push(sample(0, 0.8, 1e-3, 1.0));
+    samples.push(sample(1, 0.1, 0.9, 1.0));
+    let found = meeting(&samples, 0.225);
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].sample, found[0].coarser), (2, Some(1)));
+    assert!((found[0].spacing - 0.15).abs() < 1e-12);
+    let (error, seconds) = predict(&samples, &found[0], 0.15);
+    assert!((error - 0.225).abs() < 1e-12);
+    assert!((seconds / 0.15f64.powi(-4) - 1.0).abs() < 1e-9);
+    // What no run meets, and what the coarsest meets.
+    assert!(meeting(&samples, 0.01).is_empty());
+    let all = meeting(&samples, 2.0);
+    assert_eq!((all[0].sample, all[0].coarser), (4, None));
+    assert_eq!(predict(&samples, &all[0], 0.8), (1e-3, 1.0));
 }

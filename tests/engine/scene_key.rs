@@ -150,17 +150,27 @@ fn names_are_unique_within_a_list() {
 
 #[test]
 fn settings_of_absent_effects_are_in_no_list() {
-    let bare = crate::scene_file::SMALL
-        .replace("[effects.viscosity]\ndynamic = \"3.5 mPa s\"\n", "")
-        .replace("[effects.tension]\ncoefficient = \"67 mN/m\"\n", "");
-    let scene = coronet::scene::file::read(&bare, Path::new("bare.toml"), &[])
-        .unwrap()
-        .scene;
-    assert_eq!(key::calibrate(&scene).unwrap(), None);
-    for (stage, settings) in lists(&scene) {
-        let mut names = settings.iter().map(|setting| setting.name.as_str());
-        let found = names.find(|name| name.contains("viscosity") || name.contains("tension"));
-        assert_eq!(found, None, "{stage}");
+    let tables = [
+        ("gravity", "acceleration = \"9.81 m/s^2\"\n"),
+        ("viscosity", "dynamic = \"3.5 mPa s\"\n"),
+        ("tension", "coefficient = \"67 mN/m\"\n"),
+    ];
+    let mut bare = crate::scene_file::SMALL.to_string();
+    for (effect, value) in tables {
+        let table = format!("[effects.{effect}]\n{value}");
+        assert!(bare.contains(&table), "{table}");
+        bare = bare.replace(&table, "");
+    }
+    for method in ["wcsph", "isph", "mps"] {
+        let set = format!("method.name={method}");
+        let loaded = coronet::scene::file::read(&bare, Path::new("bare.toml"), &[set]);
+        let scene = loaded.unwrap().scene;
+        assert_eq!(key::calibrate(&scene).unwrap(), None);
+        for (stage, settings) in lists(&scene) {
+            let mut names = settings.iter().map(|setting| setting.name.as_str());
+            let absent = |name: &&str| tables.iter().any(|(effect, _)| name.contains(effect));
+            assert_eq!(names.find(absent), None, "{method}: {stage}");
+        }
     }
 }
 

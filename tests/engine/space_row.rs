@@ -185,6 +185,7 @@ fn rows_of_walls_without_wall_neighbours_hold_all_liquid() {
 #[test]
 fn a_box_smaller_than_two_reaches_is_refused() {
     let lengths = coronet::method::flow::Lengths {
+        spacing: S0,
         support: 3.0 * S0,
         longest: 3.0 * S0,
         late: 0.0,

@@ -1,0 +1,165 @@
+//! What a run must keep whatever it simulates: mass, momentum, energy, the walls, numbers.
+//!
+//! Every figure is a deviation without a unit, zero at best, so that a promise is an upper bound.
+//! Scales: the mass M of the first frame and the reference speed V of the scene (largest of impact,
+//! fall and capillary speed, see [`reference_speed`]). A figure that a scene does not have is NaN.
+
+use super::series::Series;
+use super::summary::total_energy;
+use crate::particle::Frame;
+use crate::scene::numbers::{length, reference_speed};
+use crate::scene::{Method, Pressure, Scene, Side};
+
+/// Names and meanings of all figures.
+pub const FIGURES: [(&str, &str); 8] = [
+    (
+        "not_a_number",
+        "values of all frames that are not finite numbers",
+    ),
+    (
+        "mass_error",
+        "largest difference between particles now plus those removed and those at first",
+    ),
+    (
+        "wall_crossing",
+        "farthest that a particle gets beyond a wall of the box, in spacings",
+    ),
+    (
+        "energy_growth",
+        "largest rise of kinetic, potential, compression and surface energy above their first \
+         sum, over M V^2 / 2",
+    ),
+    (
+        "momentum_change",
+        "largest change of the momentum while no particle has left, over M V",
+    ),
+    (
+        "capillary_number",
+        "viscosity times largest speed in the second half of the run, over the tension",
+    ),
+    (
+        "unrest",
+        "largest kinetic energy in the last quarter, over M g s0",
+    ),
+    ("removed", "part of the mass that left the box"),
+];
+
+/// Figures that every run must keep at these bounds, whatever its study promises.
+pub const ALWAYS: [(&str, f64); 3] = [
+    ("not_a_number", 0.0),
+    ("mass_error", 0.0),
+    ("wall_crossing", 1.0),
+];
+
+/// Takes the frames of a run in their order.
+pub struct Conservation<'a> {
+    scene: &'a Scene,
+    /// Particles and mass of one, kg, in the first frame.
+    first: Option<(f64, f64)>,
+    strange: f64,
+    mass_error: f64,
+    /// m.
+    crossing: f64,
+}
+
+impl<'a> Conservation<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        Conservation {
+            scene,
+            first: None,
+            strange: 0.0,
+            mass_error: 0.0,
+            crossing: 0.0,
+        }
+    }
+
+    pub fn take(&mut self, frame: &Frame) {
+        let fields = frame.position.iter().chain(&frame.velocity);
+        let fields = fields.chain([&frame.pressure, &frame.density]);
+        let strange = fields.flatten().filter(|value| !value.is_finite()).count();
+        let scalars = frame.scalars.iter().filter(|(_, v)| !v.is_finite()).count();
+        self.strange += (strange + scalars) as f64;
+
+        let scalar = |name: &str| frame.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
+        let count = frame.id.len() as f64;
+        if let (Some(total), Some(removed)) = (scalar("mass_kg"), scalar("mass_removed_kg")) {
+            let (first, mass) = *self.first.get_or_insert((count, total / count));
+            let error = ((count + removed / mass) - first).abs();
+            // Round-off of a sum of masses is no particle.
+            let error = if error < 1e-6 * first { 0.0 } else { error };
+            self.mass_error = self.mass_error.max(error);
+        }
+
+        let (domain, axes) = (&self.scene.domain, self.scene.dimension.axes());
+        for &axis in axes {
+            let [low, high] = domain.boundary[axis];
+            for x in frame.position[axis].iter().map(|x| f64::from(*x)) {
+                if low == Side::Wall {
+                    self.crossing = self.crossing.max(-x);
+                }
+                if high == Side::Wall {
+                    self.crossing = self.crossing.max(x - domain.size[axis]);
+                }
+            }
+        }
+    }
+
+    /// All figures in the order of [`FIGURES`]; `measures`: the table of the run.
+    pub fn figures(&self, measures: &Series) -> Vec<(&'static str, f64)> {
+        let scene = self.scene;
+        let mass = self.first.map_or(f64::NAN, |(count, mass)| count * mass);
+        let speed = reference_speed(scene);
+        let viscosity = scene.effects.viscosity.unwrap_or(f64::NAN);
+        let tension = scene.effects.tension.unwrap_or(f64::NAN);
+        let gravity = scene.effects.gravity.map_or(f64::NAN, length);
+        let removed = last(measures, "mass_removed_kg");
+        let end = measures.time().last().copied().unwrap_or(f64::NAN);
+        let late = |part: f64, column: &str| {
+            let window = measures.window(part * end, f64::INFINITY);
+            window.maximum(column).map_or(f64::NAN, |(value, _)| value)
+        };
+        let values = [
+            self.strange,
+            self.mass_error,
+            self.crossing / scene.pack.spacing,
+            energy_growth(measures, &scene.method) / (0.5 * mass * speed * speed),
+            momentum_change(measures) / (mass * speed),
+            viscosity * late(0.5, "speed_max_m_s") / tension,
+            late(0.75, "kinetic_energy_J") / (mass * gravity * scene.pack.spacing),
+            removed / mass,
+        ];
+        let names = FIGURES.iter().map(|(name, _)| *name);
+        names.zip(values).collect()
+    }
+}
+
+fn last(measures: &Series, column: &str) -> f64 {
+    let values = measures.column(column).unwrap_or(&[]);
+    values.last().copied().unwrap_or(f64::NAN)
+}
+
+/// J. Where negative pressure is clipped, a thinned-out skin stores no energy, whatever the measure
+/// of compression says: it is left out there.
+fn energy_growth(measures: &Series, method: &Method) -> f64 {
+    let Some(mut total) = total_energy(measures) else {
+        return f64::NAN;
+    };
+    let stores = !matches!(method, Method::Wcsph(s) if s.pressure == Pressure::Clipped);
+    if let Some(compression) = measures.column("compression_energy_J").filter(|_| stores) {
+        total.iter_mut().zip(compression).for_each(|(e, c)| *e += c);
+    }
+    let first = total.first().copied().unwrap_or(f64::NAN);
+    total.iter().fold(0.0, |most: f64, e| most.max(e - first))
+}
+
+/// kg m/s.
+fn momentum_change(measures: &Series) -> f64 {
+    let parts = ["x", "y", "z"].map(|a| measures.column(&format!("momentum_{a}_kg_m_s")));
+    let [Some(x), Some(y), Some(z)] = parts else {
+        return f64::NAN;
+    };
+    let removed = measures.column("mass_removed_kg").unwrap_or(&[]);
+    let whole = removed.iter().take_while(|mass| **mass == 0.0).count();
+    let change = |k: usize| length([x[k] - x[0], y[k] - y[0], z[k] - z[0]]);
+    (0..whole.min(x.len())).map(change).fold(0.0, f64::max)
+}

@@ -1,0 +1,35 @@
+//! No particle gets through a wall.
+
+use super::Flow;
+use crate::scene::Side;
+use crate::space::parallel::{Slots, each};
+
+/// How deep in a wall a particle may be, in spacings: there is the wall's first layer.
+const BEHIND: f64 = 0.5;
+
+impl Flow {
+    /// Whoever is deeper than [`BEHIND`] in a wall, where its layers push every way and not only
+    /// out, goes to its surface and keeps the velocity along it. Only a particle that is shot at
+    /// the wall gets there.
+    pub(super) fn hold_back(&mut self) {
+        let (domain, n) = (&self.domain, self.particles.len());
+        let deep = BEHIND * self.lengths.spacing;
+        let p = &mut self.particles;
+        for a in (0..3).filter(|&a| domain.boundary[a].contains(&Side::Wall)) {
+            let [low, high] = domain.boundary[a].map(|side| side == Side::Wall);
+            let (at, velocity) = (
+                Slots::new(&mut p.position[a]),
+                Slots::new(&mut p.velocity[a]),
+            );
+            let size = domain.size[a];
+            each(n, |i| {
+                let (x, v) = unsafe { (at.at(i), velocity.at(i)) };
+                if low && *x < -deep {
+                    (*x, *v) = (0.0, v.max(0.0));
+                } else if high && *x > size + deep {
+                    (*x, *v) = (size, v.min(0.0));
+                }
+            });
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! A study file and the points that it names.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use coronet::scene::file;
+use coronet::scene::numbers::count;
+use serde::Deserialize;
+
+use crate::fault::Usage;
+use crate::promise::{Case, Ending};
+use crate::target::Target;
+use crate::trial::Trial;
+
+/// A study file: either an `error` to be measured, or `case`s with promises.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Study {
+    pub title: String,
+    /// From the study file; a case may name another.
+    pipeline: Option<PathBuf>,
+    /// For every point, as after `--set`.
+    #[serde(default)]
+    set: Vec<String>,
+    #[serde(default)]
+    pub axis: Vec<Axis>,
+    /// Points to leave out, by their labels: `"0.5 mm, corrected"`.
+    #[serde(default)]
+    except: Vec<String>,
+    pub error: Option<Target>,
+    #[serde(default)]
+    pub case: Vec<Case>,
+}
+
+/// Either `key` with `values`, or `points`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axis {
+    pub name: String,
+    key: Option<String>,
+    #[serde(default)]
+    values: Vec<toml::Value>,
+    #[serde(default)]
+    points: Vec<Choice>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Choice {
+    label: String,
+    #[serde(default)]
+    set: Vec<String>,
+}
+
+/// Labels and overrides of a point.
+type Point = (Vec<String>, Vec<String>);
+
+/// The study and its points, each checked against the format of scenes before anything runs. With
+/// cases, the points of each case in turn; a point that a case excludes is none.
+pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
+    let text =
+        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let wrong = |what: String| Usage(format!("{}: {what}", path.display()));
+    let study: Study = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    study.check().map_err(wrong)?;
+    let points = study.points().map_err(wrong)?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mut trials = Vec::new();
+    let cases: Vec<Option<usize>> = match study.case.len() {
+        0 => vec![None],
+        count => (0..count).map(Some).collect(),
+    };
+    for case in cases {
+        for (labels, sets) in &points {
+            let label = labels.join(", ");
+            if study.except.contains(&label)
+                || case.is_some_and(|case| !study.case[case].covers(&label))
+            {
+                continue;
+            }
+            let name = format!("{stem}-{:02}", trials.len() + 1);
+            trials.push(study.trial(path, name, case, labels, sets)?);
+        }
+    }
+    Ok((study, trials))
+}
+
+impl Study {
+    fn check(&self) -> Result<(), String> {
+        match (&self.error, self.case.is_empty()) {
+            (Some(error), true) => error.check().map_err(str::to_string)?,
+            (None, false) => {}
+            _ => return Err("it needs either [error] or at least one [[case]]".to_string()),
+        }
+        let labels: Vec<String> = self.points()?.iter().map(|p| p.0.join(", ")).collect();
+        if let Some(label) = self.except.iter().find(|label| !labels.contains(label)) {
+            let labels = labels.join("; ");
+            return Err(format!(
+                "except: `{label}` is no point; points are {labels}"
+            ));
+        }
+        for case in &self.case {
+            case.check(&labels, self.pipeline.is_some())?;
+        }
+        if self.case.is_empty() && self.pipeline.is_none() {
+            return Err("it needs `pipeline`, the file that all points change".to_string());
+        }
+        Ok(())
+    }
+
+    /// The product of the axes.
+    fn points(&self) -> Result<Vec<Point>, String> {
+        let mut points = vec![(Vec::new(), Vec::new())];
+        for axis in &self.axis {
+            let choices = axis.choices()?;
+            let extend = |(labels, sets): &Point| {
+                let with = |choice: &Choice| {
+                    let mut point = (labels.clone(), sets.clone());
+                    point.0.push(choice.label.clone());
+                    point.1.extend(choice.set.iter().cloned());
+                    point
+                };
+                choices.iter().map(with).collect::<Vec<_>>()
+            };
+            points = points.iter().flat_map(extend).collect();
+        }
+        Ok(points)
+    }
+
+    fn trial(
+        &self,
+        path: &Path,
+        name: String,
+        case: Option<usize>,
+        labels: &[String],
+        sets: &[String],
+    ) -> Result<Trial> {
+        let own = case.map(|case| &self.case[case]);
+        let pipeline = own.and_then(|case| case.pipeline.as_ref());
+        let pipeline = pipeline.or(self.pipeline.as_ref()).expect("checked");
+        let pipeline = path.parent().unwrap_or(Path::new(".")).join(pipeline);
+        let mut all = self.set.clone();
+        all.extend(own.into_iter().flat_map(|case| case.set.iter().cloned()));
+        all.extend(sets.iter().cloned());
+        let title = own.map(|case| case.name.clone());
+        let title: Vec<String> = title.into_iter().chain(labels.iter().cloned()).collect();
+        let mut trial = Trial {
+            name,
+            title: title.join(", "),
+            pipeline,
+            sets: all,
+            case,
+            labels: labels.to_vec(),
+            spacing: f64::NAN,
+            count: f64::NAN,
+        };
+        if own.is_some_and(|case| case.ends == Ending::Refused) {
+            return Ok(trial);
+        }
+        let point = || format!("{}, point {}", path.display(), trial.title);
+        let scene = file::load(&trial.pipeline, &trial.sets)
+            .with_context(point)?
+            .scene;
+        trial.spacing = scene.pack.spacing;
+        let particles = (0..scene.bodies.len()).map(|body| count(&scene, body) as f64);
+        trial.count = particles.sum();
+        Ok(trial)
+    }
+}
+
+impl Axis {
+    fn choices(&self) -> Result<Vec<Choice>, String> {
+        let name = &self.name;
+        match (&self.key, self.values.is_empty(), self.points.is_empty()) {
+            (Some(key), false, true) => Ok(self
+                .values
+                .iter()
+                .map(|value| {
+                    let text = value.as_str().map_or(value.to_string(), str::to_string);
+                    let set = vec![format!("{key}={text}")];
+                    Choice { label: text, set }
+                })
+                .collect()),
+            (None, true, false) => Ok(self.points.clone()),
+            _ => Err(format!(
+                "axis {name} needs either key and values, or points"
+            )),
+        }
+    }
+}

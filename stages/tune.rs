@@ -1,0 +1,252 @@
+//! `coronet tune`: from a study, the cheapest settings that meet an error.
+//!
+//! Points that the study lacks are run first. Between two spacings of a group, error and time are
+//! taken as powers of the spacing; `--check` runs what was chosen and tells how far off that is.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, bail};
+use coronet::measure::tradeoff::{Choice, Sample, meeting, predict};
+use coronet::record::atomic::write_file;
+use coronet::scene::file;
+use coronet::scene::quantity::{Unit, human};
+use coronet::scene::{Scene, Side};
+use serde_json::json;
+
+use crate::arguments::TuneArguments;
+use crate::fault::Usage;
+use crate::finding::{groups, named, samples};
+use crate::points::load;
+use crate::study::run;
+use crate::target::Target;
+use crate::trial::{Outcome, Trial};
+use crate::watch::duration;
+
+const SPACING: &str = "pack.spacing=";
+
+/// Settings with what is to be expected of them.
+struct Tuned {
+    trial: Trial,
+    /// Relative error and CPU time, s.
+    error: f64,
+    seconds: f64,
+    group: String,
+}
+
+pub fn tune(arguments: &TuneArguments) -> Result<()> {
+    let wanted = part(&arguments.error)?;
+    let (study, trials) = load(&arguments.study)?;
+    let Some(target) = &study.error else {
+        let path = arguments.study.display();
+        return Err(Usage(format!(
+            "{path}: has cases but no [error]; tune needs a study of errors"
+        ))
+        .into());
+    };
+    let outcomes = run(&trials, &arguments.store.artifacts, arguments.jobs)?;
+    let folder = arguments.study.parent().unwrap_or(Path::new("."));
+    let errors = target.measure(&trials, &outcomes, folder, target.window()?)?;
+    let samples = samples(&trials, &outcomes, &errors);
+    let choices = meeting(&samples, wanted);
+    let tuned = choices
+        .iter()
+        .map(|choice| settle(&trials, &samples, choice))
+        .collect::<Result<Vec<Tuned>>>()?;
+    let cheapest = tuned
+        .into_iter()
+        .min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let Some(tuned) = cheapest else {
+        bail!("{}", miss(&trials, &samples, target, wanted));
+    };
+    if let Some(path) = &arguments.output {
+        let loaded = file::load(&tuned.trial.pipeline, &tuned.trial.sets)?;
+        write_file(path, loaded.text.as_bytes())
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    let checked = match arguments.check {
+        true => Some(check(&tuned, trials, outcomes, target, arguments)?),
+        false => None,
+    };
+    tell(&tuned, target, checked, arguments);
+    match checked {
+        Some((error, _)) if error > wanted => bail!(
+            "the settings were predicted to meet {} but have {}; add a point about them to the \
+             study",
+            percent(wanted),
+            percent(error)
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// `5 %` or `0.05`.
+fn part(text: &str) -> Result<f64, Usage> {
+    let (number, factor) = match text.trim().strip_suffix('%') {
+        Some(number) => (number.trim(), 0.01),
+        None => (text.trim(), 1.0),
+    };
+    let value = number.parse().map(|value: f64| factor * value);
+    value
+        .ok()
+        .filter(|v| *v > 0.0 && v.is_finite())
+        .ok_or_else(|| {
+            Usage(format!(
+                "--error `{text}` is no error; give a part above zero such as \"5 %\" or 0.05"
+            ))
+        })
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.2} %", 100.0 * part)
+}
+
+/// The largest spacing up to that of the choice which suits the scene, and what it should give.
+fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned> {
+    let base = &trials[choice.sample];
+    let scene = file::load(&base.pipeline, &base.sets)?.scene;
+    let own = base.sets.iter().any(|set| set.starts_with(SPACING));
+    let finest = samples[choice.sample].spacing;
+    let suits = |spacing: f64| {
+        let sets = with_spacing(&base.sets, spacing);
+        file::load(&base.pipeline, &sets).is_ok()
+    };
+    let wanted = if own { choice.spacing } else { finest };
+    let found = candidates(&scene, wanted, finest)
+        .into_iter()
+        .find(|s| suits(*s));
+    let (spacing, sets) = match found {
+        Some(spacing) => (spacing, with_spacing(&base.sets, spacing)),
+        None => (finest, base.sets.clone()),
+    };
+    let (error, seconds) = predict(samples, choice, spacing);
+    let stem = base.name.rsplit_once('-').map_or("study", |(stem, _)| stem);
+    let trial = Trial {
+        name: format!("{stem}-tuned"),
+        title: "tuned".to_string(),
+        pipeline: base.pipeline.clone(),
+        sets,
+        case: None,
+        labels: base.labels.clone(),
+        spacing,
+        count: base.count * (finest / spacing).powi(scene.dimension.count() as i32),
+    };
+    let group = groups(trials).swap_remove(samples[choice.sample].group);
+    Ok(Tuned {
+        trial,
+        error,
+        seconds,
+        group,
+    })
+}
+
+fn with_spacing(sets: &[String], spacing: f64) -> Vec<String> {
+    let text = human(rounded(spacing), Unit::Length);
+    let replace = |set: &String| match set.starts_with(SPACING) {
+        true => format!("{SPACING}{text}"),
+        false => set.clone(),
+    };
+    sets.iter().map(replace).collect()
+}
+
+/// To 12 digits, so that 40 mm / 80 reads 0.5 mm.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+/// Spacings between `finest` (itself left out) and `wanted`, the largest first: those that divide
+/// the first periodic side, else `wanted` to three digits.
+fn candidates(scene: &Scene, wanted: f64, finest: f64) -> Vec<f64> {
+    let axes = scene.dimension.axes().iter();
+    let mut periodic = axes.filter(|axis| scene.domain.boundary[**axis][0] == Side::Periodic);
+    match periodic.next() {
+        Some(axis) => {
+            let side = scene.domain.size[*axis];
+            let range = (side / wanted - 1e-9).ceil() as u64..=(side / finest) as u64;
+            let all = range.map(|count| side / count as f64);
+            all.filter(|spacing| *spacing > finest * (1.0 + 1e-9))
+                .collect()
+        }
+        None => {
+            let unit = 10f64.powf(wanted.log10().floor() - 2.0);
+            let spacing = rounded((wanted / unit * (1.0 + 1e-9)).floor() * unit);
+            Vec::from_iter((spacing > finest).then_some(spacing))
+        }
+    }
+}
+
+/// Runs the settings: error and CPU time, s.
+fn check(
+    tuned: &Tuned,
+    mut trials: Vec<Trial>,
+    mut outcomes: Vec<Outcome>,
+    target: &Target,
+    arguments: &TuneArguments,
+) -> Result<(f64, f64)> {
+    let trial = tuned.trial.clone();
+    let mut own = run(std::slice::from_ref(&trial), &arguments.store.artifacts, 1)?;
+    let seconds = match &own[0] {
+        Outcome::Done { cpu_seconds, .. } => *cpu_seconds,
+        Outcome::Failed { why, .. } => bail!("the chosen settings fail: {why}"),
+    };
+    trials.push(trial);
+    outcomes.append(&mut own);
+    let folder = arguments.study.parent().unwrap_or(Path::new("."));
+    let errors = target.measure(&trials, &outcomes, folder, target.window()?)?;
+    Ok((errors[errors.len() - 1], seconds))
+}
+
+fn tell(tuned: &Tuned, target: &Target, checked: Option<(f64, f64)>, arguments: &TuneArguments) {
+    let trial = &tuned.trial;
+    let quote = |set: &String| format!("--set '{}'", set.replace('\'', "'\\''"));
+    let sets: Vec<String> = trial.sets.iter().map(quote).collect();
+    let command = format!(
+        "coronet run {} {}",
+        trial.pipeline.display(),
+        sets.join(" ")
+    );
+    if arguments.store.json {
+        let object = json!({
+            "column": target.column, "group": tuned.group, "spacing_m": trial.spacing,
+            "pipeline": trial.pipeline, "set": trial.sets, "command": command,
+            "error": tuned.error, "cpu_s": tuned.seconds, "file": arguments.output,
+            "checked": checked.map(|(error, seconds)| json!({"error": error, "cpu_s": seconds})),
+        });
+        println!("{object}");
+        return;
+    }
+    println!(
+        "cheapest {}, s0 = {}: error of {} {}, {} of CPU",
+        named(&tuned.group),
+        human(rounded(trial.spacing), Unit::Length),
+        target.column,
+        percent(tuned.error),
+        duration(tuned.seconds)
+    );
+    println!("{command}");
+    if let Some(path) = &arguments.output {
+        println!("file     {}", path.display());
+    }
+    if let Some((error, seconds)) = checked {
+        let (error, seconds) = (percent(error), duration(seconds));
+        println!("checked  error {error}, {seconds} of CPU");
+    }
+}
+
+/// What to do when nothing meets the error.
+fn miss(trials: &[Trial], samples: &[Sample], target: &Target, wanted: f64) -> String {
+    let known = samples
+        .iter()
+        .zip(trials)
+        .filter(|(s, _)| s.error.is_finite());
+    let best = known.min_by(|a, b| a.0.error.total_cmp(&b.0.error));
+    let best = best.map_or("no point has a known error".to_string(), |(s, trial)| {
+        let error = percent(s.error);
+        format!("the best point, {}, has {error}", trial.labels.join(", "))
+    });
+    format!(
+        "no settings of the study meet {} of {} with every finer spacing of theirs meeting it, \
+         too: {best}; add finer points, or allow more with --error",
+        percent(wanted),
+        target.column
+    )
+}

@@ -1,0 +1,97 @@
+//! What a study of cases found: which promises are kept, as tables and in words.
+
+use anyhow::Result;
+
+use crate::points::Study;
+use crate::promise::Verdict;
+use crate::trial::{Outcome, Trial};
+
+/// All promises, one row each, as CSV.
+pub fn table(study: &Study, trials: &[Trial], verdicts: &[Verdict]) -> Result<Vec<u8>> {
+    let mut file = csv::Writer::from_writer(Vec::new());
+    let axes = study.axis.iter().map(|axis| axis.name.as_str());
+    let rest = ["promise", "bound", "found", "kept", "known"];
+    file.write_record(["point", "case"].into_iter().chain(axes).chain(rest))?;
+    for (trial, verdict) in trials.iter().zip(verdicts) {
+        for promise in &verdict.promises {
+            let mut row = vec![trial.name.clone(), case(study, trial).to_string()];
+            row.extend(trial.labels.iter().cloned());
+            row.extend([promise.name.clone(), promise.bound.clone()]);
+            row.extend([promise.found.clone(), promise.kept.to_string()]);
+            row.push(verdict.known.clone().unwrap_or_default());
+            file.write_record(row)?;
+        }
+    }
+    Ok(file.into_inner()?)
+}
+
+fn case<'a>(study: &'a Study, trial: &Trial) -> &'a str {
+    trial.case.map_or("", |case| &study.case[case].name)
+}
+
+/// Labels of the points of the axes, in the order of their first trials.
+fn columns(trials: &[Trial]) -> Vec<String> {
+    let mut columns: Vec<String> = Vec::new();
+    for trial in trials {
+        let label = trial.labels.join(", ");
+        if !columns.contains(&label) {
+            columns.push(label);
+        }
+    }
+    columns
+}
+
+/// A page: one row a case, one column a point of the axes; below, what is not kept and why.
+pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], verdicts: &[Verdict]) -> String {
+    let columns = columns(trials);
+    let heads: Vec<&str> = columns.iter().map(|name| name.as_str()).collect();
+    let mut page = format!("# {}\n\n| case | {} |\n", study.title, heads.join(" | "));
+    page += &format!("|---|{}\n", "---|".repeat(columns.len()));
+    for (index, case) in study.case.iter().enumerate() {
+        let cells: Vec<String> = columns
+            .iter()
+            .map(|column| {
+                let own = |k: &usize| {
+                    trials[*k].case == Some(index) && trials[*k].labels.join(", ") == *column
+                };
+                let found = (0..trials.len()).find(own);
+                found.map_or("".to_string(), |k| cell(&verdicts[k], &outcomes[k]))
+            })
+            .collect();
+        page += &format!("| {} | {} |\n", case.name, cells.join(" | "));
+    }
+    let lines = broken(trials, verdicts);
+    if !lines.is_empty() {
+        page += "\nNot kept:\n\n";
+        lines.iter().for_each(|line| page += &format!("* {line}\n"));
+    }
+    page
+}
+
+fn cell(verdict: &Verdict, outcome: &Outcome) -> String {
+    match outcome {
+        Outcome::Done { cpu_seconds, .. } => {
+            format!("{}, {cpu_seconds:.0} s", verdict.word())
+        }
+        Outcome::Failed { .. } => verdict.word().to_string(),
+    }
+}
+
+/// One line for each point that does not keep everything, or should not.
+pub fn broken(trials: &[Trial], verdicts: &[Verdict]) -> Vec<String> {
+    let points = trials.iter().zip(verdicts);
+    let bad = points.filter(|(_, verdict)| verdict.word() != "kept");
+    bad.map(|(trial, verdict)| {
+        let title = &trial.title;
+        match (&verdict.known, verdict.kept()) {
+            (Some(why), false) => {
+                format!("known: {title}: {}. {why}", verdict.broken())
+            }
+            (Some(_), true) => {
+                format!("KEPT: {title}: every promise is kept; take it out of `known`")
+            }
+            _ => format!("BROKEN: {title}: {}", verdict.broken()),
+        }
+    })
+    .collect()
+}

@@ -1,0 +1,26 @@
+//! What is shot into a wall comes back out of it.
+
+use super::method_scene::{disturbed, splash_scene};
+use coronet::method::{Phase, build};
+
+const VISCOSITY: &str = "[effects.viscosity]\ndynamic = '20 mPa s'\n";
+
+#[test]
+fn no_particle_stays_behind_the_first_layer_of_a_wall() {
+    for method in ["wcsph modern", "wcsph corrected", "isph modern"] {
+        let scene = splash_scene(method, 2, VISCOSITY);
+        let (spacing, width) = (scene.pack.spacing, scene.domain.size[0]);
+        let mut state = disturbed(&scene, 0.0);
+        // The first two of the pool: one below the floor, one beyond the right wall.
+        let p = &mut state.particles;
+        (p.position[2][0], p.velocity[2][0]) = (-1.2 * spacing, -2.0);
+        (p.position[0][1], p.velocity[0][1]) = (width + 0.8 * spacing, 2.0);
+        let mut solver = build(&scene, state, Phase::Impact, None).unwrap();
+        solver.advance(&mut |_| ()).unwrap();
+        let p = solver.state().particles;
+        assert_eq!(p.len(), solver.len(), "{method}");
+        let deepest = |i: usize| (-p.position[2][i]).max(p.position[0][i] - width);
+        let deepest = (0..p.len()).map(deepest).fold(0.0, f64::max);
+        assert!(deepest < 0.5 * spacing, "{method}: {deepest}");
+    }
+}

@@ -6,6 +6,7 @@
 
 mod area;
 pub mod canvas;
+pub mod contact;
 pub mod drop;
 pub mod field;
 pub mod figure;

@@ -396,11 +396,36 @@ fn a_contact_angle_needs_tension_a_wall_and_a_method_that_has_it() {
     let tension = "[effects.tension]\ncoefficient = \"73 mN/m\"\n";
     assert_eq!(with("", tension, "wall"), Ok(()));
     for (method, tension, low, parts) in [
-        ("", "", "wall", ["effects.wetting", "tension", "[effects.tension]"]),
-        ("", tension, "open", ["effects.wetting", "needs a wall", "box.z"]),
-        ("name = \"isph\"", tension, "wall", ["effects.wetting", "method", "wcsph"]),
-        ("name = \"mps\"", tension, "wall", ["effects.wetting", "method", "wcsph"]),
-        ("preset = \"paper\"", tension, "wall", ["effects.wetting", "raw-colour", "modern"]),
+        (
+            "",
+            "",
+            "wall",
+            ["effects.wetting", "tension", "[effects.tension]"],
+        ),
+        (
+            "",
+            tension,
+            "open",
+            ["effects.wetting", "needs a wall", "box.z"],
+        ),
+        (
+            "name = \"isph\"",
+            tension,
+            "wall",
+            ["effects.wetting", "method", "wcsph"],
+        ),
+        (
+            "name = \"mps\"",
+            tension,
+            "wall",
+            ["effects.wetting", "method", "wcsph"],
+        ),
+        (
+            "preset = \"paper\"",
+            tension,
+            "wall",
+            ["effects.wetting", "raw-colour", "modern"],
+        ),
     ] {
         holds(&with(method, tension, low).unwrap_err(), &parts);
     }

@@ -30,10 +30,10 @@ fn angles(set: f64, spacing: &str) -> Option<[f64; 2]> {
     Some([sums[0] / sums[2], sums[1] / sums[2]])
 }
 
-/// The drop of Xie, Koshizuka & Oka (2007), Section 3.1, at its spacing and twice that.
+/// The drop of Xie, Koshizuka & Oka (2007), Section 3.1, at its spacing and twice that. Nothing is
+/// asserted: docs/validation.md says what comes out.
 #[test]
 fn contact_angle() {
-    let mut kept = true;
     println!();
     for spacing in ["0.16 mm", "0.08 mm"] {
         for set in [30.0, 45.0, 60.0, 75.0, 90.0, 120.0, 150.0] {
@@ -47,12 +47,7 @@ fn contact_angle() {
                 theory: Some(set),
                 target: 3.0 / set,
             };
-            let meets = figure.row();
-            kept &= meets || !PROMISED.contains(&set) || spacing != "0.08 mm";
+            figure.row();
         }
     }
-    assert!(kept, "what docs/validation.md says of contact angles");
 }
-
-/// Angles that are met within 3 degrees at the spacing of the paper.
-const PROMISED: [f64; 0] = [];

@@ -20,11 +20,16 @@ impl Band {
 
     /// Marks the cells that hold a particle for which `is` holds.
     pub fn mark(&mut self, cells: &Cells, is: impl Fn(usize) -> bool + Sync) {
-        let n = cells.start.len() - 1;
+        self.mark_runs(&cells.start, is);
+    }
+
+    /// The same for particles of which `start` has the first of each cell, and the number of all.
+    pub fn mark_runs(&mut self, start: &[u32], is: impl Fn(usize) -> bool + Sync) {
+        let n = start.len() - 1;
         self.mark.resize(n, false);
         let mark = Slots::new(&mut self.mark);
         each(n, |cell| {
-            let mut run = cells.start[cell] as usize..cells.start[cell + 1] as usize;
+            let mut run = start[cell] as usize..start[cell + 1] as usize;
             *unsafe { mark.at(cell) } = run.any(&is);
         });
     }
@@ -42,9 +47,14 @@ impl Band {
 
     /// The particles of marked cells, in cell order.
     pub fn members(&self, cells: &Cells, members: &mut Vec<u32>) {
+        self.members_of(&cells.start, members);
+    }
+
+    /// The same for particles of which `start` has the first of each cell, and the number of all.
+    pub fn members_of(&self, start: &[u32], members: &mut Vec<u32>) {
         members.clear();
         for (cell, _) in self.mark.iter().enumerate().filter(|(_, mark)| **mark) {
-            members.extend(cells.start[cell]..cells.start[cell + 1]);
+            members.extend(start[cell]..start[cell + 1]);
         }
     }
 }

@@ -5,3 +5,4 @@ pub mod gravity;
 pub mod select;
 pub mod tension;
 pub mod viscosity;
+pub mod wetting;

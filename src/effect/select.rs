@@ -2,8 +2,9 @@
 
 use super::tension::Tension;
 use super::viscosity::{Cleary, Morris, PairViscosity, TwoTerm};
+use super::wetting::{Setting, Wetting};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
-use crate::scene::{Effects, KernelName, Sph, ViscosityForm};
+use crate::scene::{Domain, Effects, KernelName, Sph, ViscosityForm};
 
 /// What is done with the chosen types.
 pub trait Visitor {
@@ -85,4 +86,25 @@ pub fn tension(
         dimension,
         density,
     ))
+}
+
+/// The contact angle that the scene asks for. `spacing` and `length` (H) in m, `density` in kg/m^3.
+pub fn wetting(
+    effects: &Effects,
+    settings: &Sph,
+    domain: &Domain,
+    dimension: usize,
+    [spacing, length]: [f64; 2],
+    density: f64,
+) -> Option<Wetting> {
+    let setting = Setting {
+        angle: effects.wetting?,
+        domain: domain.clone(),
+        kernel: settings.kernel,
+        dimension,
+        spacing,
+        length,
+        density,
+    };
+    Some(Wetting::new(setting))
 }

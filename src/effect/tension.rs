@@ -33,20 +33,25 @@
 //! is not much larger than H (the stress acts at a depth of 0.65 H); and where H is below 2.6 s0:
 //! the stress derives from no energy, its pull along the surface bunches the particles, and a drop
 //! at rest stirs by itself (docs/validation.md).
+//! With [`super::wetting`] walls have a contact angle.
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
+mod memory;
 mod pass;
 mod stressed;
 mod virial;
+mod walled;
 
 use super::band::Band;
+use super::wetting::Wetting;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
 use crate::space::grid::Grid;
 use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Field, Pass, Source};
-use pass::{Colour, Difference, Gradient, Summed, Whole};
+pub(super) use pass::Gradient;
+use pass::{Colour, Difference, Summed, Whole};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
@@ -71,6 +76,8 @@ pub struct Surface<'a> {
     /// Liquid and wall.
     pub sources: &'a [Source<'a>],
     pub position: &'a [Vec<f64>; 3],
+    /// Positions of the wall particles, m.
+    pub wall: &'a [Vec<f64>; 3],
     pub density: &'a [f64],
     pub mass: f64,
     /// What two particles may have approached since the sort, m.
@@ -92,6 +99,8 @@ pub struct Tension {
     pub dimension: usize,
     /// rho0, kg/m^3.
     pub density: f64,
+    /// With it walls have a contact angle (raw colour only).
+    pub wetting: Option<Wetting>,
     band: Band,
     near: Vec<u32>,
     reached: Vec<u32>,
@@ -129,6 +138,7 @@ impl Tension {
             strength,
             dimension,
             density,
+            wetting: None,
             band: Band::default(),
             near: Vec::new(),
             reached: Vec::new(),
@@ -139,19 +149,6 @@ impl Tension {
             stressed: Stressed::default(),
             force: Vec::new(),
         }
-    }
-
-    /// Bytes held.
-    pub fn memory(&self) -> usize {
-        let [volumes, colours] = &self.wider;
-        let indices = [&self.near, &self.reached, volumes, colours];
-        4 * indices.iter().map(|list| list.capacity()).sum::<usize>()
-            + 12 * self.force.capacity()
-            + 24 * self.normals.capacity()
-            + 12 * self.payload[0].capacity()
-            + 24 * self.stressed.u[0].capacity()
-            + 4 * (self.scalars.capacity() + self.stressed.start.capacity())
-            + self.band.memory()
     }
 
     /// Support radius 2 H, m.
@@ -167,22 +164,32 @@ impl Tension {
 
     /// Evaluates a_s near the surface.
     pub fn update(&mut self, flow: &Surface, is_surface: impl Fn(usize) -> bool + Sync) {
-        self.band.mark(flow.liquid, is_surface);
+        self.band.mark(flow.liquid, &is_surface);
         self.clear(flow);
         match self.kernel {
-            KernelName::CubicSpline => self.update_with::<CubicSpline>(flow),
-            KernelName::WendlandC2 => self.update_with::<WendlandC2>(flow),
+            KernelName::CubicSpline => self.update_with::<CubicSpline>(flow, is_surface),
+            KernelName::WendlandC2 => self.update_with::<WendlandC2>(flow, is_surface),
         }
     }
 
-    fn update_with<K: Kernel>(&mut self, flow: &Surface) {
+    fn update_with<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        is_surface: impl Fn(usize) -> bool + Sync,
+    ) {
         let reach = self.support() + flow.slack;
         match self.form {
             TensionForm::RawColour => {
                 let deep = DEEP * self.length + flow.slack;
                 self.band.grow(flow.grid, deep);
                 self.band.members(flow.liquid, &mut self.near);
-                self.sum_normals(flow, &Gradient::<K>(PhantomData));
+                match &mut self.wetting {
+                    None => self.sum_normals(flow, &Gradient::<K>(PhantomData)),
+                    Some(wetting) => {
+                        wetting.colour::<K>(flow, is_surface, &self.payload);
+                        self.sum_walled_normals::<K>(flow);
+                    }
+                }
             }
             TensionForm::CahnHilliard => {
                 self.band.grow(flow.grid, reach);
@@ -219,6 +226,7 @@ impl Tension {
         } else {
             sweep::runs(field, &self.reached, &pass, &mut force);
         }
+        self.add_walls(flow, &pass, &mut force);
         self.force = force;
     }
 
@@ -234,7 +242,7 @@ impl Tension {
             let a = unsafe { into.at(self.reached[k] as usize) };
             (0..3).for_each(|c| a[c] += self.force[k][c]);
         });
-        if self.form == TensionForm::NormalisedColour {
+        if self.form == TensionForm::NormalisedColour || self.wetting.is_some() {
             each(self.near.len(), |k| {
                 let a = unsafe { into.at(self.near[k] as usize) };
                 (0..3).for_each(|c| a[c] += self.normals[k].1[c]);
@@ -343,8 +351,9 @@ impl Tension {
         };
         let own_factor = self.force_factor::<K>(flow.mass);
         let volumes = &self.payload[0];
-        let near = self.near.par_iter().zip(&mut self.normals);
-        near.for_each(|(&i, (v, own))| {
+        let wetting = self.wetting.as_ref();
+        let near = self.near.par_iter().zip(&mut self.normals).enumerate();
+        near.for_each(|(k, (&i, (v, own)))| {
             let i = i as usize;
             let (volume, rho) = if printed {
                 (flow.mass / self.density, flow.density[i])
@@ -371,6 +380,10 @@ impl Tension {
                 (0..3).map(|a| u[a] * g[a]).sum::<f64>(),
             );
             *own = [0, 1, 2].map(|a| (own_factor * (u2 * g[a] - ug * u[a])) as f32);
+            if let Some(wetting) = wetting {
+                let young = wetting.young(u, wetting.walls[k].1.map(f64::from));
+                *own = young.map(|y| (own_factor * y) as f32);
+            }
             *v = u.map(|u| u as f32);
         });
         self.clear(flow);

@@ -1,5 +1,6 @@
 //! Which measures a scene calls for, and one row of them for a frame.
 
+use super::contact::Contact;
 use super::drop::{Front, Shape, Spread};
 use super::pool::{self, Axis, Pool};
 use super::raster::Raster;
@@ -33,8 +34,9 @@ impl Kind {
         let drop = scene
             .bodies
             .iter()
-            .find_map(|body| axis(body).map(|axis| (body, axis)));
-        let down = scene.effects.gravity.is_some_and(|g| g[2] < 0.0);
+            .find_map(|body| axis(scene, body).map(|axis| (body, axis)));
+        let wets = scene.effects.wetting.is_some();
+        let down = wets || scene.effects.gravity.is_some_and(|g| g[2] < 0.0);
         let floor = scene.domain.boundary[2][0] == Side::Wall;
         match drop {
             Some((_, axis)) if layer => Kind::Pool(axis),
@@ -65,10 +67,16 @@ impl Kind {
     }
 }
 
-fn axis(body: &Body) -> Option<Axis> {
-    let (centre, diameter) = match body.shape {
-        Geometry::Sphere { centre, radius } => (centre, 2.0 * radius),
-        Geometry::Ellipsoid { centre, semi_axes } => (centre, 2.0 * semi_axes[0]),
+/// Of a drop, and of a block that a wall with a contact angle makes one: the diameter of equal
+/// volume.
+fn axis(scene: &Scene, body: &Body) -> Option<Axis> {
+    let (centre, diameter) = match &body.shape {
+        Geometry::Sphere { centre, radius } => (*centre, 2.0 * radius),
+        Geometry::Ellipsoid { centre, semi_axes } => (*centre, 2.0 * semi_axes[0]),
+        Geometry::Block { low, high } if scene.effects.wetting.is_some() => {
+            let radius = body.shape.equivalent_radius(&scene.domain, scene.dimension);
+            ([0, 1, 2].map(|a| 0.5 * (low[a] + high[a])), 2.0 * radius)
+        }
         _ => return None,
     };
     Some(Axis {
@@ -192,6 +200,11 @@ impl Gauge {
                 row.put("max_diameter_factor", spread.largest);
                 row.put_some("apex_height_m", spread.apex);
                 row.put("highest_particle_m", highest(frame));
+                if scene.effects.wetting.is_some() {
+                    let diameter = spread.wetted * axis.diameter;
+                    let contact = Contact::new(region, diameter, spread.apex);
+                    put_contact(&contact, scene.dimension == Dimension::Two, row);
+                }
             }
             Kind::Front => {
                 let front = Front::new(region);
@@ -274,6 +287,15 @@ impl Table {
 
     fn put_some(&mut self, name: &str, value: Option<f64>) {
         self.put(name, value.unwrap_or(f64::NAN));
+    }
+}
+
+fn put_contact(contact: &Contact, is_plane: bool, row: &mut Table) {
+    row.put_some("contact_angle_deg", contact.fitted);
+    row.put_some("contact_angle_base_deg", contact.built);
+    if is_plane {
+        row.put_some("contact_angle_low_x_deg", contact.flanks[0]);
+        row.put_some("contact_angle_high_x_deg", contact.flanks[1]);
     }
 }
 

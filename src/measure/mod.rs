@@ -7,6 +7,7 @@
 mod area;
 pub mod canvas;
 pub mod conservation;
+pub mod contact;
 pub mod drop;
 pub mod field;
 pub mod figure;

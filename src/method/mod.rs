@@ -170,7 +170,18 @@ fn strength_of(
 /// The tension of a case, with strength `alpha`.
 fn tension_of(case: &Case, alpha: f64) -> Option<Tension> {
     let d = case.dimension.count();
-    select::tension(&case.effects, &case.sph, d, case.h, case.density, alpha)
+    let mut tension = select::tension(&case.effects, &case.sph, d, case.h, case.density, alpha)?;
+    let lengths = [case.spacing, tension.length];
+    let wetting = select::wetting(
+        &case.effects,
+        &case.sph,
+        &case.domain,
+        d,
+        lengths,
+        case.density,
+    );
+    tension.wetting = wetting;
+    Some(tension)
 }
 
 struct Parts<'a> {
@@ -220,7 +231,11 @@ fn flow_of(
 ) -> Result<Flow, MethodError> {
     let support = 2.0 * case.h;
     let long = if case.effects.tension.is_some() {
-        case.sph.tension_smoothing * support
+        let stretch = case
+            .effects
+            .wetting
+            .map_or(1.0, |wetting| wetting.stretch());
+        case.sph.tension_smoothing * support * stretch
     } else {
         support
     };
@@ -253,6 +268,7 @@ pub fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> 
         at: &flow.at,
         sources,
         position: &flow.particles.position,
+        wall: &flow.wall.position,
         density: &flow.particles.density,
         mass: flow.particles.mass,
         slack: 2.0 * flow.moved(),

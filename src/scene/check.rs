@@ -6,7 +6,9 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
-use super::{Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, numbers};
+use super::{
+    Dimension, Method, Motion, Projection, Scene, Shape, Side, TensionForm, TimeStepping, numbers,
+};
 
 /// Bodies are numbered by a byte.
 const BODIES: usize = 255;
@@ -24,6 +26,7 @@ pub fn scene(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), Scen
     spacing(scene, root)?;
     periodic_reach(scene, root)?;
     vortices(scene, root)?;
+    wetting(scene, root)?;
     times(scene, root)?;
     references(scene, root, folder)
 }
@@ -201,6 +204,10 @@ fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     let mut reach = 2.0 * settings.smoothing * scene.pack.spacing;
     if scene.effects.tension.is_some() {
         reach *= settings.tension_smoothing.max(1.0);
+        reach *= scene
+            .effects
+            .wetting
+            .map_or(1.0, |wetting| wetting.stretch());
     }
     for axis in periodic_axes(scene) {
         if scene.domain.size[axis] < 2.0 * reach {
@@ -216,6 +223,30 @@ fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         }
     }
     Ok(())
+}
+
+/// Contact angles need a surface with tension, a wall, and a stress that knows walls.
+fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    if scene.effects.wetting.is_none() {
+        return Ok(());
+    }
+    let place = root.nearest("effects.wetting");
+    let mut sides = scene.domain.boundary.iter().flatten();
+    let (problem, remedy) = if scene.effects.tension.is_none() {
+        ("needs surface tension", "add the table [effects.tension]")
+    } else if !sides.any(|side| *side == Side::Wall) {
+        let remedy = "make a side of the box a wall, as in `box.z = [\"wall\", \"open\"]`";
+        ("needs a wall", remedy)
+    } else if !matches!(scene.method, Method::Wcsph(_)) {
+        let remedy = "set `method.name = \"wcsph\"`";
+        ("is not there for this method yet", remedy)
+    } else if scene.method.sph().tension_form != TensionForm::RawColour {
+        let remedy = "set `effects.tension.form = \"raw-colour\"`, as preset `modern` does";
+        ("needs the raw-colour form of the tension", remedy)
+    } else {
+        return Ok(());
+    };
+    Err(place.fault(problem, remedy))
 }
 
 fn vortices(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {

@@ -21,10 +21,12 @@ mod resolve;
 pub mod schema;
 mod shape;
 mod tree;
+mod wetting;
 
 pub use isph::{Closure, Gradient, Isph};
 pub use mps::{Mps, MpsClosure, MpsGradient};
 pub use projection::{PoissonSource, Preconditioner, Projection};
+pub use wetting::Wetting;
 
 /// Number of space dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +75,8 @@ pub struct Effects {
     pub viscosity: Option<f64>,
     /// Surface tension coefficient, N/m.
     pub tension: Option<f64>,
+    /// Contact angle on the walls.
+    pub wetting: Option<Wetting>,
 }
 
 /// Geometry of a body, m, in box coordinates.

@@ -16,6 +16,8 @@ pub enum Unit {
     Tension,
     SpecificEnergy,
     Rate,
+    /// Kept in degrees.
+    Angle,
     /// No unit.
     One,
 }
@@ -73,8 +75,9 @@ const SPECIFIC_ENERGY: Table = &[
     ("m^2/s^2", 0),
 ];
 const RATE: Table = &[("1/s", 0), ("1/ms", 3), ("/s", 0), ("s^-1", 0)];
+const ANGLE: Table = &[("deg", 0), ("degrees", 0), ("degree", 0), ("\u{b0}", 0)];
 
-const ALL: [Unit; 9] = [
+const ALL: [Unit; 10] = [
     Unit::Length,
     Unit::Time,
     Unit::Speed,
@@ -84,6 +87,7 @@ const ALL: [Unit; 9] = [
     Unit::Tension,
     Unit::SpecificEnergy,
     Unit::Rate,
+    Unit::Angle,
 ];
 
 impl Unit {
@@ -99,6 +103,7 @@ impl Unit {
             Unit::Tension => TENSION,
             Unit::SpecificEnergy => SPECIFIC_ENERGY,
             Unit::Rate => RATE,
+            Unit::Angle => ANGLE,
             Unit::One => &[],
         }
     }
@@ -115,6 +120,7 @@ impl Unit {
             Unit::Tension => "a surface tension",
             Unit::SpecificEnergy => "an energy per mass",
             Unit::Rate => "a rate",
+            Unit::Angle => "an angle",
             Unit::One => "a number",
         }
     }
@@ -137,6 +143,7 @@ impl Unit {
             Unit::Tension => "\"67 mN/m\"",
             Unit::SpecificEnergy => "\"1 uJ/kg\"",
             Unit::Rate => "\"500 1/s\"",
+            Unit::Angle => "\"60 deg\"",
             Unit::One => "1.5",
         }
     }

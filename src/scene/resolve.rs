@@ -5,7 +5,7 @@ use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
     Arrangement, Colour, Dimension, Domain, Effects, Frames, Impact, Pack, Post, Reference, Relax,
-    Scene, Side, body, preset,
+    Scene, Side, Wetting, body, preset,
 };
 
 /// Keys of `[box]` for the sides of each axis.
@@ -111,7 +111,16 @@ fn effects(table: &Cursor<'_>, dimension: Dimension) -> Result<Effects, SceneErr
         gravity,
         viscosity: coefficient("viscosity", "dynamic", Unit::Viscosity)?,
         tension: coefficient("tension", "coefficient", Unit::Tension)?,
+        wetting: table
+            .get("wetting")
+            .map(|table| wetting(&table))
+            .transpose()?,
     })
+}
+
+fn wetting(table: &Cursor<'_>) -> Result<Wetting, SceneError> {
+    let angle = table.quantity_at("angle", Unit::Angle)?;
+    Ok(Wetting { angle })
 }
 
 fn gravity(table: &Cursor<'_>, dimension: Dimension) -> Result<[f64; 3], SceneError> {

@@ -78,6 +78,7 @@ fn values_arrive_in_si_with_defaults() {
         gravity: Some([0.0, 0.0, -9.81]),
         viscosity: Some(0.0035),
         tension: Some(0.067),
+        wetting: None,
     };
     assert_eq!(scene.effects, effects);
     assert_eq!(scene.bodies[0].name, "pool");

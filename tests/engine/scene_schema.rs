@@ -116,6 +116,7 @@ fn fits(pattern: &str, text: &str) -> bool {
         Tension,
         SpecificEnergy,
         Rate,
+        Angle,
     ];
     let unit = all.into_iter().find(|unit| pattern_of(*unit) == pattern);
     quantity::parse(text, unit.unwrap_or_else(|| panic!("{pattern}"))).is_ok()
@@ -134,6 +135,7 @@ fn pattern_of(unit: quantity::Unit) -> String {
         Tension => "/properties/effects/properties/tension/properties/coefficient",
         SpecificEnergy => "/properties/relax/properties/kinetic_energy",
         Rate => "/properties/relax/properties/damping",
+        Angle => "/properties/effects/properties/wetting/properties/angle",
         One => panic!("a number has no pattern"),
     };
     let schema = generated();

@@ -5,6 +5,7 @@
 //! CORONET_PRESETS (`modern,corrected,paper` if unset) of the method CORONET_METHOD (`wcsph`);
 //! CORONET_SET adds overrides, separated by `;`. A test fails if preset `modern` misses what that
 //! page says it meets.
+mod contact;
 mod drop;
 mod flow;
 mod order;

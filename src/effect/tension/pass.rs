@@ -67,6 +67,7 @@ impl<K: Kernel> Pass<6> for Difference<K> {
 
 /// What the neighbours' stress adds to the acceleration, (5) without the own stress:
 /// T_b / rho^2 = |u|^2 I - u u. Payload: u.
+#[derive(Clone, Copy)]
 pub struct Summed<K> {
     pub factor: f64,
     pub kernel: PhantomData<K>,

@@ -66,7 +66,18 @@ pub static EFFECTS: &[Field] = &[
         "Newtonian viscosity.",
     ),
     optional("tension", Kind::Table(TENSION, &[]), "Surface tension."),
+    optional(
+        "wetting",
+        Kind::Table(WETTING, &[]),
+        "Contact angle on the walls; needs tension.",
+    ),
 ];
+
+pub static WETTING: &[Field] = &[required(
+    "angle",
+    Kind::Quantity(Unit::Angle, Range::Between(15.0, 165.0)),
+    "Contact angle, through the liquid.",
+)];
 
 pub static GRAVITY: &[Field] = &[
     required(

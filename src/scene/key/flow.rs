@@ -119,7 +119,8 @@ pub(super) fn effects(list: &mut List, scene: &Scene, falls: bool) {
         list.number("effects.viscosity.dynamic", viscosity, Unit::Viscosity);
         // The Laplacian of MPS has one form.
         if let Method::Mps(_) = scene.method {
-            return tension(list, scene);
+            tension(list, scene);
+            return wetting(list, scene, falls);
         }
         let form = match scene.method.sph().viscosity_form {
             ViscosityForm::TwoTerm => "two-term",
@@ -130,6 +131,7 @@ pub(super) fn effects(list: &mut List, scene: &Scene, falls: bool) {
         list.word("effects.viscosity.form", form);
     }
     tension(list, scene);
+    wetting(list, scene, falls);
 }
 
 /// The tension, if the scene has it.
@@ -156,6 +158,13 @@ pub(super) fn tension(list: &mut List, scene: &Scene) {
         }
         TensionStrength::Flat => list.word("effects.tension.strength", "flat"),
         TensionStrength::Virial => list.word("effects.tension.strength", "virial"),
+    }
+}
+
+/// The contact angles, if the scene has them and the body meets walls.
+pub(super) fn wetting(list: &mut List, scene: &Scene, walled: bool) {
+    if let (Some(wetting), true) = (scene.effects.wetting, walled) {
+        list.number("effects.wetting.angle", wetting.angle, Unit::Angle);
     }
 }
 

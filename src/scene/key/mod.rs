@@ -16,7 +16,7 @@ use std::path::Path;
 use super::quantity::{Unit, human};
 use super::{Arrangement, Colour, Mass, Scene, TensionStrength};
 use body::{body_colour, size};
-use flow::{colour, effects, flow, kernel, particle, physics, tension, walls};
+use flow::{colour, effects, flow, kernel, particle, physics, tension, walls, wetting};
 
 /// What a change of a setting means for a result that is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -193,6 +193,7 @@ pub fn calibrate(scene: &Scene) -> Result<Option<Vec<Setting>>, KeyError> {
     tension(&mut list, scene);
     if scene.bodies.iter().any(|body| !body.shape.is_free()) {
         walls(&mut list, scene);
+        wetting(&mut list, scene, true);
     }
     list.end().map(Some)
 }

@@ -1,0 +1,19 @@
+//! What the tension holds.
+
+use super::{Tension, Wetting};
+
+impl Tension {
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        let [volumes, colours] = &self.wider;
+        let indices = [&self.near, &self.reached, volumes, colours];
+        4 * indices.iter().map(|list| list.capacity()).sum::<usize>()
+            + 12 * self.force.capacity()
+            + 24 * self.normals.capacity()
+            + 12 * self.payload[0].capacity()
+            + 24 * self.stressed.u[0].capacity()
+            + 4 * (self.scalars.capacity() + self.stressed.start.capacity())
+            + self.band.memory()
+            + self.wetting.as_ref().map_or(0, Wetting::memory)
+    }
+}

@@ -1,0 +1,110 @@
+//! The tension of liquid on walls with a contact angle: numbers as in [`crate::effect::wetting`].
+
+use super::pass::{Gradient, Summed};
+use super::{FAINT, Surface, Tension};
+use crate::effect::wetting::{Walls, Wetting};
+use crate::kernel::Kernel;
+use crate::space::parallel::{Slots, each};
+use crate::space::sweep::{self, Field};
+use std::marker::PhantomData;
+
+impl Tension {
+    /// n with the wall's colours: of the liquid into `normals`, of wall particles into the
+    /// wetting's.
+    pub(super) fn sum_walled_normals<K: Kernel>(&mut self, flow: &Surface) {
+        let Some(mut wetting) = self.wetting.take() else {
+            return;
+        };
+        let n = flow.density.len();
+        self.payload[0][..n].fill(1.0);
+        self.payload[0][n..n + wetting.colour.len()].copy_from_slice(&wetting.colour);
+        let wall = Wetting::wall(flow);
+        let mut normals = std::mem::take(&mut self.normals);
+        let all = self.field(flow, self.length);
+        let liquid = Field {
+            sources: &flow.sources[..1],
+            ..all
+        };
+        normals.resize(self.near.len(), Default::default());
+        sweep::runs(
+            liquid,
+            &self.near,
+            &Gradient::<K>(PhantomData),
+            &mut normals,
+        );
+        wetting.walls.resize(self.near.len(), Default::default());
+        let walled = Field {
+            sources: wall,
+            ..all
+        };
+        sweep::runs(
+            walled,
+            &self.near,
+            &Walls::<K>(PhantomData),
+            &mut wetting.walls,
+        );
+        let sums = &wetting.walls;
+        let slots = Slots::new(&mut normals);
+        each(self.near.len(), |k| {
+            let (normal, _) = unsafe { slots.at(k) };
+            (0..3).for_each(|a| normal[a] += sums[k].0[a]);
+        });
+        wetting
+            .normals
+            .resize(wetting.near.len(), Default::default());
+        let of_wall = Field {
+            position: flow.wall,
+            ..all
+        };
+        let pass = Walls::<K>(PhantomData);
+        sweep::runs(of_wall, &wetting.near, &pass, &mut wetting.normals);
+        self.root_walls::<K>(flow, &mut wetting);
+        self.normals = normals;
+        self.wetting = Some(wetting);
+    }
+
+    /// Turns n of wall particles into sqrt(c_w |T|) n / |n| / rho0.
+    fn root_walls<K: Kernel>(&self, flow: &Surface, wetting: &mut Wetting) {
+        let gradient = K::norm(self.dimension) / self.length.powi(self.dimension as i32 + 1);
+        let factor = gradient * flow.mass / self.density;
+        let (tension, epsilon) = (self.strength * self.coefficient, FAINT / self.length);
+        for k in 0..wetting.near.len() {
+            let missing = wetting.missing(k);
+            let colour = wetting.colour[wetting.near[k] as usize] as f64;
+            let sum = &mut wetting.normals[k].0;
+            let n = [0, 1, 2].map(|a| factor * sum[a] as f64 + missing[a]);
+            let square = n.iter().map(|n| n * n).sum::<f64>();
+            let stress = colour * tension * (square - epsilon * epsilon).max(0.0) * self.length;
+            let scale = stress.sqrt() / self.density / square.sqrt().max(f64::MIN_POSITIVE);
+            *sum = n.map(|n| (scale * n) as f32);
+        }
+    }
+
+    /// Adds what the stress on wall particles does to the liquid in reach, (3).
+    pub(super) fn add_walls<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        pass: &Summed<K>,
+        force: &mut [[f32; 3]],
+    ) {
+        let Some(mut wetting) = self.wetting.take() else {
+            return;
+        };
+        let n = flow.density.len();
+        for (&j, (root, _)) in wetting.near.iter().zip(&wetting.normals) {
+            (0..3).for_each(|a| self.payload[a][n + j as usize] = root[a]);
+        }
+        wetting.force.resize(force.len(), [0.0; 3]);
+        let field = Field {
+            sources: Wetting::wall(flow),
+            ..self.field(flow, self.length)
+        };
+        sweep::runs(field, &self.reached, pass, &mut wetting.force);
+        let into = Slots::new(force);
+        each(wetting.force.len(), |k| {
+            let sum = unsafe { into.at(k) };
+            (0..3).for_each(|a| sum[a] += wetting.force[k][a]);
+        });
+        self.wetting = Some(wetting);
+    }
+}

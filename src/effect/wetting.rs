@@ -1,0 +1,226 @@
+//! Contact angle on walls: the liquid seems to go on into the wall at the angle theta.
+//!
+//! (1) c_w: the part of a wall particle's cell that is filled if the surface goes on straight, at
+//!     theta to the wall; c_w = 1/2 + x / s0 in 0 .. 1, x the distance along the wall to the line
+//!     in which that surface meets the particle's layer:
+//! (2) x = (f - 1/2) / e,  f = SUM m / rho0 W^H(x_ab, sheared) / C: the sum over the liquid with
+//!     separations sheared along the wall, x_ab + nu cot theta (z_b - z_a), nu from liquid to gas,
+//!     in which a surface at the angle theta is upright; C is that sum under liquid without end
+//!     and e the slope of f across an upright surface, both integrals of W^H at the depth of a.
+//! The tension (6 of [`super::tension`]) counts wall particles with c_w in n, has n on wall
+//! particles too, and adds what the stress there does to the liquid:
+//! (3) a_s = SUM m / rho0^2 (T_a + c_w T_w) . grad W, over liquid and wall
+//! so that a surface at the angle theta ends nowhere. At another angle theta_d a contact line feels
+//! Young's force, sigma (cos theta - cos theta_d) nu per length (Huber et al. 2016), here with the
+//! stress itself as delta function of the surface and the kernel summed over a plane, W1, as that
+//! of the wall, for INT 2 W1 dz = 1:
+//! (4) a = 2 |T| |SUM m grad W over the wall| sin theta_d (cos theta - cos theta_d) nu / rho0^2
+//! with theta_d from the particle's own n; sin theta_d, because the surface crosses a layer of
+//! height dz over the length dz / sin theta_d.
+//!
+//! Measured angles: docs/validation.md, "Contact angle". Fails where the wedge of liquid at the
+//! contact line is thinner than H over many H (theta below 30 degrees); beside a corner of two
+//! walls, which counts as wet; it has no hysteresis. Costs nothing far from contact lines.
+//! Time step: that of the tension. Tests: tests/engine/effect_wetting.rs.
+
+mod pass;
+mod survey;
+
+use super::band::Band;
+use super::tension::{Gradient, Surface};
+use crate::kernel::Kernel;
+use crate::scene::{Domain, KernelName, Wetting as Angle};
+use crate::space::sweep::{self, Field, Source};
+use pass::Sheared;
+pub(super) use pass::Walls;
+use std::marker::PhantomData;
+use survey::{Place, survey};
+
+/// Lengths, m, and what else is fixed.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    pub angle: Angle,
+    pub domain: Domain,
+    pub kernel: KernelName,
+    pub dimension: usize,
+    /// s0, H, m.
+    pub spacing: f64,
+    pub length: f64,
+    /// rho0, kg/m^3.
+    pub density: f64,
+}
+
+/// The effect with its scratch memory.
+pub struct Wetting {
+    pub setting: Setting,
+    pub cosine: f64,
+    band: Band,
+    /// Per wall particle; empty before the first update.
+    places: Vec<Place>,
+    /// c_w per wall particle.
+    pub colour: Vec<f32>,
+    /// nu cot theta per wall particle, towards the liquid's side of the wall.
+    shear: [Vec<f32>; 3],
+    /// Wall particles near a surface, and those of each axis.
+    pub near: Vec<u32>,
+    facing: [Vec<u32>; 3],
+    slopes: Vec<([f32; 3], [f32; 3])>,
+    sums: Vec<f32>,
+    /// Per `near`: n of wall particles, then sqrt(c_w |T|) n / |n| / rho0.
+    pub normals: Vec<([f32; 3], [f32; 3])>,
+    /// Per particle that the tension looks at: SUM slope d over the wall, with c_w and without.
+    pub walls: Vec<([f32; 3], [f32; 3])>,
+    /// What wall particles add to the force.
+    pub force: Vec<[f32; 3]>,
+}
+
+impl Wetting {
+    pub fn new(setting: Setting) -> Self {
+        Wetting {
+            cosine: setting.angle.angle.to_radians().cos(),
+            setting,
+            band: Band::default(),
+            places: Vec::new(),
+            colour: Vec::new(),
+            shear: Default::default(),
+            near: Vec::new(),
+            facing: Default::default(),
+            slopes: Vec::new(),
+            sums: Vec::new(),
+            normals: Vec::new(),
+            walls: Vec::new(),
+            force: Vec::new(),
+        }
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        let lists = self.facing.iter().map(Vec::capacity).sum::<usize>() + self.near.capacity();
+        let pairs = self.slopes.capacity() + self.normals.capacity() + self.walls.capacity();
+        std::mem::size_of::<Place>() * self.places.capacity()
+            + 4 * (self.colour.capacity() + self.sums.capacity() + lists)
+            + 12 * (self.shear[0].capacity() + self.force.capacity())
+            + 24 * pairs
+            + self.band.memory()
+    }
+
+    /// (1): colours of the wall particles near a surface; the others are wet or far from liquid.
+    /// `words`: a payload of at least as many words as there are particles.
+    pub fn colour<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        is_surface: impl Fn(usize) -> bool + Sync,
+        words: &[Vec<f32>; 3],
+    ) {
+        let [_, wall] = flow.sources else {
+            return;
+        };
+        if self.places.len() != flow.wall[0].len() {
+            self.places = survey(&self.setting, flow.wall);
+            self.shear = std::array::from_fn(|_| vec![0.0; flow.wall[0].len()]);
+        }
+        self.colour.clear();
+        let wet = |place: &Place| if place.is_deep { 0.0 } else { 1.0 };
+        self.colour.extend(self.places.iter().map(wet));
+        let length = self.setting.length;
+        self.band.mark(flow.liquid, is_surface);
+        self.band.grow(flow.grid, 2.0 * length + flow.slack);
+        self.band.members_of(wall.start, &mut self.near);
+        let places = &self.places;
+        self.near.retain(|&j| places[j as usize].axis.is_some());
+        for (axis, facing) in self.facing.iter_mut().enumerate() {
+            facing.clear();
+            let here = |j: &&u32| places[**j as usize].axis == Some(axis);
+            facing.extend(self.near.iter().filter(here));
+        }
+        let field = Field {
+            grid: flow.grid,
+            at: flow.at,
+            payload: words,
+            sources: &flow.sources[..1],
+            position: flow.wall,
+            own: words,
+            cutoff: 2.0 * length + flow.slack,
+            scale: flow.grid.scale(length),
+        };
+        self.slopes.resize(self.near.len(), Default::default());
+        sweep::runs(
+            field,
+            &self.near,
+            &Gradient::<K>(PhantomData),
+            &mut self.slopes,
+        );
+        self.lean();
+        let shear = std::mem::take(&mut self.shear);
+        let field = Field {
+            own: &shear,
+            cutoff: 2.0 * length * self.setting.angle.stretch() + flow.slack,
+            ..field
+        };
+        let norm = K::norm(self.setting.dimension) / length.powi(self.setting.dimension as i32);
+        let factor = flow.mass / self.setting.density * norm;
+        for axis in 0..3 {
+            let facing = &self.facing[axis];
+            self.sums.resize(facing.len(), 0.0);
+            let kernel = PhantomData::<K>;
+            sweep::runs(field, facing, &Sheared { axis, kernel }, &mut self.sums);
+            for (&j, sum) in facing.iter().zip(&self.sums) {
+                let place = &self.places[j as usize];
+                let beyond = (factor * *sum as f64 / place.full - 0.5) / place.edge;
+                let part = 0.5 + beyond / self.setting.spacing;
+                self.colour[j as usize] = part.clamp(0.0, 1.0) as f32;
+            }
+        }
+        self.shear = shear;
+    }
+
+    /// nu cot theta from the liquid's gradient along the wall.
+    fn lean(&mut self) {
+        let theta = self.setting.angle.angle.to_radians();
+        let cotangent = theta.cos() / theta.sin();
+        for (&j, (slope, _)) in self.near.iter().zip(&self.slopes) {
+            let place = &self.places[j as usize];
+            let Some(normal) = place.axis else {
+                continue;
+            };
+            let along = [0, 1, 2].map(|a| if a == normal { 0.0 } else { slope[a] as f64 });
+            let size = along.iter().map(|g| g * g).sum::<f64>().sqrt();
+            for a in 0..3 {
+                let unit = if size > 0.0 { along[a] / size } else { 0.0 };
+                self.shear[a][j as usize] = (-cotangent * place.side * unit) as f32;
+            }
+        }
+    }
+
+    /// What lies below the last layer of wall particle `near[k]` adds to grad c there, 1/m.
+    pub fn missing(&self, k: usize) -> [f64; 3] {
+        let j = self.near[k] as usize;
+        let place = &self.places[j];
+        let mut gradient = [0.0; 3];
+        if let Some(axis) = place.axis {
+            gradient[axis] = -place.side * place.missing * self.colour[j] as f64;
+        }
+        gradient
+    }
+
+    /// (4) as a multiple of 1 / (m norm / H^(d+1)), from u and SUM slope d over the wall.
+    pub fn young(&self, u: [f64; 3], wall: [f64; 3]) -> [f64; 3] {
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (size, root) = (dot(wall, wall).sqrt(), dot(u, u).sqrt());
+        if size == 0.0 || root == 0.0 {
+            return [0.0; 3];
+        }
+        let (inward, n) = (wall.map(|w| w / size), u.map(|u| u / root));
+        // grad c and the wall's point the same way where the angle is zero.
+        let cosine = dot(n, inward);
+        let along = [0, 1, 2].map(|a| cosine * inward[a] - n[a]);
+        // |along| is sin theta_d.
+        let strength = 2.0 * root * root * size * (self.cosine - cosine);
+        along.map(|a| strength * a)
+    }
+
+    /// The wall among the sources of a flow.
+    pub fn wall<'a>(flow: &Surface<'a>) -> &'a [Source<'a>] {
+        &flow.sources[flow.sources.len().min(1)..]
+    }
+}

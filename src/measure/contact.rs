@@ -1,0 +1,174 @@
+//! Contact angle of liquid on the floor, in two ways that share nothing but the raster.
+//!
+//! Fitted: a circle (2-D) or sphere (3-D) through the outline of the main body where it is higher
+//! than [`CUT`], its centre at `z_c`, its radius `R`:
+//! (1) cos θ = −z_c / R
+//! Least squares of the distances to it: Gauss and Newton from Kåsa's algebraic fit. Gravity
+//! flattens a drop: then (1) is the angle of the circle that comes nearest, and fits on either
+//! side of a plane drop, up to [`FLANK`], follow the profile where it meets the wall.
+//!
+//! From base and height, of a cap: half-base b, height H:
+//! (2) θ = 2 atan(H / b)
+//! Test: tests/engine/measure_contact.rs.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::raster::{LEVEL, Raster};
+use super::region::{Class, Region};
+
+/// Lowest outline that is fitted, spacings: liquid is mirrored at the wall, and the kernel of the
+/// raster is this wide.
+pub const CUT: f64 = 2.6;
+
+/// Highest outline of the fits on either side, spacings.
+pub const FLANK: f64 = 12.0;
+
+/// Fewest points of a fit for each unknown.
+const FEWEST: usize = 3;
+
+/// Steps of Gauss and Newton: from Kåsa's fit two or three reach round-off.
+const STEPS: usize = 8;
+
+/// Angles through the liquid, degrees; `None` where there is too little outline.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// (1).
+    pub fitted: Option<f64>,
+    /// (2).
+    pub built: Option<f64>,
+    /// (1) at the low and the high side in x (2-D only).
+    pub flanks: [Option<f64>; 2],
+}
+
+impl Contact {
+    /// `diameter`: of the wetted area; `apex`: highest liquid, m.
+    pub fn new(region: &Region, diameter: f64, apex: Option<f64>) -> Contact {
+        let raster = region.raster;
+        let outline = outline(region);
+        let (cut, flank) = (
+            CUT * raster.particle_spacing,
+            FLANK * raster.particle_spacing,
+        );
+        let axes: &[usize] = if raster.count[1] == 1 {
+            &[0, 2]
+        } else {
+            &[0, 1, 2]
+        };
+        let above: Vec<[f64; 3]> = outline.into_iter().filter(|p| p[2] > cut).collect();
+        let fitted = angle(&above, axes);
+        let mut flanks = [None; 2];
+        if axes.len() == 2 && !above.is_empty() {
+            let middle = above.iter().map(|p| p[0]).sum::<f64>() / above.len() as f64;
+            for (side, angle_at) in flanks.iter_mut().enumerate() {
+                let on = |p: &&[f64; 3]| p[2] < flank && (p[0] > middle) == (side == 1);
+                let points: Vec<[f64; 3]> = above.iter().filter(on).copied().collect();
+                *angle_at = angle(&points, axes);
+            }
+        }
+        let built = apex.filter(|_| diameter > 0.0);
+        Contact {
+            fitted,
+            built: built.map(|height| 2.0 * height.atan2(0.5 * diameter).to_degrees()),
+            flanks,
+        }
+    }
+}
+
+/// Where the level φ = 1/2 of the main body crosses the lines between nodes, m.
+fn outline(region: &Region) -> Vec<[f64; 3]> {
+    let raster = region.raster;
+    let mut points = Vec::new();
+    for block in (0..raster.code.len()).filter(|&block| raster.is_summed(block)) {
+        raster.for_nodes(block, |node| {
+            if region.class(node) == Class::Main {
+                for axis in (0..3).filter(|&axis| raster.count[axis] > 1) {
+                    points.extend([false, true].map(|up| crossing(raster, node, axis, up)));
+                }
+            }
+        });
+    }
+    points.into_iter().flatten().collect()
+}
+
+/// The crossing between a node in the liquid and its neighbour along `axis`.
+fn crossing(raster: &Raster, node: [usize; 3], axis: usize, up: bool) -> Option<[f64; 3]> {
+    let mut next = node;
+    next[axis] = match (up, node[axis]) {
+        (true, k) if k + 1 < raster.count[axis] => k + 1,
+        (false, k) if k > 0 => k - 1,
+        _ => return None,
+    };
+    let (here, there) = (raster.value(node), raster.value(next));
+    if there >= LEVEL {
+        return None;
+    }
+    let part = f64::from((here - LEVEL) / (here - there)) * raster.spacing[axis];
+    let mut point = [0, 1, 2].map(|a| raster.coordinate(a, node[a]));
+    point[axis] += if up { part } else { -part };
+    Some(point)
+}
+
+/// (1) for a circle or sphere through `points`.
+fn angle(points: &[[f64; 3]], axes: &[usize]) -> Option<f64> {
+    let (centre, radius) = round(points, axes)?;
+    let cosine = -centre[axes.len() - 1] / radius;
+    Some(cosine.clamp(-1.0, 1.0).acos().to_degrees())
+}
+
+/// Centre along `axes` and radius of the circle or sphere nearest to `points`, m.
+fn round(points: &[[f64; 3]], axes: &[usize]) -> Option<(Vec<f64>, f64)> {
+    let (n, d) = (points.len(), axes.len());
+    if n < FEWEST * (d + 1) {
+        return None;
+    }
+    let origin: Vec<f64> = axes
+        .iter()
+        .map(|&a| points.iter().map(|p| p[a]).sum::<f64>() / n as f64)
+        .collect();
+    let scale = points
+        .iter()
+        .map(|p| square(p, axes, &origin))
+        .fold(0.0, f64::max)
+        .sqrt();
+    let local = |p: &[f64; 3], k: usize| (p[axes[k]] - origin[k]) / scale;
+    // Kåsa: 2 c . x + (R^2 - c^2) = x^2 is linear in c and the bracket.
+    let design = DMatrix::from_fn(n, d + 1, |i, k| match k {
+        k if k < d => 2.0 * local(&points[i], k),
+        _ => 1.0,
+    });
+    let squares = DVector::from_fn(n, |i, _| square(&points[i], axes, &origin) / scale.powi(2));
+    let kasa = solve(&design, &squares)?;
+    let mut centre: Vec<f64> = (0..d).map(|k| kasa[k]).collect();
+    let mut radius = (kasa[d] + centre.iter().map(|c| c * c).sum::<f64>()).sqrt();
+    for _ in 0..STEPS {
+        let away = |i: usize| {
+            let to: Vec<f64> = (0..d).map(|k| local(&points[i], k) - centre[k]).collect();
+            let far = to.iter().map(|x| x * x).sum::<f64>().sqrt();
+            (to, far)
+        };
+        let design = DMatrix::from_fn(n, d + 1, |i, k| {
+            let (to, far) = away(i);
+            if k < d { to[k] / far } else { 1.0 }
+        });
+        let residual = DVector::from_fn(n, |i, _| away(i).1 - radius);
+        let step = solve(&design, &residual)?;
+        (0..d).for_each(|k| centre[k] += step[k]);
+        radius += step[d];
+    }
+    let centre: Vec<f64> = (0..d).map(|k| origin[k] + scale * centre[k]).collect();
+    let known = centre.iter().all(|c| c.is_finite()) && radius > 0.0;
+    known.then_some((centre, scale * radius))
+}
+
+fn square(p: &[f64; 3], axes: &[usize], origin: &[f64]) -> f64 {
+    let pairs = axes.iter().zip(origin);
+    pairs.map(|(&a, o)| (p[a] - o).powi(2)).sum()
+}
+
+/// Least squares by the normal equations.
+fn solve(design: &DMatrix<f64>, wanted: &DVector<f64>) -> Option<DVector<f64>> {
+    let normal = design.transpose() * design;
+    normal
+        .cholesky()
+        .map(|c| c.solve(&(design.transpose() * wanted)))
+}

@@ -1,0 +1,212 @@
+//! Contact angles: a wall at 90 degrees is a mirror, another angle pulls the contact line.
+
+use super::cloud::{Cloud, OPEN, dot, length};
+use super::pack_scene::S0;
+use coronet::effect::tension::Tension;
+use coronet::effect::wetting::{Setting, Wetting};
+use coronet::kernel::plane;
+use coronet::measure::gauge::Gauge;
+use coronet::method::{self, Phase, surface_of};
+use coronet::particle::pack::pack;
+use coronet::scene::{self, Dimension, KernelName, Side, TensionForm, file};
+use std::ops::ControlFlow::Continue;
+use std::path::Path;
+
+const SIGMA: f64 = 0.067;
+const DENSITY: f64 = 1100.0;
+const H: f64 = 2.6;
+const KERNEL: KernelName = KernelName::WendlandC2;
+
+/// A lattice rectangle of 24 spacings by `height`, from `bottom` on.
+fn rectangle(dimension: Dimension, low: Side, [bottom, height]: [f64; 2]) -> Cloud {
+    let mut sides = OPEN;
+    sides[2][0] = low;
+    let mut size = [60.0, 0.0, 60.0];
+    if dimension == Dimension::Three {
+        sides[1] = [Side::Periodic; 2];
+        size[1] = 12.0;
+    }
+    let inside =
+        |x: [f64; 3]| (18.0..42.0).contains(&x[0]) && (bottom..bottom + height).contains(&x[2]);
+    Cloud::new(dimension, size, sides, [H, 0.0], inside)
+}
+
+fn wetting(cloud: &Cloud, angle: f64) -> Wetting {
+    Wetting::new(Setting {
+        angle: scene::Wetting { angle },
+        domain: cloud.flow.domain.clone(),
+        kernel: KERNEL,
+        dimension: cloud.flow.dimension.count(),
+        spacing: S0,
+        length: cloud.h,
+        density: DENSITY,
+    })
+}
+
+/// Accelerations of the liquid; the strength is that of a flat surface.
+fn accelerations(cloud: &Cloud, angle: Option<f64>) -> Vec<[f64; 3]> {
+    accelerations_near(cloud, angle, |_| true)
+}
+
+fn accelerations_near(
+    cloud: &Cloud,
+    angle: Option<f64>,
+    flag: impl Fn(usize) -> bool + Sync,
+) -> Vec<[f64; 3]> {
+    let d = cloud.flow.dimension.count();
+    let form = TensionForm::RawColour;
+    let mut tension = Tension::new(form, KERNEL, [cloud.h; 2], SIGMA, 5.4, d, DENSITY);
+    tension.wetting = angle.map(|angle| wetting(cloud, angle));
+    let sources = cloud.flow.sources();
+    let surface = surface_of(&cloud.flow, &sources);
+    // Twice: the second time with what the first left in the buffers.
+    tension.update(&surface, &flag);
+    tension.update(&surface, &flag);
+    let mut a = vec![[0.0; 3]; cloud.flow.liquid()];
+    tension.add(&mut a);
+    a.into_iter().map(|a| a.map(f64::from)).collect()
+}
+
+#[test]
+fn a_wall_at_ninety_degrees_is_a_mirror() {
+    for dimension in [Dimension::Two, Dimension::Three] {
+        let half = rectangle(dimension, Side::Wall, [0.0, 14.0]);
+        let whole = rectangle(dimension, Side::Open, [16.0, 28.0]);
+        let got = accelerations(&half, Some(90.0));
+        let wanted = accelerations(&whole, None);
+        let largest = wanted.iter().map(|a| length(*a)).fold(0.0, f64::max);
+        let mut compared = 0;
+        for (i, got) in got.iter().enumerate() {
+            let x = half.flow.position(i);
+            let image = (0..whole.flow.liquid()).find(|&j| {
+                let y = whole.flow.position(j);
+                let d = [x[0] - y[0], x[1] - y[1], x[2] + 30.0 * S0 - y[2]];
+                length(d) < 0.1 * S0
+            });
+            let wanted = wanted[image.expect("the same lattice")];
+            let off = length([0, 1, 2].map(|a| got[a] - wanted[a]));
+            assert!(
+                off < 0.03 * largest,
+                "{dimension:?} {x:?}: {got:?}, not {wanted:?}"
+            );
+            compared += 1;
+        }
+        assert!(compared > 300);
+    }
+}
+
+/// Upright flanks feel sigma cos theta more or less than at 90 degrees, and what the wall's colours
+/// add in the same direction.
+#[test]
+fn a_contact_line_is_pulled_towards_its_angle() {
+    for dimension in [Dimension::Two, Dimension::Three] {
+        let cloud = rectangle(dimension, Side::Wall, [0.0, 14.0]);
+        let width = if dimension == Dimension::Two {
+            1.0
+        } else {
+            12.0 * S0
+        };
+        // Force on the right half, N over sigma times the length of the line.
+        let pull = |angle: f64| -> f64 {
+            let a = accelerations(&cloud, Some(angle));
+            let right = (0..a.len()).filter(|&i| cloud.flow.position(i)[0] > 30.0 * S0);
+            let force: f64 = right.map(|i| cloud.flow.particles.mass * a[i][0]).sum();
+            force / (SIGMA * width)
+        };
+        let upright = pull(90.0);
+        for angle in [30.0, 60.0, 120.0, 150.0_f64] {
+            let (cosine, more) = (angle.to_radians().cos(), pull(angle) - upright);
+            let ratio = more / cosine;
+            assert!(
+                (0.7..2.0).contains(&ratio),
+                "{dimension:?} {angle}: {more} {cosine}"
+            );
+        }
+    }
+}
+
+/// The delta function of (4): summed over a surface that meets a wall, sigma cos theta per length.
+#[test]
+fn youngs_force_has_the_strength_of_the_tension() {
+    let cloud = rectangle(Dimension::Two, Side::Wall, [0.0, 14.0]);
+    let wetting = wetting(&cloud, 60.0);
+    // A surface at 75 degrees: n into the liquid, which is on the left, and the wall below.
+    let (sine, cosine) = 75.0_f64.to_radians().sin_cos();
+    let step = 0.01;
+    let mut sum = [0.0; 3];
+    for k in 0..200 {
+        let z = (k as f64 + 0.5) * step;
+        // |T| integrates to 1 across the surface, which crosses dz over dz / sin.
+        let root = (1.0 / sine).sqrt();
+        let u = [-sine * root, 0.0, -cosine * root];
+        let down = [0.0, 0.0, -plane(KERNEL, 2, z)];
+        let force = wetting.young(u, down);
+        (0..3).for_each(|a| sum[a] += step * force[a]);
+    }
+    let wanted = 0.5 - cosine;
+    assert!(
+        (sum[0] - wanted).abs() < 1e-3 * wanted,
+        "{sum:?}, not {wanted}"
+    );
+    assert!(dot(sum, [0.0, 0.0, 1.0]).abs() < 1e-12, "{sum:?}");
+}
+
+#[test]
+fn looking_only_near_the_surface_changes_no_bit() {
+    let cloud = rectangle(Dimension::Two, Side::Wall, [0.0, 24.0]);
+    let near = |i: usize| {
+        let x = cloud.flow.position(i).map(|x| x / S0);
+        x[0] < 19.2 || x[0] > 40.8 || x[2] > 22.8
+    };
+    let limited = accelerations_near(&cloud, Some(60.0), near);
+    assert_eq!(limited, accelerations(&cloud, Some(60.0)));
+}
+
+const DROP: &str = "dimension = 2
+[box]
+size = [\"12 mm\", \"5 mm\"]
+x = \"open\"
+[liquid]
+density = \"1000 kg/m^3\"
+[effects.viscosity]
+dynamic = \"30 mPa s\"
+[effects.tension]
+coefficient = \"73 mN/m\"
+[effects.wetting]
+angle = \"60 deg\"
+[body.drop]
+rectangle = { low = [\"4.6 mm\", \"0 mm\"], high = [\"7.4 mm\", \"2 mm\"] }
+[pack]
+spacing = \"0.1 mm\"
+tolerance = \"1 kg/m^3\"
+arrangement = \"lattice\"
+[impact]
+end = \"40 ms\"
+[frames]
+interval = \"1 ms\"
+";
+
+#[test]
+fn a_drop_comes_to_rest_near_the_angle_set() {
+    for angle in [60.0, 120.0] {
+        let set = format!("effects.wetting.angle={angle} deg");
+        let scene = file::read(DROP, Path::new("drop.toml"), &[set])
+            .unwrap()
+            .scene;
+        let body = pack(&scene, 0, &mut |_| Continue(())).unwrap().0;
+        let strength = method::calibrate(&scene, std::slice::from_ref(&body)).unwrap();
+        let state = method::initial(&scene, &[body]);
+        let built = method::build(&scene, state, Phase::Impact, Some(strength.strength));
+        let mut solver = built.unwrap();
+        while solver.time() < scene.impact.end {
+            solver.advance(&mut |_| ()).unwrap();
+        }
+        let row = Gauge::new(&scene).measure(&solver.frame());
+        let value = |name: &str| row.iter().find(|(n, _)| n == name).unwrap().1;
+        for name in ["contact_angle_deg", "contact_angle_base_deg"] {
+            let got = value(name);
+            println!("{name}: {got} for {angle}");
+            assert!((got - angle).abs() < 12.0, "{name}: {got}, not {angle}");
+        }
+    }
+}

@@ -4,8 +4,9 @@
 //! (2) rho_a = SUM m W_ab at r*                                                   Eq. 4
 //! (3) SUM m 8 / (rho_a + rho_b)^2 (r . grad W) / r^2 (p_a - p_b) = right-hand side    Eq. 8
 //!     right-hand side, as printed: (rho0 - rho) / (rho0 dt^2); with `source.divergence`:
-//!     div v* / dt + gamma (rho0 - rho) / (rho0 dt^2), rho = rho0 in the weights (Cummins & Rudman
-//!     1999; gamma: Asai et al. 2012)
+//!     div v* / dt + gamma (rho0 - rho) / (rho0 dt T), rho = rho0 in the weights (Cummins & Rudman
+//!     1999; gamma: Asai et al. 2012), T the step at the speed that the scene suggests, or dt if
+//!     that is longer
 //! (4) at a free surface: [`surface`]                                             Eq. 11
 //! (5) v^(n+1) = v* - dt grad p / rho                                             Eq. 9
 //! (6) r^(n+1) = r^n + dt (v^n + v^(n+1)) / 2                                     Eq. 10

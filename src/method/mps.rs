@@ -6,7 +6,7 @@
 //! (4) lap p = 2 d / (n0 lambda) SUM (p_j - p_i) w,  n0 lambda = SUM r^2 w        Eqs. 6, 7
 //! (5) v* = v^n + dt (nu lap v + tension + g),  r* = r^n + dt v*                  Eqs. 2, 9
 //! (6) lap p = -rho / dt^2 (n* - n0) / n0; with `source.divergence`
-//!     lap p = rho (div v* / dt - gamma (n - n0) / (n0 dt^2))                     Eq. 8
+//!     lap p = rho (div v* / dt - gamma (n - n0) / (n0 dt T)), T as in ISPH       Eq. 8
 //!     (Tanaka & Masunaga 2010)
 //! (7) v^(n+1) = v* - dt grad p / rho,  r^(n+1) = r^n + dt v^(n+1)
 //!

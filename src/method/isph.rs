@@ -18,7 +18,8 @@
 //! The step, its limits, walls and shifting: [`super::projection`]. The paper gives steps of 5 to
 //! 20 us "by the largest speed" and no law.
 //! Fails where: Eq. 8 as printed turns noise of density into pressure (0.1 % at 10 us: 100 to
-//! 700 Pa). Tests: tests/engine/isph_*.rs, tests/validation.
+//! 700 Pa). Tests: tests/engine/{isph,projection}_*.rs,
+//! tests/validation.
 
 pub mod pass;
 

@@ -21,11 +21,11 @@
 //! step, its limits, walls and shifting: [`super::projection`]. Near a surface only tension shifts:
 //! what stirs the neighbours is not summed.
 //!
-//! Fails with `courant` 0.25 (vortices), and with `corrected` and `paper` in a
-//! hydrostatic column (docs/validation.md); where (6) and (7) are not the same operator, so that
-//! v^(n+1) keeps some divergence; (6) as printed turns noise of n into pressure.
+//! Fails with `courant` 0.25 (vortices), and with `threshold` and `source.divergence` in a splash:
+//! what is flagged for a moment is let go at p = 0, and no source brings it back; (6) as printed
+//! turns noise of n into pressure.
 //! The tension of Eqs. 10-16 and the wetting of Eq. 18 are not here: `effect::tension` serves.
-//! Tests: tests/engine/mps_*.rs, tests/validation.
+//! Tests: tests/engine/{mps,projection}_*.rs, tests/validation.
 
 mod least;
 pub mod pass;

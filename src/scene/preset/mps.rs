@@ -40,6 +40,9 @@ pub fn mps_paper() -> Mps {
 pub fn mps_corrected() -> Mps {
     let paper = mps_paper();
     Mps {
+        // Nair & Tomar 2014, without flags: p = 0 where n is below beta, but for a moment, bursts a
+        // splash once the source is no longer n alone.
+        closure: MpsClosure::Completed,
         gradient: MpsGradient::Symmetric, // Tanaka & Masunaga 2010: Eq. 5 loses momentum
         projection: Projection {
             // Tanaka & Masunaga 2010: the whole deviation at once is noise of pressure.
@@ -56,7 +59,6 @@ pub fn mps_modern() -> Mps {
     let mps = Mps {
         radius: 3.1,
         laplacian_radius: 2.1, // with 3.1 short waves of pressure are corrected too far
-        closure: MpsClosure::Completed, // Nair & Tomar 2014, no flicker
         gradient: MpsGradient::Corrected, // Khayyer & Gotoh 2011; Tamai & Koshizuka 2014
         pressure: Pressure::Signed,
         projection: Projection {

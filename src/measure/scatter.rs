@@ -12,7 +12,8 @@ pub struct Cloud {
     pub points: Vec<([f64; 2], String)>,
 }
 
-/// A plot with its clouds, and the line through the points that nothing beats.
+/// A plot with its clouds, each joined by a line, and beneath a broad grey one through the points
+/// that nothing beats.
 #[derive(Clone, Debug)]
 pub struct Scatter {
     pub title: String,
@@ -63,18 +64,26 @@ impl Scatter {
                 .axis_desc_style(font.clone())
                 .axis_style(RGBColor(120, 126, 134))
                 .bold_line_style(RGBColor(226, 229, 233))
-                .light_line_style(RGBColor(242, 244, 246))
+                .light_line_style(RGBColor(250, 251, 252))
                 .draw()?;
             let front = self.front.iter().map(|p| (p[0], p[1]));
-            chart.draw_series(LineSeries::new(front, RGBColor(170, 176, 184)))?;
+            let wide = RGBColor(226, 229, 233).stroke_width(7);
+            chart.draw_series(LineSeries::new(front, wide))?;
             let mut x = 18;
-            for cloud in self.clouds.iter().filter(|c| !c.points.is_empty()) {
+            for (k, cloud) in self.clouds.iter().enumerate() {
+                if cloud.points.is_empty() {
+                    continue;
+                }
                 let [r, g, b] = cloud.colour;
                 let colour = RGBColor(r, g, b);
+                let line = cloud.points.iter().map(|(p, _)| (p[0], p[1]));
+                chart.draw_series(LineSeries::new(line, colour))?;
+                // Beside each other's, where two clouds meet.
+                let place = (8, 11 * k as i32 - 12);
                 chart.draw_series(cloud.points.iter().map(|(p, label)| {
                     EmptyElement::at((p[0], p[1]))
                         + Circle::new((0, 0), 5, colour.filled())
-                        + Text::new(label.clone(), (8, -8), (FONT, 13).into_font().color(&TEXT))
+                        + Text::new(label.clone(), place, (FONT, 13).into_font().color(&colour))
                 }))?;
                 root.draw(&Circle::new((x, 50), 5, colour.filled()))?;
                 root.draw(&Text::new(cloud.label.clone(), (x + 12, 42), font.clone()))?;
@@ -86,8 +95,16 @@ impl Scatter {
     }
 }
 
-/// At most three digits, no exponent where people write none.
+/// At most three digits, no exponent where people write none; nothing but for 1, 2 and 5, so that
+/// labels do not run into each other.
 fn plain(value: f64) -> String {
+    let first = value / 10f64.powf((value.log10() + 1e-9).floor());
+    if ![1.0, 2.0, 5.0]
+        .iter()
+        .any(|digit| (first / digit - 1.0).abs() < 1e-6)
+    {
+        return String::new();
+    }
     let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') {

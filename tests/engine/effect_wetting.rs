@@ -87,7 +87,7 @@ fn a_wall_at_ninety_degrees_is_a_mirror() {
             let off = length([0, 1, 2].map(|a| got[a] - wanted[a]));
             assert!(
                 off < 0.03 * largest,
-                "{dimension:?} {x:?}: {got:?}, not {wanted:?}"
+                "{dimension:?} {x:?}: {got:?}, not {wanted:?}; largest {largest}"
             );
             compared += 1;
         }

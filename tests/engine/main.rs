@@ -41,5 +41,6 @@ mod scene_key;
 mod scene_number;
 mod scene_quantity;
 mod scene_schema;
+mod scene_wetting;
 mod space_lane;
 mod space_row;

@@ -47,7 +47,8 @@ fn caps_have_their_contact_angle() {
             if dimension == Dimension::Two {
                 for side in ["low", "high"] {
                     let flank = value(&row, &format!("contact_angle_{side}_x_deg"));
-                    assert!((flank - angle).abs() < 5.0, "{angle} {side}: {flank}");
+                    // A lattice has few rows there.
+                    assert!((flank - angle).abs() < 8.0, "{angle} {side}: {flank}");
                 }
             }
         }

@@ -9,7 +9,8 @@ use coronet::particle::State;
 use coronet::scene::Scene;
 use std::ops::ControlFlow::Continue;
 
-/// Not "isph paper": its tension reaches across the small box; tests/engine/projection_flow.rs runs it.
+/// Not "isph paper": its tension reaches across the small box; tests/engine/projection_flow.rs runs
+/// it.
 const PRESETS: [&str; 8] = [
     "paper",
     "corrected",

@@ -76,10 +76,7 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
         ("effects.viscosity.form=two-term", &run),
         ("effects.tension.coefficient=72 mN/m", &all[2..]),
         ("effects.tension.smoothing=1.7", &all[2..]),
-        (
-            "effects.wetting.angle=60 deg",
-            &["relax pool", "calibrate", "impact", "post"],
-        ),
+        ("effects.wetting.angle=60 deg", &pool[1..]),
         ("pack.spacing=0.2 mm", &all),
         ("pack.seed=2", &["pack pool", "pack drop"]),
         ("pack.tolerance=1 kg/m^3", &["pack pool", "pack drop"]),

@@ -235,7 +235,7 @@ fn samples(schema: &Value) -> Vec<Value> {
 
 fn sample_text(pattern: &str) -> Value {
     let units = [
-        "m", "s", "m/s", "m/s^2", "kg/m^3", "Pa s", "N/m", "J/kg", "1/s",
+        "m", "s", "m/s", "m/s^2", "kg/m^3", "Pa s", "N/m", "J/kg", "1/s", "deg",
     ];
     if fits(pattern, "#102030") {
         return "#102030".into();

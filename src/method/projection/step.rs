@@ -147,10 +147,12 @@ impl<S: Scheme> Projection<S> {
             let r = (0..3).map(|a| away(a).powi(2)).sum::<f64>().sqrt();
             S::wall_to_wall(self, r / self.case.h)
         };
+        // In the order of the walls: that of rows changes with the liquid.
         let own = |j: usize| {
             let others = rows.row(j).iter().map(|k| *k as usize);
-            let others = others.filter(|k| *k >= n && *k != n + j);
-            add(n + j, n + j) + others.map(|k| add(n + j, k)).sum::<f64>()
+            let mut others: Vec<usize> = others.filter(|k| *k >= n && *k != n + j).collect();
+            others.sort_unstable();
+            add(n + j, n + j) + others.into_iter().map(|k| add(n + j, k)).sum::<f64>()
         };
         self.walls.own = (0..self.flow.walls()).map(own).collect();
     }

@@ -240,7 +240,10 @@ fn sample_text(pattern: &str) -> Value {
     if fits(pattern, "#102030") {
         return "#102030".into();
     }
-    let texts = units.map(|unit| format!("1.5 {unit}"));
+    let texts = units.map(|unit| match unit {
+        "deg" => "45 deg".to_string(),
+        _ => format!("1.5 {unit}"),
+    });
     texts
         .into_iter()
         .find(|text| fits(pattern, text))

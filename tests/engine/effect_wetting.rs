@@ -85,11 +85,11 @@ fn a_wall_at_ninety_degrees_is_a_mirror() {
             });
             let wanted = wanted[image.expect("the same lattice")];
             let off = length([0, 1, 2].map(|a| got[a] - wanted[a]));
-            // Colours of the wall, sharp within a spacing, are not quite those of a lattice: 11 % off
-            // in the corner.
+            // Colours of the wall, sharp within a spacing, are not quite those of a lattice: 11 %
+            // off in the corner.
             assert!(
                 off < 0.15 * largest,
-                "{dimension:?} {x:?}: {got:?}, not {wanted:?}; largest {largest}"
+                "{dimension:?} {x:?}: {got:?}, not {wanted:?} of {largest}"
             );
             compared += 1;
         }

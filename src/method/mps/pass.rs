@@ -11,9 +11,9 @@ use crate::space::lane::Lanes;
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
 
-/// Nearer than this the weight is that at it: particles at one place are an error that must show
-/// as a finite number.
-const NEAREST: f32 = 1e-3;
+/// Nearer than this, some quarter of a spacing, the weight is that at it, and what it makes of a
+/// separation fades with that: two particles at one place are an error that must not throw either.
+const NEAREST: f32 = 0.15;
 
 /// w = r_e / r - 1 (Eq. 3) from the squared distance; zero for r = 0 and beyond `reach`, r_e / h.
 ///

@@ -4,6 +4,8 @@
 //! 1e5 and 1e6 particles. The equation is that of the default scene on a lattice, its drop 0.3 ms
 //! in the pool, solved from zero to 1e-6 in turns. Seconds are of CPU time.
 
+#[path = "wcsph/machine.rs"]
+mod machine;
 #[path = "wcsph/meter.rs"]
 mod meter;
 
@@ -15,6 +17,7 @@ use coronet::particle::pack::pack;
 use coronet::scene::{Preconditioner, file};
 use coronet::space::parallel::{Slots, each};
 use meter::{cpu_seconds, line, median};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -31,8 +34,7 @@ fn main() {
     if spacings.is_empty() {
         spacings = vec![1.15, 0.54, 0.25];
     }
-    let triad = triad();
-    line("machine.triad", triad, "GB/s");
+    let [_, triad] = machine::measure(&[1, 2].map(pool));
     for spacing in spacings {
         let mut solver = impact(spacing);
         let n = solver.len();
@@ -41,6 +43,11 @@ fn main() {
         solve(equation, &domain, n);
         product(equation, n, triad);
     }
+}
+
+fn pool(threads: usize) -> ThreadPool {
+    let builder = ThreadPoolBuilder::new().num_threads(threads);
+    builder.build().expect("threads can be started")
 }
 
 /// The default scene at a spacing, mm, shortly after the drop touched the pool.
@@ -140,19 +147,4 @@ fn product(equation: &Equation, n: usize, triad: f64) {
     line(&format!("isph.pressure.product.n{n}"), rate, "GB/s");
     let name = format!("isph.pressure.product_of_triad.n{n}");
     line(&name, 100.0 * rate / triad, "%");
-}
-
-/// a = b + s c with all threads (STREAM), GB/s.
-fn triad() -> f64 {
-    const WORDS: usize = 1 << 24;
-    let mut a = vec![0.0f64; WORDS];
-    let (b, c) = (vec![1.0f64; WORDS], vec![2.0f64; WORDS]);
-    let mut times: Vec<f64> = (0..9)
-        .map(|_| {
-            let (out, start) = (Slots::new(&mut a), Instant::now());
-            each(WORDS, |i| *unsafe { out.at(i) } = b[i] + 3.0 * c[i]);
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    1e-9 * (24 * WORDS) as f64 / median(&mut times)
 }

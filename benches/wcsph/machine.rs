@@ -13,14 +13,17 @@ const WORDS: usize = 1 << 24;
 /// Registers' worth of independent sums, so that the latency of one does not show.
 const CHAINS: usize = 12;
 
-pub fn measure(threads: &[ThreadPool; 2]) {
+/// Prints both; the bandwidth on each number of threads, GB/s.
+pub fn measure(threads: &[ThreadPool; 2]) -> [f64; 2] {
+    let mut bandwidth = [0.0; 2];
     let mut a = vec![0.0f64; WORDS];
     let (b, c) = (vec![1.0f64; WORDS], vec![2.0f64; WORDS]);
     for (k, pool) in threads.iter().enumerate() {
         let bytes = 24.0 * WORDS as f64;
         let seconds = best(7, || pool.install(|| triad(&mut a, &b, &c)));
         let name = format!("machine.triad.t{}", k + 1);
-        line(&name, 1e-9 * bytes / seconds, "GB/s");
+        bandwidth[k] = 1e-9 * bytes / seconds;
+        line(&name, bandwidth[k], "GB/s");
     }
     for (k, pool) in threads.iter().enumerate() {
         let rounds = 20_000_000usize;
@@ -33,6 +36,7 @@ pub fn measure(threads: &[ThreadPool; 2]) {
         let name = format!("machine.fma_f32.t{}", k + 1);
         line(&name, 1e-9 * operations / seconds, "GFLOP/s");
     }
+    bandwidth
 }
 
 /// Least wall seconds of several repeats: what disturbs only adds.

@@ -68,6 +68,35 @@ pub fn budget(flow: &Flow, gravity: Option<[f64; 3]>) -> [f64; 5] {
     })
 }
 
+/// What every frame tells of mass, momentum, kg m/s, and the last step: the largest speed, m/s, its
+/// length, s, and how many there were.
+pub fn progress(
+    flow: &Flow,
+    [x, y, z]: [f64; 3],
+    (fastest, last_step, steps): (f64, f64, u64),
+) -> [(&'static str, f64); 8] {
+    let p = &flow.particles;
+    [
+        ("mass_kg", p.mass * p.len() as f64),
+        ("mass_removed_kg", flow.removed.0),
+        ("momentum_x_kg_m_s", x),
+        ("momentum_y_kg_m_s", y),
+        ("momentum_z_kg_m_s", z),
+        ("speed_max_m_s", fastest),
+        ("time_step_s", last_step),
+        ("steps", steps as f64),
+    ]
+}
+
+/// Standard deviation of density from `density`, both kg/m^3, of the particles that `is` names.
+pub fn deviation(flow: &Flow, density: f64, is: impl Fn(usize) -> bool + Sync) -> f64 {
+    let [squares, count] = sum(flow.liquid(), |i| {
+        let d = flow.particles.density[i] - density;
+        if is(i) { [d * d, 1.0] } else { [0.0, 0.0] }
+    });
+    (squares / count.max(1.0)).sqrt()
+}
+
 /// The fastest particle, or one whose speed is not a number, and its speed, m/s (then infinity).
 pub fn fastest(flow: &Flow) -> (usize, f64) {
     let speed = |i: usize| {

@@ -32,12 +32,12 @@ use super::model::Case;
 use super::pressure::multigrid::Domain;
 use super::pressure::{Equation, Outcome, Solver as PressureSolver};
 use super::shifting::LOOSE;
-use super::{Diverged, Solver};
+use super::{Diverged, Solver, frame};
 use crate::effect::tension::Tension;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State};
 use crate::scene::{PoissonSource, Projection as Settings};
-use crate::space::parallel::{max, sum};
+use crate::space::parallel::max;
 use look::{Local, Sums};
 use std::mem::size_of;
 use std::ops::Index;
@@ -332,16 +332,9 @@ impl<S: Scheme> Solver for Projection<S> {
     }
 
     fn unrest(&self) -> (f64, f64) {
-        let kinetic = self.budget()[0];
-        let rho0 = self.case.density;
-        let [squares, count] = sum(self.flow.liquid(), |i| {
-            let d = self.flow.particles.density[i] - rho0;
-            match self.marks.get(i) {
-                Some(0.0) => [d * d, 1.0],
-                _ => [0.0, 0.0],
-            }
-        });
-        (kinetic, (squares / count.max(1.0)).sqrt())
+        let supported = |i: usize| self.marks.get(i) == Some(&0.0);
+        let spread = frame::deviation(&self.flow, self.case.density, supported);
+        (self.budget()[0], spread)
     }
 
     fn limits(&self) -> Vec<(&'static str, f64)> {

@@ -21,13 +21,13 @@ use super::flow::Flow;
 use super::limit::Limits;
 use super::model::Model;
 use super::pass::Surroundings;
-use super::{Diverged, Solver};
+use super::{Diverged, Solver, frame};
 use crate::effect::tension::Tension;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
-use crate::space::parallel::{max, sum};
+use crate::space::parallel::max;
 use std::marker::PhantomData;
 
 /// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
@@ -325,14 +325,9 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
     }
 
     fn unrest(&self) -> (f64, f64) {
-        let kinetic = self.budget()[0];
-        let rho0 = self.model.density;
-        let [squares, count] = sum(self.flow.liquid(), |i| {
-            let d = self.flow.particles.density[i] - rho0;
-            let supported = self.kernel_sum(i) >= SURFACE;
-            if supported { [d * d, 1.0] } else { [0.0, 0.0] }
-        });
-        (kinetic, (squares / count.max(1.0)).sqrt())
+        let supported = |i: usize| self.kernel_sum(i) >= SURFACE;
+        let spread = frame::deviation(&self.flow, self.model.density, supported);
+        (self.budget()[0], spread)
     }
 
     fn limits(&self) -> Vec<(&'static str, f64)> {

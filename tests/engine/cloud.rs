@@ -4,6 +4,7 @@ use super::pack_scene::{S0, scene};
 use coronet::method::flow::{Flow, Lengths};
 use coronet::particle::{Particles, Wall, wall};
 use coronet::scene::{Dimension, Shape, Side};
+use coronet::space::sparse::Layout;
 
 pub const PERIODIC: [[Side; 2]; 3] = [[Side::Periodic; 2]; 3];
 pub const OPEN: [[Side; 2]; 3] = [[Side::Open; 2], [Side::Open; 2], [Side::Open; 2]];
@@ -51,6 +52,19 @@ pub struct Cloud {
 }
 
 impl Cloud {
+    /// The rows of the liquid as those of an equation, without unknowns for walls.
+    pub fn layout(&self) -> Layout<'_> {
+        Layout {
+            records: &self.flow.records,
+            liquid: &self.flow.rows,
+            wall: &self.flow.wall_rows,
+            start: &[],
+            member: &[],
+            unknown: &[],
+            scale: self.flow.grid.scale(self.h),
+        }
+    }
+
     /// `h` in spacings. `keep` says which lattice points hold liquid, by place in spacings.
     pub fn new(
         dimension: Dimension,

@@ -45,15 +45,7 @@ fn factor<K: Kernel>(cloud: &Cloud, k: i32) -> f64 {
 /// SUM w (p_a - p_b) of every liquid particle in physical units: -lap p.
 fn laplacian<K: Kernel>(cloud: &Cloud, p: impl Fn([f64; 3]) -> f64) -> Vec<f64> {
     let flow = &cloud.flow;
-    let layout = Layout {
-        records: &flow.records,
-        liquid: &flow.rows,
-        wall: &flow.wall_rows,
-        start: &[],
-        member: &[],
-        unknown: &[],
-        scale: flow.grid.scale(cloud.h),
-    };
+    let layout = cloud.layout();
     let (mut sparse, mut degree, mut sums) = (Sparse::default(), Vec::new(), Vec::new());
     sparse.build(
         &layout,

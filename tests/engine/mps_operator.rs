@@ -7,7 +7,7 @@ use coronet::method::mps::pass::{Look, Number, PressureSlope, Viscous, Weights};
 use coronet::method::projection::correction::times;
 use coronet::method::projection::look::Local;
 use coronet::scene::Dimension;
-use coronet::space::sparse::{Layout, Sparse};
+use coronet::space::sparse::Sparse;
 use coronet::space::sweep::{self, Pass};
 
 const BOTH: [Dimension; 2] = [Dimension::Two, Dimension::Three];
@@ -117,15 +117,7 @@ fn the_laplacian_of_a_parabola_is_exact_on_a_lattice() {
             own,
         );
         let flow = &cloud.flow;
-        let layout = Layout {
-            records: &flow.records,
-            liquid: &flow.rows,
-            wall: &flow.wall_rows,
-            start: &[],
-            member: &[],
-            unknown: &[],
-            scale: flow.grid.scale(cloud.h),
-        };
+        let layout = cloud.layout();
         let (mut sparse, mut degree, mut parts) = (Sparse::default(), Vec::new(), Vec::new());
         sparse.build(&layout, &weights, &mut degree, &mut parts);
         let place = |i: usize| flow.position(i).map(|x| x / S0);

@@ -6,7 +6,6 @@ use coronet::method::isph::pass::Weights;
 use coronet::method::pressure::multigrid::Domain;
 use coronet::method::pressure::{Equation, Outcome, Solver};
 use coronet::scene::{Dimension, Preconditioner};
-use coronet::space::sparse::Layout;
 use nalgebra::{DMatrix, DVector};
 use std::marker::PhantomData;
 
@@ -35,15 +34,7 @@ fn equation(dimension: Dimension, side: f64, periodic: bool) -> (Equation, Domai
         .flow
         .pack(|_, _| [1.0, 1.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
     let flow = &cloud.flow;
-    let layout = Layout {
-        records: &flow.records,
-        liquid: &flow.rows,
-        wall: &flow.wall_rows,
-        start: &[],
-        member: &[],
-        unknown: &[],
-        scale: flow.grid.scale(cloud.h),
-    };
+    let layout = cloud.layout();
     let (mut e, mut sums) = (Equation::default(), Vec::new());
     let weights = Weights::<WendlandC2, false>(PhantomData);
     e.coupling

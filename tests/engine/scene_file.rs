@@ -163,9 +163,25 @@ fn every_setting_of_the_method_can_be_overridden() {
     );
 }
 
+/// What ISPH and MPS share; `flow`: the settings with one of them set.
+fn every_setting_of_the_projection(flow: impl Fn(&str) -> coronet::scene::Projection) {
+    use coronet::scene::{PoissonSource, Preconditioner};
+    assert_eq!(flow("source=density").source, PoissonSource::Density);
+    let divergence = flow("source={ divergence = { density = 0.2 } }").source;
+    assert_eq!(divergence, PoissonSource::Divergence { density: 0.2 });
+    let ssor = flow("preconditioner=ssor").preconditioner;
+    assert_eq!(ssor, Preconditioner::Ssor);
+    assert_eq!(flow("tolerance=1e-4").tolerance, 1e-4);
+    assert_eq!(flow("iterations=7").iterations, 7);
+    assert_eq!(flow("shifting=0").shifting, 0.0);
+    assert_eq!(flow("courant=0.2").courant, 0.2);
+    assert_eq!(flow("shortest=1 us").shortest, 1e-6);
+    assert_eq!(flow("longest=1 ms").longest, 1e-3);
+}
+
 #[test]
 fn every_setting_of_isph_can_be_overridden() {
-    use coronet::scene::{Closure, Gradient, Isph, PoissonSource, Preconditioner};
+    use coronet::scene::{Closure, Gradient, Isph};
     let with = |set: &str| -> Isph {
         let sets = ["method.name=isph", "method.preset=modern", set];
         match small(&sets).scene.method {
@@ -182,26 +198,9 @@ fn every_setting_of_isph_can_be_overridden() {
         "they share what they pack"
     );
     assert_eq!(flow("smoothing=1.4").sph.smoothing, 1.4);
-    assert_eq!(
-        flow("source=density").projection.source,
-        PoissonSource::Density
-    );
-    let divergence = flow("source={ divergence = { density = 0.2 } }")
-        .projection
-        .source;
-    assert_eq!(divergence, PoissonSource::Divergence { density: 0.2 });
     assert_eq!(flow("closure=mirrored").closure, Closure::Mirrored);
     assert_eq!(flow("gradient=symmetric").gradient, Gradient::Symmetric);
-    assert_eq!(
-        flow("preconditioner=ssor").projection.preconditioner,
-        Preconditioner::Ssor
-    );
-    assert_eq!(flow("tolerance=1e-4").projection.tolerance, 1e-4);
-    assert_eq!(flow("iterations=7").projection.iterations, 7);
-    assert_eq!(flow("shifting=0").projection.shifting, 0.0);
-    assert_eq!(flow("courant=0.2").projection.courant, 0.2);
-    assert_eq!(flow("shortest=1 us").projection.shortest, 1e-6);
-    assert_eq!(flow("longest=1 ms").projection.longest, 1e-3);
+    every_setting_of_the_projection(|set| flow(set).projection);
     let form = with("effects.viscosity.form=cleary").sph.viscosity_form;
     assert_eq!(form, coronet::scene::ViscosityForm::Cleary);
     let form = with("effects.tension.form=cahn-hilliard").sph.tension_form;
@@ -212,7 +211,7 @@ fn every_setting_of_isph_can_be_overridden() {
 
 #[test]
 fn every_setting_of_mps_can_be_overridden() {
-    use coronet::scene::{Mps, MpsClosure, MpsGradient, PoissonSource, Preconditioner, Pressure};
+    use coronet::scene::{Mps, MpsClosure, MpsGradient, Pressure};
     let with = |set: &str| -> Mps {
         let sets = ["method.name=mps", "method.preset=modern", set];
         match small(&sets).scene.method {
@@ -227,26 +226,11 @@ fn every_setting_of_mps_can_be_overridden() {
     assert_eq!(flow("radius=4").sph.smoothing, 2.0);
     assert_eq!(flow("laplacian_radius=4").sph.smoothing, 2.0);
     assert_eq!(flow("beta=0.95").beta, 0.95);
-    assert_eq!(
-        flow("source=density").projection.source,
-        PoissonSource::Density
-    );
-    let divergence = flow("source={ divergence = { density = 0.2 } }")
-        .projection
-        .source;
-    assert_eq!(divergence, PoissonSource::Divergence { density: 0.2 });
     assert_eq!(flow("closure=threshold").closure, MpsClosure::Threshold);
     assert_eq!(flow("gradient=minimum").gradient, MpsGradient::Minimum);
     assert_eq!(flow("gradient=symmetric").gradient, MpsGradient::Symmetric);
     assert_eq!(flow("pressure=clipped").pressure, Pressure::Clipped);
-    let ssor = flow("preconditioner=ssor").projection.preconditioner;
-    assert_eq!(ssor, Preconditioner::Ssor);
-    assert_eq!(flow("tolerance=1e-4").projection.tolerance, 1e-4);
-    assert_eq!(flow("iterations=7").projection.iterations, 7);
-    assert_eq!(flow("shifting=0").projection.shifting, 0.0);
-    assert_eq!(flow("courant=0.2").projection.courant, 0.2);
-    assert_eq!(flow("shortest=1 us").projection.shortest, 1e-6);
-    assert_eq!(flow("longest=1 ms").projection.longest, 1e-3);
+    every_setting_of_the_projection(|set| flow(set).projection);
     let strength = with("effects.tension.strength=flat").sph.tension_strength;
     assert_eq!(strength, TensionStrength::Flat);
 }

@@ -70,6 +70,13 @@ impl Program {
         Program { folder }
     }
 
+    /// With one more file.
+    pub fn with(name: &str, text: &str) -> Self {
+        let program = Program::new();
+        fs::write(program.path(name), text).unwrap();
+        program
+    }
+
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }

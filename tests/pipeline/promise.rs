@@ -35,9 +35,7 @@ says = ["fewer than 2 particles", "drop"]
 "#;
 
 fn program(study: &str) -> Program {
-    let program = Program::new();
-    fs::write(program.path("cases.toml"), study).unwrap();
-    program
+    Program::with("cases.toml", study)
 }
 
 fn page(program: &Program) -> String {

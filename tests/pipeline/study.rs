@@ -28,9 +28,7 @@ finest = true
 "#;
 
 fn program() -> Program {
-    let program = Program::new();
-    fs::write(program.path("study.toml"), STUDY).unwrap();
-    program
+    Program::with("study.toml", STUDY)
 }
 
 /// The table without its costs and without who is on the front, which hangs on them.

@@ -19,9 +19,7 @@ finest = true
 "#;
 
 fn program() -> Program {
-    let program = Program::new();
-    fs::write(program.path("study.toml"), STUDY).unwrap();
-    program
+    Program::with("study.toml", STUDY)
 }
 
 /// Errors of the points with one, by spacing, coarse to fine.

@@ -59,18 +59,12 @@ impl<S: Scheme> Projection<S> {
     pub(super) fn make_frame(&self) -> Frame {
         let [kinetic, potential, x, y, z] = self.budget();
         let p = &self.flow.particles;
+        let moved = (self.fastest, self.last_step, self.step);
         let mut named = vec![
             ("kinetic_energy_J", kinetic),
             ("potential_energy_J", potential),
-            ("mass_kg", p.mass * p.len() as f64),
-            ("mass_removed_kg", self.flow.removed.0),
-            ("momentum_x_kg_m_s", x),
-            ("momentum_y_kg_m_s", y),
-            ("momentum_z_kg_m_s", z),
-            ("speed_max_m_s", self.fastest),
-            ("time_step_s", self.last_step),
-            ("steps", self.step as f64),
         ];
+        named.extend(frame::progress(&self.flow, [x, y, z], moved));
         named.extend(self.solution_scalars());
         let scalars = named
             .into_iter()

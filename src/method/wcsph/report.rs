@@ -45,26 +45,20 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn make_frame(&self) -> Frame {
         let [kinetic, potential, x, y, z] = self.budget();
         let p = &self.flow.particles;
-        let named = [
+        let moved = (self.fastest, self.last_step, self.step);
+        let mut named = vec![
             ("kinetic_energy_J", kinetic),
             ("potential_energy_J", potential),
             ("compression_energy_J", self.compression()),
-            ("mass_kg", p.mass * p.len() as f64),
-            ("mass_removed_kg", self.flow.removed.0),
-            ("momentum_x_kg_m_s", x),
-            ("momentum_y_kg_m_s", y),
-            ("momentum_z_kg_m_s", z),
-            ("speed_max_m_s", self.fastest),
-            ("time_step_s", self.last_step),
-            ("steps", self.step as f64),
         ];
+        named.extend(frame::progress(&self.flow, [x, y, z], moved));
         let scalars = named
-            .map(|(name, value)| (name.to_string(), value))
-            .to_vec();
+            .into_iter()
+            .map(|(name, value)| (name.to_string(), value));
         let fields = frame::Fields {
             pressure: &|i| self.model.pressure(p.density[i]),
             surface: &|i| self.kernel_sum(i) < SURFACE,
         };
-        frame::of(self.time, p, &fields, scalars)
+        frame::of(self.time, p, &fields, scalars.collect())
     }
 }

@@ -77,7 +77,7 @@ pub fn tension(
     alpha: f64,
 ) -> Option<Tension> {
     let coefficient = effects.tension?;
-    Some(Tension::new(
+    let mut tension = Tension::new(
         settings.tension_form,
         settings.kernel,
         [settings.tension_smoothing * h, h],
@@ -85,7 +85,9 @@ pub fn tension(
         alpha,
         dimension,
         density,
-    ))
+    );
+    tension.lifted = settings.lifts_tension();
+    Some(tension)
 }
 
 /// The contact angle that the scene asks for. `spacing` and `length` (H) in m, `density` in kg/m^3.

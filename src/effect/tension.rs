@@ -36,6 +36,7 @@
 //! With [`super::wetting`] walls have a contact angle.
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
+pub mod level;
 mod memory;
 mod pass;
 mod stressed;
@@ -51,7 +52,7 @@ use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Field, Pass, Source};
 pub(super) use pass::Gradient;
-use pass::{Colour, Difference, Summed, Whole};
+use pass::{Colour, Difference, Summed, Tensor, Whole};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
@@ -99,6 +100,8 @@ pub struct Tension {
     pub dimension: usize,
     /// rho0, kg/m^3.
     pub density: f64,
+    /// Whether the tension is sigma at the surface itself ([`level`]; raw colour only).
+    pub lifted: bool,
     /// With it walls have a contact angle (raw colour only).
     pub wetting: Option<Wetting>,
     band: Band,
@@ -112,6 +115,8 @@ pub struct Tension {
     /// Per particle and wall particle: V and c, then u = sqrt(|T|) n / |n| / rho or zero.
     payload: [Vec<f32>; 3],
     stressed: Stressed,
+    /// Per stressed particle: how the surface bends.
+    bends: Vec<level::Bend>,
     /// Acceleration of `reached`, m/s^2.
     force: Vec<[f32; 3]>,
 }
@@ -138,6 +143,7 @@ impl Tension {
             strength,
             dimension,
             density,
+            lifted: false,
             wetting: None,
             band: Band::default(),
             near: Vec::new(),
@@ -147,8 +153,20 @@ impl Tension {
             scalars: Vec::new(),
             payload: Default::default(),
             stressed: Stressed::default(),
+            bends: Vec::new(),
             force: Vec::new(),
         }
+    }
+
+    /// The normals alone, for who shifts particles and has no tension; `length`: H, m.
+    pub fn normals(kernel: KernelName, length: f64, dimension: usize, density: f64) -> Self {
+        let form = TensionForm::RawColour;
+        Tension::new(form, kernel, [length; 2], 0.0, 1.0, dimension, density)
+    }
+
+    /// Whether there is a force.
+    pub fn pulls(&self) -> bool {
+        self.coefficient > 0.0
     }
 
     /// Support radius 2 H, m.
@@ -199,7 +217,13 @@ impl Tension {
             TensionForm::NormalisedColour => self.colour::<K>(flow, reach),
         }
         self.root::<K>(flow);
+        if !self.pulls() {
+            return;
+        }
         self.stressed.gather(flow, &self.near, &self.payload);
+        if self.lifted {
+            self.lift::<K>(flow);
+        }
         self.band.mark_filled(&self.stressed.start);
         self.band
             .grow(flow.grid, 2.0 * self.force_length + flow.slack);
@@ -210,20 +234,15 @@ impl Tension {
             factor: self.force_factor::<K>(flow.mass),
             kernel: PhantomData,
         };
-        let source = Source {
-            start: &self.stressed.start,
-            offset: 0,
-        };
-        let field = Field {
-            at: &self.stressed.at,
-            payload: &self.stressed.u,
-            sources: &[source],
-            ..self.field(flow, self.force_length)
-        };
+        let field = self.field(flow, self.force_length);
+        let sources = [self.stressed.source()];
         if self.form == TensionForm::CahnHilliard {
-            let field = self.field(flow, self.force_length);
             sweep::runs(field, &self.reached, &Whole(pass), &mut force);
+        } else if self.lifted {
+            let field = self.stressed.field(field, &sources, &self.stressed.stress);
+            sweep::runs(field, &self.reached, &Tensor(pass), &mut force);
         } else {
+            let field = self.stressed.field(field, &sources, &self.stressed.u);
             sweep::runs(field, &self.reached, &pass, &mut force);
         }
         self.add_walls(flow, &pass, &mut force);
@@ -343,7 +362,12 @@ impl Tension {
         let gradient = K::norm(self.dimension) / self.length.powi(d + 1);
         let raw = self.form != TensionForm::NormalisedColour;
         let printed = self.form == TensionForm::CahnHilliard;
-        let tension = self.strength * self.coefficient;
+        // Without a force the roots are normals of any length.
+        let tension = if self.pulls() {
+            self.strength * self.coefficient
+        } else {
+            1.0
+        };
         let epsilon = match self.form {
             TensionForm::RawColour => FAINT / self.length,
             TensionForm::CahnHilliard => 0.0,

@@ -137,7 +137,7 @@ pub fn build(
         phase,
         body,
         flow,
-        tension: tension_of(&case, strength),
+        tension: tension_of(&case, strength).or_else(|| normals_of(&case, &scene.method)),
         state,
         pool,
     };
@@ -182,6 +182,18 @@ fn tension_of(case: &Case, alpha: f64) -> Option<Tension> {
     );
     tension.wetting = wetting;
     Some(tension)
+}
+
+/// What shifting needs where there is no tension: normals, of the short kernel.
+fn normals_of(case: &Case, method: &Method) -> Option<Tension> {
+    let shifting = match method {
+        Method::Wcsph(settings) => settings.shifting,
+        Method::Isph(settings) => settings.projection.shifting,
+        Method::Mps(settings) => settings.projection.shifting,
+    };
+    let d = case.dimension.count();
+    let normals = || Tension::normals(case.sph.kernel, case.h, d, case.density);
+    (shifting > 0.0).then(normals)
 }
 
 struct Parts<'a> {

@@ -10,7 +10,7 @@ use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
 #[inline(always)]
-unsafe fn difference<L: Lanes>(a: &[L::F; 5], b: &[L::F; 5]) -> [L::F; 3] {
+unsafe fn difference<L: Lanes>(a: &[L::F; 6], b: &[L::F; 6]) -> [L::F; 3] {
     unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
 }
 
@@ -94,11 +94,11 @@ pub struct Force<K, V, const CONTROL: bool> {
 impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, CONTROL> {
     type Out = [f32; 3];
     #[inline(always)]
-    fn own(&self, [a, b, c, mut pressure, weight]: [f32; 5]) -> [f32; 5] {
+    fn own(&self, [a, b, c, mut pressure, weight, rest]: [f32; 6]) -> [f32; 6] {
         if CONTROL && weight < 0.0 {
             pressure = pressure.abs();
         }
-        [a, b, c, pressure, weight]
+        [a, b, c, pressure, weight, rest]
     }
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
@@ -133,7 +133,7 @@ pub struct ForceAndGradient<K, V, const CONTROL: bool>(pub Force<K, V, CONTROL>)
 impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradient<K, V, CONTROL> {
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    fn own(&self, payload: [f32; 5]) -> [f32; 5] {
+    fn own(&self, payload: [f32; 6]) -> [f32; 6] {
         self.0.own(payload)
     }
     #[inline(always)]

@@ -309,7 +309,7 @@ impl<S: Scheme> Solver for Projection<S> {
         ];
         let solution = self.solution_scalars();
         scalars.extend(solution.map(|(name, value)| (name.to_string(), value)));
-        if let Some(tension) = &self.tension {
+        if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
             scalars.push(("tension_strength".to_string(), tension.strength));
         }
         // The last pressure is the first guess of the next; kernel sums decide on mist.

@@ -4,11 +4,13 @@
 //!     particles is unstable, and |dr| <= v dt / 2
 //!
 //! Inside v is the largest speed, not the local one: voids open at stagnation points. Near a
-//! surface particles are shifted along it, by the tension's normal, with the speed at which the
-//! flow disorders them, the root mean square u of |v_ab| over the neighbours, or the one at which
-//! tension does, v_c (1 - (u / v_c)^2), v_c^2 = sigma / (rho h). What has less support than a flat
-//! surface is a rim, a tip or a sheet, whose normal says little: only the speed of tension moves
-//! it. Spray stays, and without tension whoever has the surface in its support.
+//! surface particles are shifted along it, by the normal of the colour (`Tension::normals` where
+//! there is no tension), with the speed at which the flow disorders them, the root mean square u of
+//! |v_ab| over the neighbours, or the one at which tension does, v_c (1 - (u / v_c)^2),
+//! v_c^2 = sigma / (rho h). What has less support than a flat surface is a rim, a tip or a sheet,
+//! whose normal says little: only the speed of tension moves it. Spray stays. A layer that nobody
+//! shifts is pressed together by who is shifted inside, without a higher density to show for it,
+//! until it bursts.
 
 /// Shifting is never faster than this part of the largest speed (Sun et al. 2019).
 const CAP: f64 = 0.5;
@@ -64,11 +66,15 @@ impl Shifting {
     /// `stir`: u, m/s.
     #[inline(always)]
     pub fn near(&self, slope: [f64; 3], normal: [f64; 3], support: f32, stir: f32) -> [f64; 3] {
-        if support < LOOSE || self.capillary == 0.0 {
+        if support < LOOSE {
             return [0.0; 3];
         }
         let u = stir as f64;
-        let calm = (self.capillary - u * u / self.capillary).max(0.0);
+        let calm = if u < self.capillary {
+            self.capillary - u * u / self.capillary
+        } else {
+            0.0
+        };
         let factor = self.factor(if support < FLAT { calm } else { calm.max(u) });
         let mut dr = slope.map(|g| -g * factor);
         let n2: f64 = normal.iter().map(|n| n * n).sum();

@@ -70,7 +70,6 @@ struct Scratch {
     rate: Vec<f32>,
     around: Vec<Surroundings>,
     mist: Vec<bool>,
-    marks: Vec<f32>,
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -302,7 +301,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             ("acceleration_m_s2".to_string(), self.hardest),
             ("sound_speed_m_s".to_string(), self.model.sound_speed),
         ];
-        if let Some(tension) = &self.tension {
+        if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
             scalars.push(("tension_strength".to_string(), tension.strength));
         }
         // Kernel sums decide on mist at the next rebuild.

@@ -299,6 +299,15 @@ pub enum WallPressure {
     Extrapolated,
 }
 
+/// Where the tension of the surface stress counts as sigma.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TensionLevel {
+    /// At the depth at which the stress acts.
+    Inside,
+    /// At the surface of the liquid: carried there by the curvature.
+    Surface,
+}
+
 /// What every SPH method sets: kernel, mass, and the forms of the effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sph {
@@ -311,6 +320,14 @@ pub struct Sph {
     pub tension_strength: TensionStrength,
     /// H / h of the long kernel.
     pub tension_smoothing: f64,
+    pub tension_level: TensionLevel,
+}
+
+impl Sph {
+    /// Whether the tension is carried to the surface: the raw colour alone knows how.
+    pub fn lifts_tension(&self) -> bool {
+        self.tension_level == TensionLevel::Surface && self.tension_form == TensionForm::RawColour
+    }
 }
 
 /// Every setting of WCSPH, after the preset and the overrides.

@@ -7,8 +7,8 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
-    Density, KernelName, Mass, Method, Pressure, SoundSpeed, Sph, TensionForm, TensionStrength,
-    TimeStepping, ViscosityForm, WallPressure, Wcsph,
+    Density, KernelName, Mass, Method, Pressure, SoundSpeed, Sph, TensionForm, TensionLevel,
+    TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
 pub use isph::{isph_corrected, isph_modern, isph_paper};
 pub use mps::{mps_corrected, mps_modern, mps_paper};
@@ -28,6 +28,7 @@ pub fn wcsph_paper() -> Wcsph {
             tension_form: TensionForm::NormalisedColour, // Eqs. 9-13
             tension_strength: TensionStrength::Fixed(4.5), // with Eq. 10
             tension_smoothing: 1.5, // with Eq. 4: H = 1.5 h
+            tension_level: TensionLevel::Inside,
         },
         density: Density::Summation, // Eq. 4
         pressure: Pressure::Clipped, // text after Eq. 7
@@ -66,6 +67,7 @@ fn sph_modern() -> Sph {
         tension_form: TensionForm::RawColour, // depends little on the arrangement
         tension_strength: TensionStrength::Virial,
         tension_smoothing: 1.75, // a static drop keeps currents of Ca 0.002, with 1.3 h 0.03
+        tension_level: TensionLevel::Surface, // else a drop of R = 20 s0 has 8.5 % too much pressure
     }
 }
 
@@ -234,6 +236,12 @@ fn override_effects(settings: &mut Sph, effects: &Cursor<'_>) -> Result<(), Scen
     }
     if let Some(smoothing) = tension.get("smoothing") {
         settings.tension_smoothing = smoothing.number()?;
+    }
+    if let Some(level) = tension.get("level") {
+        settings.tension_level = match level.text()? {
+            "inside" => TensionLevel::Inside,
+            _ => TensionLevel::Surface,
+        };
     }
     Ok(())
 }

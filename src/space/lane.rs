@@ -79,18 +79,13 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     unsafe fn gather(records: *const Record, index: *const u32) -> [Self::F; 8];
     /// Eight consecutive words (any 32-bit type).
     unsafe fn load<T>(words: *const T) -> Self::F;
-    /// Words `from .. from + 8` of three arrays.
+    /// Words `from .. from + 8` of some arrays.
     #[inline(always)]
-    unsafe fn load_at<T>(words: &[Vec<T>; 3], from: usize) -> [Self::F; 3] {
-        let [x, y, z] = words;
-        debug_assert!(from + WIDTH <= x.len());
-        unsafe {
-            [
-                Self::load(x.as_ptr().add(from)),
-                Self::load(y.as_ptr().add(from)),
-                Self::load(z.as_ptr().add(from)),
-            ]
-        }
+    unsafe fn load_at<T, const N: usize>(words: &[Vec<T>; N], from: usize) -> [Self::F; N] {
+        std::array::from_fn(|a| {
+            debug_assert!(from + WIDTH <= words[a].len());
+            unsafe { Self::load(words[a].as_ptr().add(from)) }
+        })
     }
     /// (own - other) as f32, for fixed-point lanes `other`: exact difference, one rounding.
     unsafe fn difference(own: i32, other: Self::F) -> Self::F;

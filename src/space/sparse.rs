@@ -198,8 +198,8 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
         let record = &layout.records[target];
         let at = [record.at(0), record.at(1), record.at(2)];
         let scale = L::splat3(layout.scale);
-        let mut own = [L::splat(0.0); 5];
-        for (c, own) in own.iter_mut().enumerate() {
+        let mut own = [L::splat(0.0); 6];
+        for (c, own) in own.iter_mut().enumerate().take(5) {
             *own = L::splat(record.payload(c));
         }
         let mut degree = 0.0;
@@ -210,7 +210,7 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
                 d,
                 q2: L::dot(d, d),
                 own,
-                other: [r[3], r[4], r[5], r[6], r[7]],
+                other: [r[3], r[4], r[5], r[6], r[7], L::splat(0.0)],
             };
             let lanes = pass.pair::<L>(&pair, sum);
             let mut weight = [0.0f32; WIDTH];

@@ -19,9 +19,9 @@ pub struct Pair<L: Lanes> {
     /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
     pub q2: L::F,
     /// [`Pass::own`] of the target, splatted.
-    pub own: [L::F; 5],
-    /// Payload of the neighbours.
-    pub other: [L::F; 5],
+    pub own: [L::F; 6],
+    /// Payload of the neighbours; what they do not have is zero.
+    pub other: [L::F; 6],
 }
 
 /// What one pair adds to `N` sums, and what becomes of the sums.
@@ -29,7 +29,7 @@ pub trait Pass<const N: usize>: Sync {
     type Out: Send;
     /// The payload of a target as its own pairs see it.
     #[inline(always)]
-    fn own(&self, payload: [f32; 5]) -> [f32; 5] {
+    fn own(&self, payload: [f32; 6]) -> [f32; 6] {
         payload
     }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
@@ -88,7 +88,9 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             let target = rows.first + from + k;
             let record = &records[target];
             let at = [record.at(0), record.at(1), record.at(2)];
-            let own = splat::<L>(pass.own(std::array::from_fn(|c| record.payload(c))));
+            let own = splat::<L>(
+                pass.own([0, 1, 2, 3, 4, 5].map(|c| if c < 5 { record.payload(c) } else { 0.0 })),
+            );
             let mut sum = [L::splat(0.0); N];
             for group in rows.row(from + k).chunks_exact(WIDTH) {
                 let r = L::gather(records.as_ptr(), group.as_ptr());
@@ -97,7 +99,7 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
                     d,
                     q2: L::dot(d, d),
                     own,
-                    other: [r[3], r[4], r[5], r[6], r[7]],
+                    other: [r[3], r[4], r[5], r[6], r[7], L::splat(0.0)],
                 };
                 pass.pair::<L>(&pair, &mut sum);
             }
@@ -107,10 +109,17 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
 }
 
 #[inline(always)]
-unsafe fn splat<L: Lanes>(own: [f32; 5]) -> [L::F; 5] {
+unsafe fn splat<L: Lanes>(own: [f32; 6]) -> [L::F; 6] {
     unsafe {
         let [a, b, c] = L::splat3([own[0], own[1], own[2]]);
-        [a, b, c, L::splat(own[3]), L::splat(own[4])]
+        [
+            a,
+            b,
+            c,
+            L::splat(own[3]),
+            L::splat(own[4]),
+            L::splat(own[5]),
+        ]
     }
 }
 
@@ -125,16 +134,16 @@ unsafe fn total<L: Lanes, const N: usize>(sum: &[L::F; N]) -> [f32; N] {
 
 /// Where the pairs of [`runs`] are.
 #[derive(Clone, Copy)]
-pub struct Field<'a> {
+pub struct Field<'a, const W: usize = 3, const O: usize = 3> {
     pub grid: &'a Grid,
-    /// Fixed-point coordinates and payloads (the first three) of all points, with at least eight
-    /// spare at the end.
+    /// Fixed-point coordinates and payloads of all points, with at least eight spare
+    /// at the end.
     pub at: &'a [Vec<i32>; 3],
-    pub payload: &'a [Vec<f32>; 3],
+    pub payload: &'a [Vec<f32>; W],
     pub sources: &'a [Source<'a>],
     /// Positions, m, and payloads of the targets, indexed by target.
     pub position: &'a [Vec<f64>; 3],
-    pub own: &'a [Vec<f32>; 3],
+    pub own: &'a [Vec<f32>; O],
     /// Search radius: support + what particles have moved since the sort, m.
     pub cutoff: f64,
     pub scale: [f32; 3],
@@ -142,8 +151,8 @@ pub struct Field<'a> {
 
 /// Sums over whole cell columns, for few targets or long supports: no list is kept.
 /// `out[k]` belongs to `targets[k]`. Lanes beyond the support must add nothing.
-pub fn runs<const N: usize, P: Pass<N>>(
-    field: Field,
+pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+    field: Field<W, O>,
     targets: &[u32],
     pass: &P,
     out: &mut [P::Out],
@@ -156,24 +165,24 @@ pub fn runs<const N: usize, P: Pass<N>>(
             if super::lane::wide() {
                 return unsafe { runs_avx2(field, targets, pass, out) };
             }
-            unsafe { runs_lanes::<Portable, N, P>(field, targets, pass, out) }
+            unsafe { runs_lanes::<Portable, N, W, O, P>(field, targets, pass, out) }
         });
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,popcnt")]
-unsafe fn runs_avx2<const N: usize, P: Pass<N>>(
-    field: Field,
+unsafe fn runs_avx2<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+    field: Field<W, O>,
     targets: &[u32],
     pass: &P,
     out: &mut [P::Out],
 ) {
-    unsafe { runs_lanes::<super::lane::Avx2, N, P>(field, targets, pass, out) }
+    unsafe { runs_lanes::<super::lane::Avx2, N, W, O, P>(field, targets, pass, out) }
 }
 
 #[inline(always)]
-unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
-    field: Field,
+unsafe fn runs_lanes<L: Lanes, const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+    field: Field<W, O>,
     targets: &[u32],
     pass: &P,
     out: &mut [P::Out],
@@ -187,20 +196,20 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             let [x, y, z] = field.position;
             let x = [x[i], y[i], z[i]];
             let at = field.grid.fix3(x);
-            let [a, b, c] = field.own;
-            let own = splat::<L>(pass.own([a[i], b[i], c[i], 0.0, 0.0]));
+            let own = std::array::from_fn(|c| field.own.get(c).map_or(0.0, |own| own[i]));
+            let own = splat::<L>(pass.own(own));
             let mut sum = [zero; N];
             for &column in columns.around(x, field.cutoff) {
                 for source in field.sources {
                     let (mut j, end) = source.run(column);
                     while j < end {
                         let d = separation::<L>(at, L::load_at(field.at, j), scale);
-                        let [a, b, c] = L::load_at(field.payload, j);
+                        let words = L::load_at(field.payload, j);
                         let mut pair = Pair {
                             d,
                             q2: L::dot(d, d),
                             own,
-                            other: [a, b, c, zero, zero],
+                            other: std::array::from_fn(|c| words.get(c).copied().unwrap_or(zero)),
                         };
                         if end - j < WIDTH {
                             pair.q2 = L::first(end - j, pair.q2, far);

@@ -61,7 +61,13 @@ fn evaluate(
     tension.update(&surface, flag);
     let mut a = vec![[0.0; 3]; cloud.flow.liquid()];
     tension.add(&mut a);
-    (a, tension.virial(&surface))
+    let centre = cloud.flow.domain.size.map(|size| 0.5 * size);
+    let normal = |i: usize| {
+        let x = cloud.flow.position(i);
+        let lever = [0, 1, 2].map(|k| x[k] - centre[k]);
+        (lever.map(|l| l / length(lever)), 1.0)
+    };
+    (a, tension.virial(&surface, normal))
 }
 
 /// SUM over all others within the support: `term(d, q, j)`, d in units of H.

@@ -65,6 +65,7 @@ fn wcsph() -> Wcsph {
             tension_form: TensionForm::NormalisedColour,
             tension_strength: TensionStrength::Fixed(4.5),
             tension_smoothing: 1.5,
+            tension_level: TensionLevel::Inside,
         },
         density: Density::Summation,
         pressure: Pressure::Clipped,

@@ -8,11 +8,15 @@ impl Tension {
         let [volumes, colours] = &self.wider;
         let indices = [&self.near, &self.reached, volumes, colours];
         4 * indices.iter().map(|list| list.capacity()).sum::<usize>()
+            + std::mem::size_of::<super::level::Bend>() * self.bends.capacity()
+            + 24 * self.stressed.stress[0].capacity()
             + 12 * self.force.capacity()
             + 24 * self.normals.capacity()
             + 12 * self.payload[0].capacity()
             + 24 * self.stressed.u[0].capacity()
-            + 4 * (self.scalars.capacity() + self.stressed.start.capacity())
+            + 4 * (self.stressed.index.capacity()
+                + self.scalars.capacity()
+                + self.stressed.start.capacity())
             + self.band.memory()
             + self.wetting.as_ref().map_or(0, Wetting::memory)
     }

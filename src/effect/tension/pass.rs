@@ -93,6 +93,30 @@ impl<K: Kernel> Pass<3> for Summed<K> {
     }
 }
 
+/// The same for stresses of any shape. Payload: T / rho^2 as in [`super::stressed`].
+pub struct Tensor<K>(pub Summed<K>);
+
+impl<K: Kernel> Pass<3> for Tensor<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            let [xx, yy, zz, yz, xz, xy] = pair.other;
+            for (c, row) in [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+                .iter()
+                .enumerate()
+            {
+                sum[c] = L::fma(slope, L::dot(*row, pair.d), sum[c]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        self.0.finish(target, sum, out);
+    }
+}
+
 /// The whole pair force (5) before its factor.
 #[inline(always)]
 unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
@@ -132,7 +156,8 @@ impl<K: Kernel> Pass<3> for Whole<K> {
     }
 }
 
-/// Tangential over (d-1) minus normal virial, about the mean normal of the pair.
+/// Tangential over (d-1) minus normal virial, about the normal of the surface at the target: that
+/// of the colour is noisy, and takes some per cent of the one for the other. Own: u, normal.
 pub struct Virial<K> {
     /// 1 / (d-1).
     pub scale: f32,
@@ -145,10 +170,8 @@ impl<K: Kernel> Pass<1> for Virial<K> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
             let force = stress::<K, L>(pair);
-            let (a, b) = (&pair.own, &pair.other);
-            let n = [L::add(a[0], b[0]), L::add(a[1], b[1]), L::add(a[2], b[2])];
-            let n2 = L::max(L::dot(n, n), L::splat(f32::MIN_POSITIVE));
-            let normal = L::div(L::mul(L::dot(n, pair.d), L::dot(n, force)), n2);
+            let n = [pair.own[3], pair.own[4], pair.own[5]];
+            let normal = L::mul(L::dot(n, pair.d), L::dot(n, force));
             let tangential = L::sub(L::dot(pair.d, force), normal);
             let part = L::sub(L::mul(tangential, L::splat(self.scale)), normal);
             sum[0] = L::add(sum[0], part);

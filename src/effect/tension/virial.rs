@@ -4,33 +4,56 @@ use super::pass::Virial;
 use super::{Surface, Tension};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
-use crate::space::sweep;
+use crate::space::sweep::{self, Field};
 use std::marker::PhantomData;
 
 impl Tension {
-    /// sigma_eff A, J (N in 2-D), of the last update.
-    pub fn virial(&self, flow: &Surface) -> f64 {
-        self.virial_moment(flow, |_| 1.0)
-    }
-
-    /// The same with the share of every particle times `weight`.
-    pub fn virial_moment(&self, flow: &Surface, weight: impl Fn(usize) -> f64) -> f64 {
+    /// SUM of every particle's share of sigma_eff A, J (N in 2-D), times its weight, of the last
+    /// update without [`super::level`]. `place`: unit normal of the surface at a particle, and
+    /// weight.
+    pub fn virial(&self, flow: &Surface, place: impl Fn(usize) -> ([f64; 3], f64)) -> f64 {
         match self.kernel {
-            KernelName::CubicSpline => self.virial_with::<CubicSpline>(flow, weight),
-            KernelName::WendlandC2 => self.virial_with::<WendlandC2>(flow, weight),
+            KernelName::CubicSpline => self.virial_with::<CubicSpline>(flow, place),
+            KernelName::WendlandC2 => self.virial_with::<WendlandC2>(flow, place),
         }
     }
 
-    fn virial_with<K: Kernel>(&self, flow: &Surface, weight: impl Fn(usize) -> f64) -> f64 {
+    fn virial_with<K: Kernel>(
+        &self,
+        flow: &Surface,
+        place: impl Fn(usize) -> ([f64; 3], f64),
+    ) -> f64 {
+        let n = flow.density.len();
+        let mut own: [Vec<f32>; 6] = Default::default();
+        own.iter_mut().for_each(|words| words.resize(n, 0.0));
+        let mut weights = Vec::with_capacity(self.reached.len());
+        for &i in &self.reached {
+            let i = i as usize;
+            let (normal, weight) = place(i);
+            weights.push(weight);
+            for a in 0..3 {
+                own[a][i] = self.payload[a][i];
+                own[3 + a][i] = normal[a] as f32;
+            }
+        }
         let mut parts = vec![0.0f64; self.reached.len()];
         let pass = Virial::<K> {
             scale: 1.0 / (self.dimension as f32 - 1.0),
             kernel: PhantomData,
         };
         let field = self.field(flow, self.force_length);
+        let field = Field {
+            grid: field.grid,
+            at: field.at,
+            payload: field.payload,
+            sources: field.sources,
+            position: field.position,
+            own: &own,
+            cutoff: field.cutoff,
+            scale: field.scale,
+        };
         sweep::runs(field, &self.reached, &pass, &mut parts);
-        let share = |(part, &i): (&f64, &u32)| part * weight(i as usize);
-        let sum: f64 = parts.iter().zip(&self.reached).map(share).sum();
+        let sum: f64 = parts.iter().zip(&weights).map(|(part, w)| part * w).sum();
         -0.5 * flow.mass * self.force_length * self.force_factor::<K>(flow.mass) * sum
     }
 }

@@ -15,7 +15,7 @@ impl<S: Scheme> Projection<S> {
             capillary: Shifting::capillary(case.effects.tension, case.density, case.h),
             unit: 1.0,
         };
-        let (local, marks, tension) = (&self.local, &self.marks, &self.tension);
+        let (local, tension) = (&self.local, &self.tension);
         let x = slots3(&mut self.flow.particles.position);
         each(local.len(), |i| {
             let seen = &local[i];
@@ -23,10 +23,10 @@ impl<S: Scheme> Projection<S> {
                 return;
             }
             let slope = seen.slope.map(f64::from);
-            let normal = match tension {
-                Some(tension) => tension.root_of(i).map(f64::from),
-                None => [marks[i] as f64; 3],
-            };
+            let normal = tension
+                .as_ref()
+                .map_or([0.0; 3], |t| t.root_of(i))
+                .map(f64::from);
             let dr = if normal.iter().any(|n| *n != 0.0) {
                 let (support, stir) = S::stir(seen, shifting.fastest);
                 shifting.near(slope, normal, support, stir)

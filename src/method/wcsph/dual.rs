@@ -67,8 +67,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let around = Slots::new(&mut self.around);
             let normal = |i: usize| unsafe { around.at(i) }.vector = tension.root_of(i);
             each(self.held.len(), normal);
-        } else if self.model.settings.shifting > 0.0 {
-            self.mark_surface();
         }
         // Pressure acceleration belongs to the acoustic criterion.
         self.hardest = self.acceleration();

@@ -1,11 +1,10 @@
 //! The pair sums of a step, with their factors; equation numbers as in [`super`].
 
-use super::{SURFACE, Wcsph, velocity};
+use super::{Wcsph, velocity};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::pass::{Continuity, Force, ForceAndGradient, Marked, Neighbourhood, Summation};
+use crate::method::pass::{Continuity, Force, ForceAndGradient, Neighbourhood, Summation};
 use crate::scene::Pressure;
-use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -69,21 +68,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let rows = &self.flow.wall_rows;
             sweep::rows(records, rows, scale, &pass, &mut self.walls.density);
         }
-    }
-
-    /// Marks, by a normal that is not zero, who has a particle of the surface in its support.
-    pub(super) fn mark_surface(&mut self) {
-        let (around, factor) = (&self.around, self.sum_factor());
-        let marked = |i: usize| f32::from(around[i].kernel_sum(factor) < SURFACE);
-        self.flow
-            .pack(|_, i| [marked(i), 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
-        let n = self.flow.liquid();
-        self.scratch.marks.resize(n, 0.0);
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &Marked, &mut self.scratch.marks);
-        let (marks, around) = (&self.scratch.marks, Slots::new(&mut self.around));
-        each(n, |i| unsafe { around.at(i) }.vector = [marks[i]; 3]);
     }
 
     /// (2): fills `rate`.

@@ -129,6 +129,11 @@ pub static TENSION: &[Field] = &[
         Kind::Number(Range::Between(1.0, 3.0)),
         "Long smoothing length over the short one, H / h.",
     ),
+    optional(
+        "level",
+        Kind::Word(&["inside", "surface"]),
+        "Where the tension counts as sigma: where the stress acts, or at the surface (raw-colour).",
+    ),
 ];
 
 /// Keys of a body of which exactly one is there.

@@ -152,6 +152,9 @@ pub(super) fn tension(list: &mut List, scene: &Scene) {
         settings.tension_smoothing,
         Unit::One,
     );
+    if settings.lifts_tension() {
+        list.word("effects.tension.level", "surface");
+    }
     match settings.tension_strength {
         TensionStrength::Fixed(strength) => {
             list.number("effects.tension.strength", strength, Unit::One);

@@ -36,6 +36,7 @@
 //! With [`super::wetting`] walls have a contact angle.
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
+mod colour;
 pub mod level;
 mod memory;
 mod pass;
@@ -52,7 +53,7 @@ use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Field, Pass, Source};
 pub(super) use pass::Gradient;
-use pass::{Colour, Difference, Summed, Tensor, Whole};
+use pass::{Summed, Tensor, Whole};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
@@ -293,39 +294,6 @@ impl Tension {
         sweep::runs(self.field(flow, self.length), targets, pass, out);
     }
 
-    /// (1)-(3): volumes, then colour, then normals, each in a narrower band.
-    fn colour<K: Kernel>(&mut self, flow: &Surface, reach: f64) {
-        let d = self.dimension as i32;
-        let norm = K::norm(self.dimension) / self.length.powi(d);
-        let own = K::w(0.0) as f32;
-        // A wall particle far inside a wetted wall has the bulk's volume, and colour 1.
-        let bulk = (flow.mass / self.density) as f32;
-        self.payload[0].fill(1.0);
-        self.payload[1][flow.density.len()..].fill(1.0);
-        self.nest(flow, reach);
-        let wider = std::mem::take(&mut self.wider);
-        for (stage, band) in wider.iter().enumerate() {
-            let mut sums = std::mem::take(&mut self.scalars);
-            sums.resize(band.len(), 0.0);
-            self.runs(flow, band, &Colour::<K>(PhantomData), &mut sums);
-            if stage == 0 {
-                self.payload[0].fill(bulk);
-            }
-            for (&i, &sum) in band.iter().zip(&sums) {
-                let i = i as usize;
-                if stage == 0 {
-                    self.payload[0][i] = (1.0 / (norm * (sum + own) as f64)) as f32;
-                } else {
-                    let c = norm * (sum + own * self.payload[0][i]) as f64;
-                    self.payload[1][i] = c as f32;
-                }
-            }
-            self.scalars = sums;
-        }
-        self.wider = wider;
-        self.sum_normals(flow, &Difference::<K>(PhantomData));
-    }
-
     /// Fills `normals` by a pass over `near`.
     fn sum_normals<const N: usize, P: Pass<N, Out = ([f32; 3], [f32; 3])>>(
         &mut self,
@@ -343,16 +311,6 @@ impl Tension {
         for words in &mut self.payload {
             words.clear();
             words.resize(flow.at[0].len(), 0.0);
-        }
-    }
-
-    /// Particles within 4, 3 and 2 reaches of the surface.
-    fn nest(&mut self, flow: &Surface, reach: f64) {
-        let [volumes, colours] = &mut self.wider;
-        let bands = [(2.0, &mut self.near), (1.0, colours), (1.0, volumes)];
-        for (times, members) in bands {
-            self.band.grow(flow.grid, times * reach);
-            self.band.members(flow.liquid, members);
         }
     }
 

@@ -184,16 +184,11 @@ fn tension_of(case: &Case, alpha: f64) -> Option<Tension> {
     Some(tension)
 }
 
-/// What shifting needs where there is no tension: normals, of the short kernel.
+/// What shifting needs where there is no tension: its normals.
 fn normals_of(case: &Case, method: &Method) -> Option<Tension> {
-    let shifting = match method {
-        Method::Wcsph(settings) => settings.shifting,
-        Method::Isph(settings) => settings.projection.shifting,
-        Method::Mps(settings) => settings.projection.shifting,
-    };
-    let d = case.dimension.count();
-    let normals = || Tension::normals(case.sph.kernel, case.h, d, case.density);
-    (shifting > 0.0).then(normals)
+    let (d, length) = (case.dimension.count(), case.sph.tension_smoothing * case.h);
+    let normals = || Tension::normals(case.sph.kernel, length, d, case.density);
+    (method.shifting() > 0.0).then(normals)
 }
 
 struct Parts<'a> {
@@ -242,15 +237,6 @@ fn flow_of(
     wall: Wall,
 ) -> Result<Flow, MethodError> {
     let support = 2.0 * case.h;
-    let long = if case.effects.tension.is_some() {
-        let stretch = case
-            .effects
-            .wetting
-            .map_or(1.0, |wetting| wetting.stretch());
-        case.sph.tension_smoothing * support * stretch
-    } else {
-        support
-    };
     // Wendland C2: slope (1 - q/2)^3 is below 1.3e-4 of its peak within 0.1 h of the support's
     // edge. A pressure equation must have both halves of a pair or none.
     let late = match case.sph.kernel {
@@ -260,7 +246,7 @@ fn flow_of(
     let lengths = Lengths {
         spacing: case.spacing,
         support,
-        longest: long.max(support),
+        longest: case.widest,
         late,
     };
     Ok(Flow::new(

@@ -16,6 +16,8 @@ pub struct Case {
     /// s0, h, m.
     pub spacing: f64,
     pub h: f64,
+    /// Support of the widest sum, m.
+    pub widest: f64,
     /// rho0, kg/m^3.
     pub density: f64,
     /// Largest speed that the scene suggests, m/s.
@@ -90,6 +92,7 @@ impl Case {
             effects,
             spacing: scene.pack.spacing,
             h: sph.smoothing * scene.pack.spacing,
+            widest: 2.0 * sph.smoothing * scene.pack.spacing * scene.widest(),
             density: scene.density,
             speed: numbers::reference_speed(scene),
             damping,

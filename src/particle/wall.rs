@@ -15,15 +15,9 @@ pub fn build(scene: &Scene) -> Wall {
     build_layers(scene, layers(scene))
 }
 
-/// Layers that cover the largest kernel support: of the density kernel, 2h, or of the tension's,
-/// 2H.
+/// Layers that cover the widest kernel support.
 pub fn layers(scene: &Scene) -> usize {
-    let sph = scene.method.sph();
-    let tension = match scene.effects.tension {
-        Some(_) => sph.tension_smoothing.max(1.0),
-        None => 1.0,
-    };
-    let support = 2.0 * sph.smoothing * tension;
+    let support = 2.0 * scene.method.sph().smoothing * scene.widest();
     (support - 1e-9).ceil().max(1.0) as usize
 }
 

@@ -201,14 +201,7 @@ fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
 /// A particle must not see itself, nor one neighbour twice, through periodic sides.
 fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     let settings = scene.method.sph();
-    let mut reach = 2.0 * settings.smoothing * scene.pack.spacing;
-    if scene.effects.tension.is_some() {
-        reach *= settings.tension_smoothing.max(1.0);
-        reach *= scene
-            .effects
-            .wetting
-            .map_or(1.0, |wetting| wetting.stretch());
-    }
+    let reach = 2.0 * settings.smoothing * scene.pack.spacing * scene.widest();
     for axis in periodic_axes(scene) {
         if scene.domain.size[axis] < 2.0 * reach {
             let problem = format!(

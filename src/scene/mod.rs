@@ -20,12 +20,14 @@ pub mod quantity;
 mod resolve;
 pub mod schema;
 mod shape;
+mod sph;
 mod tree;
 mod wetting;
 
 pub use isph::{Closure, Gradient, Isph};
 pub use mps::{Mps, MpsClosure, MpsGradient};
 pub use projection::{PoissonSource, Preconditioner, Projection};
+pub use sph::{Sph, TensionLevel};
 pub use wetting::Wetting;
 
 /// Number of space dimensions.
@@ -299,37 +301,6 @@ pub enum WallPressure {
     Extrapolated,
 }
 
-/// Where the tension of the surface stress counts as sigma.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TensionLevel {
-    /// At the depth at which the stress acts.
-    Inside,
-    /// At the surface of the liquid: carried there by the curvature.
-    Surface,
-}
-
-/// What every SPH method sets: kernel, mass, and the forms of the effects.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sph {
-    pub kernel: KernelName,
-    /// h / s0.
-    pub smoothing: f64,
-    pub mass: Mass,
-    pub viscosity_form: ViscosityForm,
-    pub tension_form: TensionForm,
-    pub tension_strength: TensionStrength,
-    /// H / h of the long kernel.
-    pub tension_smoothing: f64,
-    pub tension_level: TensionLevel,
-}
-
-impl Sph {
-    /// Whether the tension is carried to the surface: the raw colour alone knows how.
-    pub fn lifts_tension(&self) -> bool {
-        self.tension_level == TensionLevel::Surface && self.tension_form == TensionForm::RawColour
-    }
-}
-
 /// Every setting of WCSPH, after the preset and the overrides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wcsph {
@@ -341,7 +312,7 @@ pub struct Wcsph {
     /// c / V of Nishio Eq. 8 (10 is Mach 0.1).
     pub sound_speed_factor: f64,
     pub sound_speed: SoundSpeed,
-    /// V in m/s; `None`: the largest of impact speed, sqrt(2 g T), sqrt(2 sigma / (rho R)).
+    /// V in m/s; `None`: the largest of impact speed, sqrt(2 g T), sqrt(8 sigma / (rho R)).
     pub reference_speed: Option<f64>,
     pub wall_pressure: WallPressure,
     /// Strength of particle shifting (0 is off).

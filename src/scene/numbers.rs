@@ -120,8 +120,8 @@ pub fn length(vector: [f64; 3]) -> f64 {
 }
 
 /// The speed V of Nishio et al. 2010, Eq. 8, m/s: as set, or the largest of the impact speed, the
-/// speed of a fall through the liquid's height sqrt(2 g T), the capillary speed
-/// sqrt(2 sigma / (rho R)) of the smallest drop, and the speed of a sliding wall.
+/// speed of a fall through the liquid's height sqrt(2 g T), the speed sqrt(8 sigma / (rho R)) at
+/// which the smallest drop swings, and the speed of a sliding wall.
 pub fn reference_speed(scene: &Scene) -> f64 {
     let set = wcsph(scene).and_then(|settings| settings.reference_speed);
     set.unwrap_or_else(|| impact_speed(scene).max(standing_speed(scene)))
@@ -134,7 +134,7 @@ fn standing_speed(scene: &Scene) -> f64 {
     let shapes = scene.bodies.iter().map(|body| &body.shape);
     let speed = shapes.fold(sliding, |speed, shape| {
         let fall = fall_speed(scene, shape);
-        speed.max(fall).max(capillary_speed(scene, shape))
+        speed.max(fall).max(RIPPLE * capillary_speed(scene, shape))
     });
     moving(speed)
 }
@@ -191,6 +191,12 @@ fn fall_speed(scene: &Scene, shape: &Shape) -> f64 {
     (2.0 * energy.sum::<f64>()).sqrt()
 }
 
+/// omega R of the second mode of a drop over [`capillary_speed`], from omega^2 = 8 sigma / (rho R^3)
+/// (Lamb 1932, art. 275): at Mach 0.1 of this the period is that of an incompressible drop within
+/// 1 %.
+const RIPPLE: f64 = 2.0;
+
+/// sqrt(2 sigma / (rho R)), m/s: the speed whose rho v^2 is the pressure in a drop.
 fn capillary_speed(scene: &Scene, shape: &Shape) -> f64 {
     match (scene.effects.tension, shape) {
         (None, _) | (_, Shape::Layer { .. }) => 0.0,

@@ -152,6 +152,8 @@ fn check<K: Kernel>(kernel: KernelName) {
             "{kernel:?}, {d}: {}",
             moment / tension
         );
+        let flat = level::flat(kernel, d);
+        assert!((tension - flat).abs() < 2e-4, "{kernel:?}, {d}: {tension}");
         let lever = d as f64 - 1.0;
         let excess = |r: f64| {
             let p = Liquid::new::<K>(d, r).pressure();

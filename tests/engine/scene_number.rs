@@ -76,8 +76,8 @@ fn the_reference_speed_is_the_largest_that_the_scene_suggests() {
     let speed = |sets: &[&str]| numbers::reference_speed(&small(sets).scene);
     assert_eq!(speed(&[]), 1.5);
     // At rest: the top of the drop stands 4.4 mm above the floor, sqrt(2 g z) = 0.2938 m/s; the
-    // drop's sqrt(2 sigma / (rho R)) = 0.3490 m/s is larger.
-    let capillary = (2.0_f64 * 0.067 / (1100.0 * 0.001)).sqrt();
+    // drop's sqrt(8 sigma / (rho R)) = 0.6980 m/s is larger.
+    let capillary = (8.0_f64 * 0.067 / (1100.0 * 0.001)).sqrt();
     assert!((speed(&["body.drop.velocity=0 m/s"]) - capillary).abs() < 1e-15);
     let fall = (2.0_f64 * 9.81 * 4.4e-3).sqrt();
     let weak = [

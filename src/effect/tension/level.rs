@@ -41,6 +41,16 @@ pub fn depths(kernel: KernelName, dimension: usize) -> [f64; 2] {
     }
 }
 
+/// sigma_eff / sigma of a flat surface at alpha = 1, by the same quadrature.
+pub fn flat(kernel: KernelName, dimension: usize) -> f64 {
+    match (kernel, dimension) {
+        (KernelName::WendlandC2, 2) => 0.1812,
+        (KernelName::WendlandC2, _) => 0.1848,
+        (KernelName::CubicSpline, 2) => 0.1691,
+        (KernelName::CubicSpline, _) => 0.1737,
+    }
+}
+
 /// Sums of (3): t d_t as xx, yy, zz, yz, xz, xy, and |d_t|^2; in units of the weights.
 pub type Bend = [f32; 7];
 

@@ -1,0 +1,59 @@
+//! What every SPH method sets.
+
+use super::{KernelName, Mass, Method, Scene, TensionForm, TensionStrength, ViscosityForm};
+
+/// Where the tension of the surface stress counts as sigma.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TensionLevel {
+    /// At the depth at which the stress acts.
+    Inside,
+    /// At the surface of the liquid: carried there by the curvature.
+    Surface,
+}
+
+/// What every SPH method sets: kernel, mass, and the forms of the effects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sph {
+    pub kernel: KernelName,
+    /// h / s0.
+    pub smoothing: f64,
+    pub mass: Mass,
+    pub viscosity_form: ViscosityForm,
+    pub tension_form: TensionForm,
+    pub tension_strength: TensionStrength,
+    /// H / h of the long kernel.
+    pub tension_smoothing: f64,
+    pub tension_level: TensionLevel,
+}
+
+impl Sph {
+    /// Whether the tension is carried to the surface: the raw colour alone knows how.
+    pub fn lifts_tension(&self) -> bool {
+        self.tension_level == TensionLevel::Surface && self.tension_form == TensionForm::RawColour
+    }
+}
+
+impl Scene {
+    /// Widest support of a sum over that of the kernel: of the tension, or of the normals that
+    /// shifting needs without it.
+    pub fn widest(&self) -> f64 {
+        let smoothing = self.method.sph().tension_smoothing.max(1.0);
+        match (self.effects.tension, self.effects.wetting) {
+            (Some(_), Some(wetting)) => smoothing * wetting.stretch(),
+            (Some(_), None) => smoothing,
+            _ if self.method.shifting() > 0.0 => smoothing,
+            _ => 1.0,
+        }
+    }
+}
+
+impl Method {
+    /// Strength of particle shifting; 0 is none.
+    pub fn shifting(&self) -> f64 {
+        match self {
+            Method::Wcsph(settings) => settings.shifting,
+            Method::Isph(settings) => settings.projection.shifting,
+            Method::Mps(settings) => settings.projection.shifting,
+        }
+    }
+}

@@ -191,7 +191,7 @@ fn fall_speed(scene: &Scene, shape: &Shape) -> f64 {
     (2.0 * energy.sum::<f64>()).sqrt()
 }
 
-/// omega R of the second mode of a drop over [`capillary_speed`], from omega^2 = 8 sigma / (rho R^3)
+/// omega R of the second mode of a drop over [`capillary_speed`], omega^2 = 8 sigma / (rho R^3)
 /// (Lamb 1932, art. 275): at Mach 0.1 of this the period is that of an incompressible drop within
 /// 1 %.
 const RIPPLE: f64 = 2.0;

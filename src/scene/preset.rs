@@ -67,7 +67,7 @@ fn sph_modern() -> Sph {
         tension_form: TensionForm::RawColour, // depends little on the arrangement
         tension_strength: TensionStrength::Virial,
         tension_smoothing: 1.75, // a static drop keeps currents of Ca 0.002, with 1.3 h 0.03
-        tension_level: TensionLevel::Surface, // else a drop of R = 20 s0 has 8.5 % too much pressure
+        tension_level: TensionLevel::Surface, // a drop of R = 20 s0: else +16 %
     }
 }
 

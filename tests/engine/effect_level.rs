@@ -22,7 +22,7 @@ fn nodes(panels: usize, a: f64, b: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// A continuous liquid with a round surface (radius in H; infinite: flat) and its raw-colour stress.
+/// A continuous liquid with a round surface (radius in H, infinite if flat), its raw-colour stress.
 struct Liquid {
     dimension: usize,
     norm: f64,

@@ -230,9 +230,6 @@ fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     } else if !sides.any(|side| *side == Side::Wall) {
         let remedy = "make a side of the box a wall, as in `box.z = [\"wall\", \"open\"]`";
         ("needs a wall", remedy)
-    } else if !matches!(scene.method, Method::Wcsph(_)) {
-        let remedy = "set `method.name = \"wcsph\"`";
-        ("is not there for this method yet", remedy)
     } else if scene.method.sph().tension_form != TensionForm::RawColour {
         let remedy = "set `effects.tension.form = \"raw-colour\"`, as preset `modern` does";
         ("needs the raw-colour form of the tension", remedy)

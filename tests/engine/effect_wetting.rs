@@ -190,9 +190,12 @@ interval = \"1 ms\"
 
 #[test]
 fn a_drop_comes_to_rest_near_the_angle_set() {
-    for angle in [60.0, 120.0] {
-        let set = format!("effects.wetting.angle={angle} deg");
-        let scene = file::read(DROP, Path::new("drop.toml"), &[set])
+    for (method, angle) in [("wcsph", 60.0), ("wcsph", 120.0), ("isph", 90.0)] {
+        let sets = [
+            format!("effects.wetting.angle={angle} deg"),
+            format!("method.name={method}"),
+        ];
+        let scene = file::read(DROP, Path::new("drop.toml"), &sets)
             .unwrap()
             .scene;
         let body = pack(&scene, 0, &mut |_| Continue(())).unwrap().0;

@@ -5,7 +5,7 @@ use coronet::scene::file;
 use std::path::Path;
 
 #[test]
-fn a_contact_angle_needs_tension_a_wall_and_a_method_that_has_it() {
+fn a_contact_angle_needs_tension_a_wall_and_a_form_that_has_it() {
     let with = |method: &str, tension: &str, low: &str| {
         let text = format!(
             "dimension = 2\n[box]\nsize = [\"9 mm\", \"9 mm\"]\nz = [\"{low}\", \"open\"]\n\
@@ -18,7 +18,12 @@ fn a_contact_angle_needs_tension_a_wall_and_a_method_that_has_it() {
         read.map(|_| ()).map_err(|error| error.to_string())
     };
     let tension = "[effects.tension]\ncoefficient = \"73 mN/m\"\n";
-    assert_eq!(with("", tension, "wall"), Ok(()));
+    for method in ["wcsph", "isph", "mps"] {
+        assert_eq!(
+            with(&format!("name = \"{method}\""), tension, "wall"),
+            Ok(())
+        );
+    }
     for (method, tension, low, parts) in [
         (
             "",
@@ -31,18 +36,6 @@ fn a_contact_angle_needs_tension_a_wall_and_a_method_that_has_it() {
             tension,
             "open",
             ["effects.wetting", "needs a wall", "box.z"],
-        ),
-        (
-            "name = \"isph\"",
-            tension,
-            "wall",
-            ["effects.wetting", "method", "wcsph"],
-        ),
-        (
-            "name = \"mps\"",
-            tension,
-            "wall",
-            ["effects.wetting", "method", "wcsph"],
         ),
         (
             "preset = \"paper\"",

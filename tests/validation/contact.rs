@@ -8,7 +8,9 @@ use std::path::Path;
 /// Mean of a measure over the last sixth of a run.
 fn angles(set: f64, spacing: &str) -> Option<[f64; 2]> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/xie-2007/static.toml");
+    let method = std::env::var("CORONET_METHOD").unwrap_or("wcsph".into());
     let sets = [
+        format!("method.name={method}"),
         format!("effects.wetting.angle={set} deg"),
         format!("pack.spacing={spacing}"),
     ];
@@ -30,8 +32,8 @@ fn angles(set: f64, spacing: &str) -> Option<[f64; 2]> {
     Some([sums[0] / sums[2], sums[1] / sums[2]])
 }
 
-/// The drop of Xie, Koshizuka & Oka (2007), Section 3.1, at its spacing and twice that. Nothing is
-/// asserted: docs/validation.md says what comes out.
+/// The drop of Xie, Koshizuka & Oka (2007), Section 3.1, at its spacing and twice that. Asserted is
+/// what docs/validation.md says is met by `wcsph` and `isph`, short of the target.
 #[test]
 fn contact_angle() {
     println!();
@@ -48,6 +50,8 @@ fn contact_angle() {
                 target: 3.0 / set,
             };
             figure.row();
+            let met = (fitted - set).abs() < 8.0;
+            assert!(met || set > 120.0, "{set} deg at {spacing}: {fitted}");
         }
     }
 }

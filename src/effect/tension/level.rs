@@ -17,6 +17,7 @@
 //! u the unit normals, d_t and t the parts of d and of u_b - u_a in the tangent plane: the
 //! least-squares slope of the normals along the surface. Normals that point apart belong to another
 //! surface, that across a sheet.
+//! Walls with a contact angle keep the stress where it acts.
 //! Fails where the surface bends within z_s inwards (a cusp): the bracket in (2) is at least 1/2.
 //! Tests: tests/engine/effect_level.rs, tests/validation/drop.rs.
 

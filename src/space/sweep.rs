@@ -149,6 +149,41 @@ pub struct Field<'a, const W: usize = 3, const O: usize = 3> {
     pub scale: [f32; 3],
 }
 
+impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
+    /// The same targets among other points.
+    pub fn among<const V: usize>(
+        self,
+        at: &'a [Vec<i32>; 3],
+        payload: &'a [Vec<f32>; V],
+        sources: &'a [Source<'a>],
+    ) -> Field<'a, V, O> {
+        Field {
+            grid: self.grid,
+            at,
+            payload,
+            sources,
+            position: self.position,
+            own: self.own,
+            cutoff: self.cutoff,
+            scale: self.scale,
+        }
+    }
+
+    /// The same with other payloads of the targets.
+    pub fn owning<const P: usize>(self, own: &'a [Vec<f32>; P]) -> Field<'a, W, P> {
+        Field {
+            grid: self.grid,
+            at: self.at,
+            payload: self.payload,
+            sources: self.sources,
+            position: self.position,
+            own,
+            cutoff: self.cutoff,
+            scale: self.scale,
+        }
+    }
+}
+
 /// Sums over whole cell columns, for few targets or long supports: no list is kept.
 /// `out[k]` belongs to `targets[k]`. Lanes beyond the support must add nothing.
 pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(

@@ -32,16 +32,7 @@ impl Stressed {
         sources: &'a [Source<'a>],
         payload: &'a [Vec<f32>; W],
     ) -> Field<'a, W> {
-        Field {
-            grid: field.grid,
-            at: &self.at,
-            payload,
-            sources,
-            position: field.position,
-            own: field.own,
-            cutoff: field.cutoff,
-            scale: field.scale,
-        }
+        field.among(&self.at, payload, sources)
     }
 
     /// Picks those of `near` (in cell order) whose `root` is not zero.

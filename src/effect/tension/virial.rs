@@ -4,7 +4,7 @@ use super::pass::Virial;
 use super::{Surface, Tension};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
-use crate::space::sweep::{self, Field};
+use crate::space::sweep;
 use std::marker::PhantomData;
 
 impl Tension {
@@ -42,16 +42,7 @@ impl Tension {
             kernel: PhantomData,
         };
         let field = self.field(flow, self.force_length);
-        let field = Field {
-            grid: field.grid,
-            at: field.at,
-            payload: field.payload,
-            sources: field.sources,
-            position: field.position,
-            own: &own,
-            cutoff: field.cutoff,
-            scale: field.scale,
-        };
+        let field = field.owning(&own);
         sweep::runs(field, &self.reached, &pass, &mut parts);
         let sum: f64 = parts.iter().zip(&weights).map(|(part, w)| part * w).sum();
         -0.5 * flow.mass * self.force_length * self.force_factor::<K>(flow.mass) * sum

@@ -277,6 +277,23 @@ fn looking_only_near_the_surface_changes_no_bit() {
 }
 
 #[test]
+fn normals_without_tension_point_inwards_and_pull_nothing() {
+    let radius = 14.3;
+    let cloud = drop(Dimension::Two, TensionForm::RawColour, radius, 0.1);
+    let depth = depth(&cloud, radius);
+    let mut normals = Tension::normals(KernelName::WendlandC2, cloud.h, 2, DENSITY);
+    let (a, _) = evaluate(&cloud, &mut normals, |i| depth[i] < 1.2);
+    assert!(a.iter().all(|a| *a == [0.0; 3]));
+    let centre = cloud.flow.domain.size.map(|size| 0.5 * size);
+    for i in (0..a.len()).filter(|&i| depth[i] < 2.0) {
+        let (x, n) = (cloud.flow.position(i), normals.root_of(i).map(f64::from));
+        let inward = [0, 1, 2].map(|k| centre[k] - x[k]);
+        let cosine = dot(n, inward) / (length(n) * length(inward));
+        assert!(cosine > 0.97, "{cosine} at a depth of {} s0", depth[i]);
+    }
+}
+
+#[test]
 fn the_inside_of_a_drop_feels_nothing() {
     for (dimension, radius) in [(Dimension::Two, 30.3), (Dimension::Three, 15.2)] {
         for form in FORMS {

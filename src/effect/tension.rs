@@ -26,11 +26,11 @@
 //! own; in (6) it vanishes, for there SUM grad W is along n and T . n = 0. What is left runs over
 //! the stressed particles alone. Wall particles count as liquid in n: a wetted wall is no surface.
 //!
-//! The liquid is one-sided, so alpha is not 1: it is calibrated by the virial of the pair forces,
-//! sigma_eff A_s = -(W_tangential / (d-1) - W_normal), into which an isotropic pressure does not
-//! enter; A_s is the area of the surface of tension (method::calibrate).
+//! The liquid is one-sided, so alpha is not 1: it is calibrated by the virial of the pair forces or
+//! by the pressure that they leave in a round body (method::calibrate). The stress acts below the
+//! surface, and [`level`] carries it there.
 //! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H; where R
-//! is not much larger than H (the stress acts at a depth of 0.65 H); and where H is below 2.6 s0:
+//! is not much larger than H (the stress acts at a depth of 0.46 H); and where H is below 2.6 s0:
 //! the stress derives from no energy, its pull along the surface bunches the particles, and a drop
 //! at rest stirs by itself (docs/validation.md).
 //! With [`super::wetting`] walls have a contact angle.

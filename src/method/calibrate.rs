@@ -8,8 +8,8 @@
 //! R = 20 s0 would come out with 16 % too much tension. Normals are those of the shape.
 //! (2) sigma = R / (d - 1) SUM m a_n / A(z), a_n the acceleration inwards, for a round body whose
 //! tension is carried to the surface ([`crate::effect::tension::level`]): the pressure of Young and
-//! Laplace that the forces leave inside. Drops down to R = 5 s0 and flat surfaces then agree on
-//! alpha within 3 %, from 8 s0 on within 0.3 %; by (1) a drop of 5 s0 would be a quarter off.
+//! Laplace that the forces leave inside. Drops from R = 8 s0 on and flat surfaces then agree on
+//! alpha within 1.5 %.
 //! A block has edges, where neither holds: its alpha is that of a flat continuous liquid.
 //! Test: tests/validation/drop.rs.
 

@@ -11,8 +11,7 @@
 //! B_s the curvature where the stress acts. To first order the normal force is then sigma tr B, the
 //! pressure of R, and the tangential div T = -sigma z_s grad tr B (Codazzi) what the gradient of
 //! the pressure would do to a layer of depth z_s: both are needed for the period of a drop. The
-//! inverse stays positive in the thinnest jet. What is left is of second order: 0.3 % at R = 20 s0,
-//! 2 % at 8 s0.
+//! inverse stays positive in the thinnest jet. What is left of (1) is below 1.5 % from R = 8 s0 on.
 //! (3) B_a = (d - 1) SUM w sym(t d_t) / (H SUM w |d_t|^2),  w = -slope max(0, u_a . u_b),
 //! u the unit normals, d_t and t the parts of d and of u_b - u_a in the tangent plane: the
 //! least-squares slope of the normals along the surface. Normals that point apart belong to another

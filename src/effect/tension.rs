@@ -41,6 +41,7 @@ pub mod level;
 mod memory;
 mod pass;
 mod stressed;
+mod surface;
 mod virial;
 mod walled;
 
@@ -48,15 +49,14 @@ use super::band::Band;
 use super::wetting::Wetting;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
-use crate::space::grid::Grid;
 use crate::space::parallel::{Slots, each, slots3};
-use crate::space::sort::Cells;
-use crate::space::sweep::{self, Field, Pass, Source};
+use crate::space::sweep::{self, Field, Pass};
 pub(super) use pass::Gradient;
 use pass::{Summed, Tensor, Whole};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
+pub use surface::Surface;
 
 /// Below |n| H = this there is no surface (Nishio Eq. 13).
 const EPSILON: f64 = 0.01;
@@ -68,23 +68,6 @@ const FAINT: f64 = 0.05;
 /// Depth under a flat surface, in H, to which n of (6) is summed: |n| H is 0.007 there (Wendland
 /// C2), so that a surface five times as dense with liquid in reach is still served.
 const DEEP: f64 = 1.5;
-
-/// What the effect reads of a flow.
-pub struct Surface<'a> {
-    pub grid: &'a Grid,
-    pub liquid: &'a Cells,
-    /// Fixed-point coordinates of liquid and wall, and eight spare ones.
-    pub at: &'a [Vec<i32>; 3],
-    /// Liquid and wall.
-    pub sources: &'a [Source<'a>],
-    pub position: &'a [Vec<f64>; 3],
-    /// Positions of the wall particles, m.
-    pub wall: &'a [Vec<f64>; 3],
-    pub density: &'a [f64],
-    pub mass: f64,
-    /// What two particles may have approached since the sort, m.
-    pub slack: f64,
-}
 
 /// The effect with its scratch memory.
 pub struct Tension {
@@ -236,14 +219,15 @@ impl Tension {
             kernel: PhantomData,
         };
         let field = self.field(flow, self.force_length);
-        let sources = [self.stressed.source()];
+        let sources = self.stressed.sources();
+        let sources = &sources[..self.stressed.kinds()];
         if self.form == TensionForm::CahnHilliard {
             sweep::runs(field, &self.reached, &Whole(pass), &mut force);
         } else if self.lifted {
-            let field = self.stressed.field(field, &sources, &self.stressed.stress);
+            let field = self.stressed.field(field, sources, &self.stressed.stress);
             sweep::runs(field, &self.reached, &Tensor(pass), &mut force);
         } else {
-            let field = self.stressed.field(field, &sources, &self.stressed.u);
+            let field = self.stressed.field(field, sources, &self.stressed.u);
             sweep::runs(field, &self.reached, &pass, &mut force);
         }
         self.add_walls(flow, &pass, &mut force);
@@ -375,5 +359,6 @@ impl Tension {
                 *unsafe { payload[a].at(self.near[k] as usize) } = self.normals[k].0[a];
             }
         });
+        flow.turn(&mut self.payload);
     }
 }

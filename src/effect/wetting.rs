@@ -30,7 +30,7 @@ use super::band::Band;
 use super::tension::{Gradient, Surface};
 use crate::kernel::Kernel;
 use crate::scene::{Domain, KernelName, Wetting as Angle};
-use crate::space::sweep::{self, Field, Source};
+use crate::space::sweep::{self, Field};
 use pass::Sheared;
 pub(super) use pass::Walls;
 use std::marker::PhantomData;
@@ -112,7 +112,7 @@ impl Wetting {
         is_surface: impl Fn(usize) -> bool + Sync,
         words: &[Vec<f32>; 3],
     ) {
-        let [_, wall] = flow.sources else {
+        let Some(wall) = flow.of_wall().first() else {
             return;
         };
         if self.places.len() != flow.wall[0].len() {
@@ -137,7 +137,7 @@ impl Wetting {
             grid: flow.grid,
             at: flow.at,
             payload: words,
-            sources: &flow.sources[..1],
+            sources: flow.of_liquid(),
             position: flow.wall,
             own: words,
             cutoff: 2.0 * length + flow.slack,
@@ -217,10 +217,5 @@ impl Wetting {
         // |along| is sin theta_d.
         let strength = 2.0 * root * root * size * (self.cosine - cosine);
         along.map(|a| strength * a)
-    }
-
-    /// The wall among the sources of a flow.
-    pub fn wall<'a>(flow: &Surface<'a>) -> &'a [Source<'a>] {
-        &flow.sources[flow.sources.len().min(1)..]
     }
 }

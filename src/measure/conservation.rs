@@ -3,9 +3,11 @@
 //! Every figure is a deviation without a unit, zero at best, so that a promise is an upper bound.
 //! Scales: the mass M of the first frame and the reference speed V of the scene (largest of impact,
 //! fall and capillary speed, see [`reference_speed`]). A figure that a scene does not have is NaN.
+//! Of a part of a symmetric scene all are those of the whole.
 
 use super::series::Series;
 use super::summary::total_energy;
+use super::whole::Unfold;
 use crate::particle::Frame;
 use crate::scene::numbers::{length, reference_speed};
 use crate::scene::{Method, Pressure, Scene, Side};
@@ -54,6 +56,7 @@ pub const ALWAYS: [(&str, f64); 3] = [
 /// Takes the frames of a run in their order.
 pub struct Conservation<'a> {
     scene: &'a Scene,
+    unfold: Unfold,
     /// Particles and mass of one, kg, in the first frame.
     first: Option<(f64, f64)>,
     strange: f64,
@@ -66,6 +69,7 @@ impl<'a> Conservation<'a> {
     pub fn new(scene: &'a Scene) -> Self {
         Conservation {
             scene,
+            unfold: Unfold::new(scene),
             first: None,
             strange: 0.0,
             mass_error: 0.0,
@@ -74,6 +78,13 @@ impl<'a> Conservation<'a> {
     }
 
     pub fn take(&mut self, frame: &Frame) {
+        match self.unfold.is_plain() {
+            true => self.take_whole(frame),
+            false => self.take_whole(&self.unfold.frame(frame)),
+        }
+    }
+
+    fn take_whole(&mut self, frame: &Frame) {
         let fields = frame.position.iter().chain(&frame.velocity);
         let fields = fields.chain([&frame.pressure, &frame.density]);
         let strange = fields.flatten().filter(|value| !value.is_finite()).count();
@@ -90,7 +101,7 @@ impl<'a> Conservation<'a> {
             self.mass_error = self.mass_error.max(error);
         }
 
-        let (domain, axes) = (&self.scene.domain, self.scene.dimension.axes());
+        let (domain, axes) = (&self.scene.whole().domain, self.scene.dimension.axes());
         for &axis in axes {
             let [low, high] = domain.boundary[axis];
             for x in frame.position[axis].iter().map(|x| f64::from(*x)) {

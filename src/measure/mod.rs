@@ -25,3 +25,4 @@ pub mod series;
 pub mod summary;
 pub mod tradeoff;
 pub mod view;
+pub mod whole;

@@ -18,6 +18,7 @@ use super::section::{self, Section};
 use super::series::{Norm, Series, SeriesError, compare};
 use super::summary;
 use super::view::{self, Camera};
+use super::whole::Unfold;
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene, numbers};
 
@@ -52,9 +53,12 @@ pub struct PostReport {
     pub files: Vec<PathBuf>,
 }
 
-/// Takes frames, then reports.
+/// Takes frames, then reports; of a part of a symmetric scene, on the whole.
 pub struct Post {
+    /// The whole, and what was simulated.
     scene: Scene,
+    part: Scene,
+    unfold: Unfold,
     out: PathBuf,
     gauge: Gauge,
     series: Series,
@@ -121,6 +125,7 @@ impl Post {
             let table = Series::read(&base.join(&reference.path))?;
             references.push((reference.label.clone(), table));
         }
+        let (part, scene) = (scene.clone(), &scene.whole());
         let gauge = Gauge::new(scene);
         let axis = match gauge.kind {
             Kind::Pool(axis) | Kind::Wall(axis) => axis,
@@ -132,6 +137,8 @@ impl Post {
         let interval = scene.frames.interval;
         Ok(Post {
             scene: scene.clone(),
+            unfold: Unfold::new(&part),
+            part,
             out: out.to_owned(),
             gauge,
             series: Series::default(),
@@ -157,6 +164,14 @@ impl Post {
     pub fn frames(&mut self, frames: &[Frame]) -> Result<(), PostError> {
         // The first of all fixes the level that the others are measured from.
         let alone = usize::from(self.last.is_none() && !frames.is_empty());
+        let wholes: Vec<Frame>;
+        let frames = match self.unfold.is_plain() {
+            true => frames,
+            false => {
+                wholes = frames.par_iter().map(|f| self.unfold.frame(f)).collect();
+                &wholes
+            }
+        };
         let (first, rest) = frames.split_at(alone);
         self.measure(first)?;
         self.measure(rest)
@@ -255,7 +270,7 @@ impl Post {
         let norms = self.norms();
         report.norms = norms.iter().map(norm_cells).collect();
         report.results = summary::of(&self.scene, self.gauge.kind, &self.series, self.shift);
-        report.numbers = numbers::of(&self.scene)
+        report.numbers = numbers::of(&self.part)
             .groups
             .into_iter()
             .map(|(title, rows)| {

@@ -171,19 +171,21 @@ fn is_free(scene: &Scene, axis: usize, side: usize, at: f64) -> bool {
 }
 
 /// Free surface of a body at rest, shrunk by `depth` m, m^2 (m in 2-D): without what touches walls
-/// or periodic sides.
+/// or periodic sides, and inside mirror planes.
 fn free_area(scene: &Scene, body: &Body, depth: f64) -> f64 {
     let two = scene.dimension == Dimension::Two;
     let size = scene.domain.size;
     let shrunk = |x: &f64| (x - depth).max(0.0);
+    let cuts = body.shape.cuts(&scene.domain);
+    let part = 0.5f64.powi(cuts.iter().flatten().count() as i32);
     match &body.shape {
-        Shape::Sphere { radius, .. } if two => 2.0 * PI * shrunk(radius),
-        Shape::Sphere { radius, .. } => 4.0 * PI * shrunk(radius).powi(2),
+        Shape::Sphere { radius, .. } if two => part * 2.0 * PI * shrunk(radius),
+        Shape::Sphere { radius, .. } => part * 4.0 * PI * shrunk(radius).powi(2),
         Shape::Ellipsoid {
             semi_axes: [a, _, c],
             ..
-        } if two => ellipse(shrunk(a), shrunk(c)),
-        Shape::Ellipsoid { semi_axes, .. } => ellipsoid(semi_axes.map(|a| shrunk(&a))),
+        } if two => part * ellipse(shrunk(a), shrunk(c)),
+        Shape::Ellipsoid { semi_axes, .. } => part * ellipsoid(semi_axes.map(|a| shrunk(&a))),
         Shape::Layer { .. } if two => size[0],
         Shape::Layer { .. } => size[0] * size[1],
         Shape::Block { low, high } => {

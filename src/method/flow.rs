@@ -1,20 +1,22 @@
 //! The moving arrays that every method shares: liquid and wall particles along cells, records for
 //! the pair loops, neighbour rows, and the rule that says when rows must be made anew.
 //!
-//! Records: liquid `0 .. liquid`, then wall `liquid .. liquid + walls`, then eight spare ones, so
-//! that eight lanes can be loaded anywhere.
+//! Records: liquid `0 .. liquid`, then wall `liquid .. liquid + walls`, then the images of both
+//! behind mirror planes, if there are any, then eight spare ones, so that eight lanes can be loaded
+//! anywhere.
 
+mod find;
 mod pack;
 mod wall;
 
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Side};
 use crate::space::column;
-use crate::space::dilate::dilate;
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
-use crate::space::parallel::{Slots, each, max, slots3};
-use crate::space::row::{Rows, Search, Source};
+use crate::space::mirror::{Mirror, Planes};
+use crate::space::parallel::{each, max, slots3};
+use crate::space::row::Rows;
 use crate::space::sort::Cells;
 use rayon::prelude::*;
 
@@ -62,6 +64,8 @@ pub struct Flow {
     pub wall_rows: Rows,
     pub liquid_cells: Cells,
     pub wall_cells: Cells,
+    /// Images behind mirror planes, of a box that has them.
+    pub mirror: Option<Mirror>,
     /// For how long rows should last at the speeds of their making, s; 0: equal reach for all.
     pub lasting: f64,
     /// Fixed-point coordinates of the liquid when the rows were made.
@@ -108,6 +112,8 @@ impl Flow {
             wall_cells.permute(&mut wall.position[a], &mut scratch);
             wall_cells.permute(&mut wall.velocity[a], &mut scratch);
         }
+        let places = [0, 1, 2].map(|a| domain.mirrors(a));
+        let mirror = Planes::new(places, &grid).map(Mirror::new);
         Ok(Flow {
             dimension,
             domain: domain.clone(),
@@ -121,6 +127,7 @@ impl Flow {
             wall_rows: Rows::default(),
             liquid_cells: Cells::default(),
             wall_cells,
+            mirror,
             lasting: 0.0,
             home: Default::default(),
             allowed: Vec::new(),
@@ -139,6 +146,28 @@ impl Flow {
     /// Wall particles.
     pub fn walls(&self) -> usize {
         self.wall.position[0].len()
+    }
+
+    /// Image records.
+    pub fn images(&self) -> usize {
+        self.mirror.as_ref().map_or(0, Mirror::len)
+    }
+
+    /// First image record, and the record of which each is an image.
+    pub fn image_sources(&self) -> (usize, &[u32]) {
+        match &self.mirror {
+            Some(mirror) => (mirror.first, &mirror.source),
+            None => (usize::MAX, &[]),
+        }
+    }
+
+    /// The record that record `i` is an image of, or itself.
+    #[inline(always)]
+    pub fn original(&self, i: usize) -> usize {
+        match &self.mirror {
+            Some(mirror) if i >= mirror.first => mirror.source[i - mirror.first] as usize,
+            _ => i,
+        }
     }
 
     /// Position of liquid particle `i`, m.
@@ -177,11 +206,17 @@ impl Flow {
         support + 2.0 * self.moved()
     }
 
-    /// Wraps periodic axes, puts back what is behind the first layer of a wall and removes what
-    /// left through open sides or is `doomed`; returns the kept indices if any went, for arrays
-    /// that the caller holds.
-    pub fn confine(&mut self, doomed: impl Fn(usize) -> bool + Sync) -> Option<Vec<u32>> {
+    /// Wraps periodic axes, puts back what is behind the first layer of a wall or behind a mirror
+    /// plane, and removes what left through open sides or is `doomed`; returns the kept indices if
+    /// any went, for arrays that the caller holds. `turned` hears of who was reflected, and the
+    /// axis, for the vectors that the caller holds.
+    pub fn confine(
+        &mut self,
+        doomed: impl Fn(usize) -> bool + Sync,
+        turned: impl Fn(usize, usize) + Sync,
+    ) -> Option<Vec<u32>> {
         self.hold_back();
+        self.fold_back(turned);
         let (domain, grid) = (&self.domain, &self.grid);
         let n = self.particles.len();
         let outside = {
@@ -244,9 +279,9 @@ impl Flow {
 
     /// Brings `at` to the current positions.
     pub fn place(&mut self) {
-        let (n, m) = (self.liquid(), self.walls());
+        let (n, m, images) = (self.liquid(), self.walls(), self.images());
         for a in 0..3 {
-            self.at[a].resize(n + m + WIDTH, 0);
+            self.at[a].resize(n + m + images + WIDTH, 0);
             let (liquid, wall) = (&self.particles.position[a], &self.wall.position[a]);
             let (own, rest) = self.at[a].split_at_mut(n);
             for (x, at) in [(liquid, own), (wall, &mut rest[..m])] {
@@ -254,94 +289,9 @@ impl Flow {
                 parts.for_each(|(at, x)| self.grid.fix_all(a, x, at));
             }
         }
-    }
-
-    /// Where neighbours are: liquid, then walls if there are any.
-    pub fn sources(&self) -> impl std::ops::Deref<Target = [Source<'_>]> {
-        let liquid = Source {
-            start: &self.liquid_cells.start,
-            offset: 0,
-        };
-        let wall = Source {
-            start: &self.wall_cells.start,
-            offset: self.liquid(),
-        };
-        Sources([liquid, wall], 1 + usize::from(self.walls() > 0))
-    }
-
-    /// Sets what each particle may move, and its reach: the support, that, and the most about it.
-    fn allow(&mut self) -> f64 {
-        let (n, support, late) = (self.liquid(), self.lengths.support, self.lengths.late);
-        let equal = 0.5 * (SLACK * support + late);
-        self.allowed.resize(n, 0.0);
-        self.reach.clear();
-        if self.lasting == 0.0 {
-            self.allowed.fill(equal as f32);
-            return support * (1.0 + SLACK);
+        if let Some(mirror) = &self.mirror {
+            mirror.place(&mut self.at);
         }
-        let (p, haste) = (&self.particles, HASTE * self.lasting);
-        let (least, most) = (LEAST * equal, MOST * equal);
-        let allowed = Slots::new(&mut self.allowed);
-        each(n, |i| {
-            *unsafe { allowed.at(i) } = (haste * p.speed(i)).max(least).min(most) as f32
-        });
-        let start = &self.liquid_cells.start;
-        let (peaks, scratch) = (&mut self.scratch.peaks, &mut self.scratch.dilated);
-        peaks.resize(start.len() - 1, 0.0);
-        let peak = Slots::new(peaks);
-        each(start.len() - 1, |cell| {
-            let run = start[cell] as usize..start[cell + 1] as usize;
-            let most = self.allowed[run].iter().fold(0.0, |m: f32, a| m.max(*a));
-            *unsafe { peak.at(cell) } = most;
-        });
-        let longest = support - late + 2.0 * most;
-        dilate(peaks, scratch, &self.grid, longest);
-        self.reach.resize(n + self.wall.position[0].len(), 0.0);
-        let (grid, peaks, base) = (&self.grid, &self.scratch.peaks, (support - late) as f32);
-        let (reach, allowed) = (Slots::new(&mut self.reach), &self.allowed);
-        let (liquid, wall) = (&self.particles.position, &self.wall.position);
-        let peak = |x: [f64; 3]| peaks[grid.index(grid.cell(x))];
-        each(n, |i| {
-            let x = [liquid[0][i], liquid[1][i], liquid[2][i]];
-            *unsafe { reach.at(i) } = base + allowed[i] + peak(x);
-        });
-        each(wall[0].len(), |i| {
-            let x = [wall[0][i], wall[1][i], wall[2][i]];
-            *unsafe { reach.at(n + i) } = base + peak(x);
-        });
-        longest
-    }
-
-    /// Finds all neighbour rows. Call after [`Flow::sort`].
-    pub fn find(&mut self) {
-        self.place();
-        let n = self.liquid();
-        for (home, at) in self.home.iter_mut().zip(&self.at) {
-            home.clear();
-            home.extend_from_slice(&at[..n]);
-        }
-        let cutoff = self.allow();
-        let mut rows = std::mem::take(&mut self.rows);
-        let mut wall_rows = std::mem::take(&mut self.wall_rows);
-        let sources = self.sources();
-        let search = Search {
-            grid: &self.grid,
-            at: &self.at,
-            sources: &sources,
-            cutoff,
-            each: &self.reach,
-        };
-        rows.build(search, 0, &self.particles.position);
-        if self.walls() > 0 {
-            let seen = if self.wall_sees_wall { 2 } else { 1 };
-            let search = Search {
-                sources: &sources[..seen],
-                ..search
-            };
-            wall_rows.build(search, self.liquid(), &self.wall.position);
-        }
-        drop(sources);
-        (self.rows, self.wall_rows) = (rows, wall_rows);
     }
 
     /// Bytes held per liquid particle, without neighbour rows and with them.
@@ -357,20 +307,12 @@ impl Flow {
         let scratch = self.scratch.f64s.capacity() as f64 * 8.0 / n
             + self.scratch.u32s.capacity() as f64 * 4.0 / n
             + self.scratch.u8s.capacity() as f64 / n;
-        let building = self.rows.scratch() + self.wall_rows.scratch();
+        let building = self.rows.scratch()
+            + self.wall_rows.scratch()
+            + self.mirror.as_ref().map_or(0, Mirror::memory);
         let bare = p + records + cells + scratch + building as f64 / n;
         let rows = (self.rows.entries() + self.wall_rows.entries()) as f64 * 4.0 / n;
         (bare, bare + rows + 4.0)
-    }
-}
-
-/// One or two sources.
-struct Sources<'a>([Source<'a>; 2], usize);
-
-impl<'a> std::ops::Deref for Sources<'a> {
-    type Target = [Source<'a>];
-    fn deref(&self) -> &[Source<'a>] {
-        &self.0[..self.1]
     }
 }
 

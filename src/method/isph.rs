@@ -174,7 +174,7 @@ impl<K: Kernel> Scheme for Isph<K> {
     /// The weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)).
     fn couple(p: &mut Projection<Self>) {
         let (local, walls) = (&p.local, &p.walls);
-        p.flow.pack(
+        p.flow.pack_scalars(
             |_, i| [local[i].kernel_sum, 1.0 / local[i].density, 0.0, 0.0, 0.0],
             |_, j| [walls.density[j] as f32, 1.0, 0.0, walls.offset[j], 0.0],
         );
@@ -220,7 +220,7 @@ impl<K: Kernel> Scheme for Isph<K> {
         let printed = p.is_printed();
         let (x, walls, local) = (&p.unknown, &p.walls, &p.local);
         let thin = |dense: f64| if printed { 1.0 / (dense * dense) } else { 1.0 };
-        p.flow.pack(
+        p.flow.pack_scalars(
             |_, i| {
                 let p = x[i] * thin(local[i].kernel_sum as f64);
                 [p as f32, 0.0, 0.0, 0.0, 0.0]

@@ -265,6 +265,8 @@ pub fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> 
         liquid: &flow.liquid_cells,
         at: &flow.at,
         sources,
+        liquid_sources: flow.liquid_sources(),
+        mirror: flow.mirror.as_ref(),
         position: &flow.particles.position,
         wall: &flow.wall.position,
         density: &flow.particles.density,

@@ -51,7 +51,8 @@ pub fn rests(body: &Body) -> bool {
     matches!(body.shape, Shape::Layer { .. } | Shape::Block { .. })
 }
 
-/// The box in which a body relaxes: the scene's for one that rests, else an open one around it.
+/// The box in which a body relaxes: the scene's for one that rests, else an open one around it, with
+/// the mirror planes that cut it.
 pub fn resting_domain(scene: &Scene, body: &Body) -> Domain {
     let extent = match &body.shape {
         Shape::Sphere { radius, .. } => [*radius; 3],
@@ -60,6 +61,12 @@ pub fn resting_domain(scene: &Scene, body: &Body) -> Domain {
     };
     let mut size = extent.map(|r| 4.0 * r + 8.0 * scene.pack.spacing);
     let mut boundary = [[Side::Open; 2]; 3];
+    for (axis, side) in body.shape.cuts(&scene.domain).into_iter().enumerate() {
+        if let Some(side) = side {
+            size[axis] *= 0.5;
+            boundary[axis][side] = Side::Mirror;
+        }
+    }
     if scene.dimension == Dimension::Two {
         size[1] = 0.0;
         boundary[1] = [Side::Periodic; 2];

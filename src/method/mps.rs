@@ -241,7 +241,7 @@ impl Scheme for Mps {
         Self::flag(p);
         let (local, walls, inside) = (&p.local, &p.walls, &p.scheme.inside);
         let n = p.flow.liquid();
-        p.flow.pack(
+        p.flow.pack_scalars(
             |_, i| [inside[i], 1.0 / local[i].density, 0.0, 0.0, 0.0],
             |_, j| {
                 let inside = inside[n + walls.group[j] as usize];

@@ -12,8 +12,12 @@ pub(super) fn home(scene: &Scene, body: usize) -> [f64; 3] {
     if rests(body) {
         return [0.0; 3];
     }
-    let size = super::model::resting_domain(scene, body).size;
-    let mut home = size.map(|s| 0.5 * s);
+    let domain = super::model::resting_domain(scene, body);
+    let middle = |a: usize| match domain.fold(a) {
+        Some(side) => [0.0, domain.size[a]][side],
+        None => 0.5 * domain.size[a],
+    };
+    let mut home = [0, 1, 2].map(middle);
     if scene.dimension == Dimension::Two {
         home[1] = 0.0;
     }

@@ -27,7 +27,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
-use crate::space::parallel::max;
+use crate::space::parallel::{Slots, max};
 use std::marker::PhantomData;
 
 /// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
@@ -189,19 +189,20 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let around = &self.around;
         let scale = self.sum_factor();
         let (domain, position) = (&self.model.domain, &self.flow.particles.position);
-        let crosses = |i: usize| {
-            (0..2).any(|a| {
-                let x = position[a][i];
-                domain.size[a] > 0.0 && (x < 0.0 || x >= domain.size[a])
-            })
-        };
+        let crosses = |i: usize| (0..2).any(|a| domain.is_crossed(a, position[a][i]));
         let mist = &mut self.scratch.mist;
         mist.clear();
         if self.pool {
             let is = |i| crosses(i) && self.step > 0 && scale * around[i].sum < MIST;
             mist.extend((0..around.len()).map(is));
         }
-        if let Some(keep) = self.flow.confine(|i| self.pool && mist[i]) {
+        let held = Slots::new(&mut self.held);
+        let doomed = |i: usize| self.pool && mist[i];
+        let turned = |i: usize, a: usize| {
+            let a = unsafe { &mut held.at(i)[a] };
+            *a = -*a;
+        };
+        if let Some(keep) = self.flow.confine(doomed, turned) {
             if !self.rate.is_empty() {
                 super::flow::retain(&mut self.rate, &keep);
             }

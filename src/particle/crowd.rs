@@ -6,6 +6,7 @@ use super::shape::{Face, Form, Region};
 use crate::scene::{Domain, Side};
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
+use crate::space::mirror::{Mirror, Planes};
 use crate::space::parallel::{self, Slots, slots3};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
@@ -24,6 +25,8 @@ pub struct Crowd {
     /// Liquid, sorted along the cells at the last rebuild.
     pub position: [Vec<f64>; 3],
     wall: [Vec<f64>; 3],
+    /// Images of liquid and wall behind mirror planes, if the region has any.
+    mirror: Option<Mirror>,
     records: Vec<Record>,
     /// Fixed-point coordinates in the order of the records, as of the last rebuild.
     fixed: [Vec<i32>; 3],
@@ -49,12 +52,14 @@ impl Crowd {
             wall_cells.permute(&mut x, &mut Vec::new());
             x
         });
+        let mirror = Planes::new(region.mirrors(), &grid).map(Mirror::new);
         let mut crowd = Crowd {
             grid,
             cells: Cells::default(),
             wall_cells,
             position,
             wall,
+            mirror,
             records: Vec::new(),
             fixed: Default::default(),
             rows: Rows::default(),
@@ -79,7 +84,7 @@ impl Crowd {
         [0, 1, 2].map(|k| self.position[k][i])
     }
 
-    /// Gives every liquid record its payload; the wall's payload stays zero.
+    /// Gives every liquid record its payload, a vector first; the wall's payload stays zero.
     pub fn load(&mut self, payload: impl Fn(usize) -> [f32; 5] + Sync) {
         let n = self.len();
         let records = Slots::new(&mut self.records);
@@ -89,6 +94,9 @@ impl Crowd {
                 *word = value.to_bits();
             }
         });
+        if let Some(mirror) = &self.mirror {
+            mirror.copy(&mut self.records, true);
+        }
     }
 
     /// Pair sums of all liquid particles over liquid and wall, separations in units of `h`.
@@ -96,13 +104,20 @@ impl Crowd {
         sweep::rows(&self.records, &self.rows, self.grid.scale(h), pass, out);
     }
 
+    /// Whether record `j` is liquid or an image of it.
+    fn is_liquid(&self, j: usize) -> bool {
+        let images = |m: &Mirror| m.first..m.first + m.liquid.len();
+        let image = |m: &Mirror| images(m).contains(&j);
+        j < self.len() || self.mirror.as_ref().is_some_and(image)
+    }
+
     /// Calls `f` with the separation (own minus other) of every liquid neighbour of particle `i`
-    /// that is in its row.
+    /// that is in its row, images too.
     pub fn neighbours(&self, i: usize, mut f: impl FnMut([f64; 3])) {
         let own = self.records[i];
         for &j in self.rows.row(i) {
             let j = j as usize;
-            if j < self.len() && j != i {
+            if j != i && self.is_liquid(j) {
                 let other = self.records[j];
                 f([0, 1, 2]
                     .map(|k| own.at(k).wrapping_sub(other.at(k)) as f64 * self.grid.unit[k]));
@@ -123,12 +138,15 @@ impl Crowd {
     /// particles changes when neighbours are found anew; returns whether that happened.
     pub fn advance(&mut self, longest: f64, step: impl Fn(usize) -> [f64; 3] + Sync) -> bool {
         let n = self.len();
-        let grid = &self.grid;
+        let (grid, mirror) = (&self.grid, self.mirror.as_ref());
         let position = slots3(&mut self.position);
         parallel::each(n, |i| {
             for (k, dx) in step(i).into_iter().enumerate() {
                 let x = unsafe { position[k].at(i) };
                 *x = grid.wrap(k, *x + dx);
+                if let Some(back) = mirror.and_then(|m| m.planes.back(k, *x)) {
+                    *x = back;
+                }
             }
         });
         self.moved += longest;
@@ -152,35 +170,41 @@ impl Crowd {
         for x in &mut self.position {
             self.cells.permute(x, &mut scratch);
         }
+        let (n, cutoff) = (self.len(), self.support + SLACK);
+        if let Some(mirror) = &mut self.mirror {
+            mirror.find(&self.grid, &self.position, &self.wall, cutoff + SLACK);
+        }
+        let images = self.mirror.as_ref().map_or(0, Mirror::len);
+        let count = n + self.wall[0].len() + images + WIDTH;
         self.records.clear();
-        self.records
-            .resize(self.len() + self.wall[0].len() + WIDTH, Record::default());
-        self.place();
-        let n = self.len();
+        self.records.resize(count, Record::default());
         for j in 0..self.wall[0].len() {
             let x = [0, 1, 2].map(|k| self.wall[k][j]);
             self.records[n + j] = Record::new(self.grid.fix3(x), [0.0; 5]);
         }
+        self.place();
         for (a, fixed) in self.fixed.iter_mut().enumerate() {
             self.records
                 .par_iter()
                 .map(|r| r.at(a))
                 .collect_into_vec(fixed);
         }
+        let own = Source {
+            start: &self.cells.start,
+            offset: 0,
+        };
+        let wall = Source {
+            start: &self.wall_cells.start,
+            offset: n,
+        };
+        let [liquid, walls] = self.mirror.as_ref().map_or([own, wall], Mirror::sources);
+        let sources = [own, wall, liquid, walls];
+        let kinds = if self.mirror.is_some() { 4 } else { 2 };
         let search = Search {
             grid: &self.grid,
             at: &self.fixed,
-            sources: &[
-                Source {
-                    start: &self.cells.start,
-                    offset: 0,
-                },
-                Source {
-                    start: &self.wall_cells.start,
-                    offset: n,
-                },
-            ],
-            cutoff: self.support + SLACK,
+            sources: &sources[..kinds],
+            cutoff,
             each: &[],
         };
         self.rows.build(search, 0, &self.position);
@@ -198,6 +222,9 @@ impl Crowd {
                 *word = at as u32;
             }
         });
+        if let Some(mirror) = &self.mirror {
+            mirror.copy(&mut self.records, true);
+        }
     }
 }
 

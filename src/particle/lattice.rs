@@ -4,7 +4,8 @@
 //! cells along an axis is the nearest whole one, and the cells are stretched to fit, so that
 //! periodic sides match. A sphere or ellipsoid is cut out of a lattice centred ON a particle: d =
 //! 3.75 mm at s0 = 0.25 mm then holds the published 1791 particles, which are the lattice points
-//! with r <= 7.5 s0.
+//! with r <= 7.5 s0. Along an axis on which a mirror plane cuts it, the lattice stands half a spacing
+//! from that plane.
 
 use super::shape::{Form, Region, axes};
 use crate::scene::Dimension;
@@ -15,7 +16,7 @@ const ON_SURFACE: f64 = 1e-9;
 /// Positions of the lattice that fills `region`, m, x fastest, then y, then z.
 pub fn fill(region: &Region, spacing: f64) -> [Vec<f64>; 3] {
     match &region.form {
-        Form::Ellipsoid { semi_axes } => ellipsoid(region.dimension, *semi_axes, spacing),
+        Form::Ellipsoid { semi_axes } => ellipsoid(region, *semi_axes, spacing),
         Form::Block { low, high, .. } => block(region.dimension, *low, *high, spacing),
     }
 }
@@ -47,21 +48,30 @@ fn block(dimension: Dimension, low: [f64; 3], high: [f64; 3], spacing: f64) -> [
     position
 }
 
-fn ellipsoid(dimension: Dimension, semi_axes: [f64; 3], spacing: f64) -> [Vec<f64>; 3] {
-    let mut reach = [0; 3];
-    for &k in axes(dimension) {
-        reach[k] = (semi_axes[k] / spacing * (1.0 + ON_SURFACE)).floor() as i64;
+fn ellipsoid(region: &Region, semi_axes: [f64; 3], spacing: f64) -> [Vec<f64>; 3] {
+    let mut range = [[0, 0]; 3];
+    for &k in axes(region.dimension) {
+        let reach = semi_axes[k] / spacing * (1.0 + ON_SURFACE);
+        range[k] = match region.cut[k] {
+            None => [-(reach.floor() as i64), reach.floor() as i64],
+            Some(0) => [0, (reach - 0.5).floor() as i64],
+            Some(_) => [-((reach - 0.5).floor() as i64) - 1, -1],
+        };
     }
-    let term = |k: usize, i: i64| match reach[k] {
-        0 => 0.0,
-        _ => (i as f64 * spacing / semi_axes[k]).powi(2),
+    let at = |k: usize, i: i64| match region.cut[k] {
+        None => i as f64 * spacing,
+        Some(_) => (i as f64 + 0.5) * spacing,
+    };
+    let term = |k: usize, i: i64| match range[k] {
+        [0, 0] if region.cut[k].is_none() => 0.0,
+        _ => (at(k, i) / semi_axes[k]).powi(2),
     };
     let mut position = [const { Vec::new() }; 3];
-    for iz in -reach[2]..=reach[2] {
-        for iy in -reach[1]..=reach[1] {
-            for ix in -reach[0]..=reach[0] {
+    for iz in range[2][0]..=range[2][1] {
+        for iy in range[1][0]..=range[1][1] {
+            for ix in range[0][0]..=range[0][1] {
                 if term(0, ix) + term(1, iy) + term(2, iz) <= 1.0 + ON_SURFACE {
-                    push(&mut position, [ix, iy, iz].map(|i| i as f64 * spacing));
+                    push(&mut position, [at(0, ix), at(1, iy), at(2, iz)]);
                 }
             }
         }

@@ -108,7 +108,7 @@ impl<K: Kernel> Pass<3> for Transposed<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
         unsafe {
-            let slope = L::mul(K::slope_lanes::<L>(L::sqrt(pair.q2)), pair.other[0]);
+            let slope = L::mul(K::slope_lanes::<L>(L::sqrt(pair.q2)), pair.other[3]);
             for k in 0..3 {
                 sum[k] = L::fma(slope, pair.d[k], sum[k]);
             }
@@ -128,9 +128,9 @@ impl<K: Kernel> Pass<1> for Direct<K> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
             let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let mut dot = L::mul(pair.d[0], pair.other[1]);
-            dot = L::fma(pair.d[1], pair.other[2], dot);
-            dot = L::fma(pair.d[2], pair.other[3], dot);
+            let mut dot = L::mul(pair.d[0], pair.other[0]);
+            dot = L::fma(pair.d[1], pair.other[1], dot);
+            dot = L::fma(pair.d[2], pair.other[2], dot);
             sum[0] = L::fma(slope, dot, sum[0]);
         }
     }
@@ -263,7 +263,7 @@ fn transposed<K: Kernel>(
     lambda: &[f32],
     out: &mut [[f32; 3]],
 ) {
-    crowd.load(|i| [lambda[i], 0.0, 0.0, 0.0, 0.0]);
+    crowd.load(|i| [0.0, 0.0, 0.0, lambda[i], 0.0]);
     crowd.sum(measure.h, &Transposed(measure), out);
     let slots = Slots::new(out);
     parallel::each(lambda.len(), |i| {
@@ -282,7 +282,7 @@ fn direct<K: Kernel>(
     step: &[[f32; 3]],
     out: &mut [f32],
 ) {
-    crowd.load(|i| [0.0, step[i][0], step[i][1], step[i][2], 0.0]);
+    crowd.load(|i| [step[i][0], step[i][1], step[i][2], 0.0, 0.0]);
     crowd.sum(measure.h, &Direct(measure), out);
     let slots = Slots::new(out);
     parallel::each(step.len(), |i| {

@@ -41,6 +41,9 @@ pub fn sample(region: &Region, count: usize, seed: u64) -> [Vec<f64>; 3] {
 /// Volume of the region that is sampled.
 fn inner_volume(region: &Region) -> f64 {
     use super::shape::{Face, Form};
+    if region.cut.iter().any(Option::is_some) {
+        return cut_volume(region);
+    }
     let inner = match &region.form {
         Form::Ellipsoid { semi_axes } => Form::Ellipsoid {
             semi_axes: semi_axes.map(|a| (a - INSET).max(1e-3 * a)),
@@ -48,7 +51,7 @@ fn inner_volume(region: &Region) -> f64 {
         Form::Block { low, high, face } => {
             let margin = |k: usize, side: usize| match face[k][side] {
                 Face::Periodic => 0.0,
-                Face::Free | Face::Wall => INSET.min(0.49 * (high[k] - low[k])),
+                Face::Free | Face::Wall | Face::Mirror => INSET.min(0.49 * (high[k] - low[k])),
             };
             Form::Block {
                 low: [0, 1, 2].map(|k| low[k] + margin(k, 0)),
@@ -60,8 +63,29 @@ fn inner_volume(region: &Region) -> f64 {
     Region {
         dimension: region.dimension,
         form: inner,
+        cut: region.cut,
     }
     .volume()
+}
+
+/// The same of an ellipsoid that is cut, by points: planes and surface are inset.
+fn cut_volume(region: &Region) -> f64 {
+    const POINTS: usize = 48;
+    let (low, high) = region.bounds();
+    let axes = region.axes();
+    let count = POINTS.pow(axes.len() as u32);
+    let inside = |index: &usize| {
+        let (mut x, mut rest) = ([0.0; 3], *index);
+        for &k in axes {
+            let part = ((rest % POINTS) as f64 + 0.5) / POINTS as f64;
+            x[k] = low[k] + part * (high[k] - low[k]);
+            rest /= POINTS;
+        }
+        region.contains(x, INSET)
+    };
+    let found = (0..count).filter(inside).count() as f64;
+    let whole: f64 = axes.iter().map(|&k| high[k] - low[k]).product();
+    whole * found.max(1.0) / count as f64
 }
 
 /// A few cell coordinates along an axis with squared distances to them.

@@ -16,6 +16,8 @@ pub enum Face {
     Wall,
     /// The region itself, again.
     Periodic,
+    /// The image of the region.
+    Mirror,
 }
 
 /// Form of a region, m.
@@ -36,6 +38,9 @@ pub enum Form {
 pub struct Region {
     pub dimension: Dimension,
     pub form: Form,
+    /// Along each axis the side of a mirror plane through the centre of an ellipsoid: the liquid
+    /// lies on the other side.
+    pub cut: [Option<usize>; 3],
 }
 
 impl Region {
@@ -58,6 +63,7 @@ impl Region {
         Region {
             dimension: scene.dimension,
             form,
+            cut: scene.bodies[body].shape.cuts(domain),
         }
     }
 
@@ -76,6 +82,7 @@ impl Region {
         Region {
             dimension: self.dimension,
             form,
+            cut: self.cut,
         }
     }
 
@@ -87,10 +94,13 @@ impl Region {
     /// m^3, or m^2 in 2-D.
     pub fn volume(&self) -> f64 {
         match &self.form {
-            Form::Ellipsoid { semi_axes: a } => match self.dimension {
-                Dimension::Two => std::f64::consts::PI * a[0] * a[2],
-                Dimension::Three => 4.0 / 3.0 * std::f64::consts::PI * a[0] * a[1] * a[2],
-            },
+            Form::Ellipsoid { semi_axes: a } => {
+                let whole = match self.dimension {
+                    Dimension::Two => std::f64::consts::PI * a[0] * a[2],
+                    Dimension::Three => 4.0 / 3.0 * std::f64::consts::PI * a[0] * a[1] * a[2],
+                };
+                whole * 0.5f64.powi(self.cut.iter().flatten().count() as i32)
+            }
             Form::Block { low, high, .. } => {
                 self.axes().iter().map(|&k| high[k] - low[k]).product()
             }
@@ -103,10 +113,34 @@ impl Region {
             Form::Ellipsoid { semi_axes: a } => (a.map(|a| -a), *a),
             Form::Block { low, high, .. } => (*low, *high),
         };
+        for (k, side) in self.cut.into_iter().enumerate() {
+            match side {
+                Some(0) => low[k] = 0.0,
+                Some(_) => high[k] = 0.0,
+                None => {}
+            }
+        }
         if self.dimension == Dimension::Two {
             (low[1], high[1]) = (0.0, 0.0);
         }
         (low, high)
+    }
+
+    /// Mirror planes, `[low, high]` of each axis, m.
+    pub fn mirrors(&self) -> [[Option<f64>; 2]; 3] {
+        match &self.form {
+            Form::Ellipsoid { .. } => {
+                let plane = |k: usize, side: usize| (self.cut[k] == Some(side)).then_some(0.0);
+                [0, 1, 2].map(|k| [plane(k, 0), plane(k, 1)])
+            }
+            Form::Block { low, high, face } => {
+                let plane = |k: usize, side: usize| {
+                    let is = face[k][side] == Face::Mirror;
+                    is.then_some([low[k], high[k]][side])
+                };
+                [0, 1, 2].map(|k| [plane(k, 0), plane(k, 1)])
+            }
+        }
     }
 
     /// Period along each axis, m; `None` where the region does not repeat.
@@ -138,12 +172,20 @@ impl Region {
         }
     }
 
-    /// Is `x` in the region when free surfaces and walls are moved inwards by `inset` (m)?
+    /// Is `x` in the region when free surfaces, walls and mirrors are moved inwards by `inset` (m)?
     /// The ellipsoid is shrunk along its axes, which is exact for a sphere.
     pub fn contains(&self, x: [f64; 3], inset: f64) -> bool {
         match &self.form {
             Form::Ellipsoid { semi_axes } => {
                 let shrunk = |k: usize| (semi_axes[k] - inset).max(1e-3 * semi_axes[k]);
+                let beyond = |k: &usize| match self.cut[*k] {
+                    Some(0) => x[*k] < inset,
+                    Some(_) => x[*k] > -inset,
+                    None => false,
+                };
+                if self.axes().iter().any(beyond) {
+                    return false;
+                }
                 self.axes()
                     .iter()
                     .map(|&k| (x[k] / shrunk(k)).powi(2))
@@ -153,7 +195,7 @@ impl Region {
             Form::Block { low, high, face } => self.axes().iter().all(|&k| {
                 let margin = |side: usize| match face[k][side] {
                     Face::Periodic => 0.0,
-                    Face::Free | Face::Wall => inset.min(0.49 * (high[k] - low[k])),
+                    Face::Free | Face::Wall | Face::Mirror => inset.min(0.49 * (high[k] - low[k])),
                 };
                 x[k] >= low[k] + margin(0) && x[k] < high[k] - margin(1)
             }),
@@ -186,6 +228,7 @@ fn faces(domain: &Domain, k: usize, extent: [f64; 2], near: f64) -> [Face; 2] {
     ];
     let face = |side: usize| match domain.boundary[k][side] {
         Side::Wall if touches[side] => Face::Wall,
+        Side::Mirror if touches[side] => Face::Mirror,
         Side::Periodic if touches[0] && touches[1] => Face::Periodic,
         _ => Face::Free,
     };

@@ -3,7 +3,7 @@
 //! They sit on the lattice that the box itself would have, first layer half a spacing outside, and
 //! take part in every sum of the method. Corners and edges where walls meet are filled; a wall that
 //! ends at an open side goes on beyond it by the same depth, so that the last liquid inside still
-//! sees all of it.
+//! sees all of it. At a mirror plane it ends: what is behind are images.
 
 use super::Wall;
 use super::lattice::cells;
@@ -30,7 +30,10 @@ pub fn build_layers(scene: &Scene, layers: usize) -> Wall {
     let mut range = [[0, 1]; 3];
     for &k in axes(scene.dimension) {
         (count[k], pitch[k]) = cells(domain.size[k], scene.pack.spacing);
-        let extra = |side: Side| if side == Side::Periodic { 0 } else { depth };
+        let extra = |side: Side| match side {
+            Side::Periodic | Side::Mirror => 0,
+            Side::Open | Side::Wall => depth,
+        };
         range[k] = [
             -extra(domain.boundary[k][0]),
             count[k] + extra(domain.boundary[k][1]),

@@ -18,6 +18,8 @@ const PARTICLES: f64 = 4e9;
 const FRAMES: f64 = 1e6;
 /// Lengths that differ by less, relatively, are equal: they come from decimal texts.
 const EQUAL: f64 = 1e-9;
+/// Supports of the widest sum between two mirrors at least, with room for lists.
+const MIRRORED: f64 = 1.5;
 
 /// Checks `scene`; `root` leads to the places, `folder` holds the file.
 pub fn scene(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), SceneError> {
@@ -25,6 +27,7 @@ pub fn scene(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), Scen
     overlaps(scene, root)?;
     spacing(scene, root)?;
     periodic_reach(scene, root)?;
+    mirrors(scene, root)?;
     vortices(scene, root)?;
     wetting(scene, root)?;
     times(scene, root)?;
@@ -198,10 +201,14 @@ fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
     axes.filter(|axis| scene.domain.boundary[*axis][0] == Side::Periodic)
 }
 
+/// Support of the widest sum, m.
+fn widest(scene: &Scene) -> f64 {
+    2.0 * scene.method.sph().smoothing * scene.pack.spacing * scene.widest()
+}
+
 /// A particle must not see itself, nor one neighbour twice, through periodic sides.
 fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    let settings = scene.method.sph();
-    let reach = 2.0 * settings.smoothing * scene.pack.spacing * scene.widest();
+    let reach = widest(scene);
     for axis in periodic_axes(scene) {
         if scene.domain.size[axis] < 2.0 * reach {
             let problem = format!(
@@ -213,6 +220,29 @@ fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
                 human(rounded(2.0 * reach), Unit::Length)
             );
             return Err(root.nearest("box.size").fault(&problem, &remedy));
+        }
+    }
+    Ok(())
+}
+
+/// An image must not be near the next plane, and nothing may break the symmetry.
+fn mirrors(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    let reach = widest(scene);
+    for &axis in scene.dimension.axes() {
+        if scene.domain.fold(axis).is_none() {
+            continue;
+        }
+        let name = AXES[axis];
+        let place = root.nearest(&format!("box.{name}"));
+        if let Some((what, remedy)) = super::symmetry::crosswise(scene, axis) {
+            return Err(place.fault(&format!("has a mirror, but {what}"), &remedy));
+        }
+        if scene.domain.size[axis] < MIRRORED * reach {
+            let problem = format!("has mirrors in {name}, over less than {MIRRORED} kernels");
+            let least = human(rounded(MIRRORED * reach), Unit::Length);
+            return Err(root
+                .nearest("box.size")
+                .fault(&problem, &format!("make it at least {least}")));
         }
     }
     Ok(())

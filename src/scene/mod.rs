@@ -21,6 +21,7 @@ mod resolve;
 pub mod schema;
 mod shape;
 mod sph;
+mod symmetry;
 mod tree;
 mod wetting;
 
@@ -56,6 +57,8 @@ pub enum Side {
     Open,
     /// No-slip wall made of fixed particles outside the box.
     Wall,
+    /// Plane of symmetry (x and y): the liquid's image lies behind it, see [`symmetry`].
+    Mirror,
 }
 
 /// The box `[0, size_x] x [0, size_y] x [0, size_z]`, m. In 2-D `size[1] == 0` and y is periodic.

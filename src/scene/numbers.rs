@@ -223,10 +223,12 @@ pub fn count(scene: &Scene, body: usize) -> u64 {
         let volume = shape.volume(&scene.domain, scene.dimension);
         return (volume / cell).round() as u64;
     }
+    let [x, y, _] = shape.cuts(&scene.domain).map(|side| side.is_some());
     match shape {
-        Shape::Sphere { radius, .. } => lattice(scene.dimension, [radius / spacing; 3]),
+        Shape::Sphere { radius, .. } => lattice(scene.dimension, [radius / spacing; 3], [x, y]),
         Shape::Ellipsoid { semi_axes, .. } => {
-            lattice(scene.dimension, semi_axes.map(|axis| axis / spacing))
+            let semi_axes = semi_axes.map(|axis| axis / spacing);
+            lattice(scene.dimension, semi_axes, [x, y])
         }
         _ => {
             let (low, high) = shape.bounds(&scene.domain, scene.dimension);

@@ -5,7 +5,7 @@ use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
     Arrangement, Colour, Dimension, Domain, Effects, Frames, Impact, Pack, Post, Reference, Relax,
-    Scene, Side, Wetting, body, preset,
+    Scene, Side, Wetting, body, preset, symmetry,
 };
 
 /// Keys of `[box]` for the sides of each axis.
@@ -18,7 +18,7 @@ pub fn scene(root: &Cursor<'_>, name: &str) -> Result<Scene, SceneError> {
     let dimension = dimension(root)?;
     let domain = domain(&root.need("box")?, dimension)?;
     let bodies = body::all(&root.need("body")?, dimension, &domain)?;
-    Ok(Scene {
+    let mut scene = Scene {
         name: name.to_string(),
         title: root.text_at("title")?.to_string(),
         dimension,
@@ -32,7 +32,9 @@ pub fn scene(root: &Cursor<'_>, name: &str) -> Result<Scene, SceneError> {
         post: post(&root.need("post")?)?,
         method: preset::method(root)?,
         domain,
-    })
+    };
+    symmetry::cut(&mut scene, root)?;
+    Ok(scene)
 }
 
 fn dimension(root: &Cursor<'_>) -> Result<Dimension, SceneError> {
@@ -80,6 +82,7 @@ fn sides(value: &Cursor<'_>) -> Result<[Side; 2], SceneError> {
     let side = |item: &Cursor<'_>| match item.text()? {
         "periodic" => Ok(Side::Periodic),
         "open" => Ok(Side::Open),
+        "mirror" => Ok(Side::Mirror),
         _ => Ok(Side::Wall),
     };
     let sides = match value.items().as_slice() {
@@ -90,7 +93,7 @@ fn sides(value: &Cursor<'_>) -> Result<[Side; 2], SceneError> {
     if periodic == 1 {
         return Err(value.fault(
             "is periodic on one side only",
-            "write \"periodic\" for the axis, or wall or open for both sides",
+            "write \"periodic\" for the axis, or another word for both sides",
         ));
     }
     Ok(sides)

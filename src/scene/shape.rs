@@ -10,7 +10,8 @@ impl Shape {
         matches!(self, Shape::Sphere { .. } | Shape::Ellipsoid { .. })
     }
 
-    /// Lowest and highest corner of the bounding box, m. y is 0 throughout in 2-D.
+    /// Lowest and highest corner of the bounding box, m, of what is inside mirror planes. y is 0
+    /// throughout in 2-D.
     pub fn bounds(&self, domain: &Domain, dimension: Dimension) -> ([f64; 3], [f64; 3]) {
         let around = |centre: &[f64; 3], half: [f64; 3]| {
             let low = std::array::from_fn(|axis| centre[axis] - half[axis]);
@@ -23,13 +24,20 @@ impl Shape {
             Shape::Block { low, high } => (*low, *high),
             Shape::Layer { depth } => ([0.0; 3], [domain.size[0], domain.size[1], *depth]),
         };
+        for (axis, side) in self.cuts(domain).into_iter().enumerate() {
+            match side {
+                Some(0) => low[axis] = 0.0,
+                Some(_) => high[axis] = domain.size[axis],
+                None => {}
+            }
+        }
         if dimension == Dimension::Two {
             (low[1], high[1]) = (0.0, 0.0);
         }
         (low, high)
     }
 
-    /// Volume, m^3; area, m^2, in 2-D.
+    /// Volume inside mirror planes, m^3; area, m^2, in 2-D.
     pub fn volume(&self, domain: &Domain, dimension: Dimension) -> f64 {
         let (low, high) = self.bounds(domain, dimension);
         let [x, y, z] = std::array::from_fn(|axis| high[axis] - low[axis]);
@@ -44,12 +52,12 @@ impl Shape {
         }
     }
 
-    /// Radius of the sphere (3-D) or disc (2-D) of the same volume, m.
+    /// Radius of the sphere (3-D) or disc (2-D) of the volume of the whole body, m.
     pub fn equivalent_radius(&self, domain: &Domain, dimension: Dimension) -> f64 {
         if let Shape::Sphere { radius, .. } = self {
             return *radius;
         }
-        let volume = self.volume(domain, dimension);
+        let volume = self.parts(domain) * self.volume(domain, dimension);
         match dimension {
             Dimension::Two => (volume / PI).sqrt(),
             Dimension::Three => (volume / (4.0 / 3.0 * PI)).cbrt(),
@@ -88,19 +96,22 @@ impl Dimension {
     }
 }
 
-/// Points of the unit lattice about the origin inside an ellipsoid, its surface included.
-pub(super) fn lattice(dimension: Dimension, semi_axes: [f64; 3]) -> u64 {
+/// Points of the unit lattice about the origin inside an ellipsoid, its surface included; along
+/// axes that are cut the lattice stands half a cell from the plane, and one side counts.
+pub(super) fn lattice(dimension: Dimension, semi_axes: [f64; 3], is_cut: [bool; 2]) -> u64 {
     let [x, y, z] = semi_axes;
-    let reach = |axis: f64| (axis + 1e-9).floor() as i64;
-    let across = if dimension == Dimension::Two {
-        0
-    } else {
-        reach(y)
+    let off = is_cut.map(|cut| if cut { 0.5 } else { 0.0 });
+    let reach = |axis: f64, a: usize| (axis - off[a] + 1e-9).floor() as i64;
+    let from = |axis: f64, a: usize| if is_cut[a] { 0 } else { -reach(axis, a) };
+    let across = match dimension {
+        Dimension::Two => 0..=0,
+        Dimension::Three => from(y, 1)..=reach(y, 1),
     };
     let mut count = 0;
-    for i in -reach(x)..=reach(x) {
-        for j in -across..=across {
-            let left = 1.0 - (i as f64 / x).powi(2) - (j as f64 / y).powi(2);
+    for i in from(x, 0)..=reach(x, 0) {
+        for j in across.clone() {
+            let (i, j) = (i as f64 + off[0], j as f64 + off[1]);
+            let left = 1.0 - (i / x).powi(2) - (j / y).powi(2);
             if left >= -1e-12 {
                 count += 2 * (z * left.max(0.0).sqrt() + 1e-9).floor() as u64 + 1;
             }

@@ -2,12 +2,14 @@
 //!
 //! Reading order: [`grid`] (fixed-point positions and cells), [`sort`] (particles along cells),
 //! [`column`] (cells about a point), [`dilate`] (largest values about a cell), [`row`] (neighbour
-//! lists), [`sweep`] (pair sums over lists or over cell runs), [`lane`].
+//! lists), [`sweep`] (pair sums over lists or over cell runs), [`mirror`] (images of points),
+//! [`lane`].
 
 pub mod column;
 pub mod dilate;
 pub mod grid;
 pub mod lane;
+pub mod mirror;
 pub mod parallel;
 pub mod row;
 pub mod sort;

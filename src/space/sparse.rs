@@ -44,6 +44,8 @@ pub struct Layout<'a> {
     pub member: &'a [u32],
     /// Unknown of each wall particle.
     pub unknown: &'a [u32],
+    /// First image record, and the record that each is an image of: it has no unknown of its own.
+    pub images: (usize, &'a [u32]),
     pub scale: [f32; 3],
 }
 
@@ -55,6 +57,16 @@ impl Layout<'_> {
 
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The record that record `j` is an image of, or itself.
+    #[inline(always)]
+    fn original(&self, j: usize) -> usize {
+        let (first, source) = self.images;
+        match j < first {
+            true => j,
+            false => source[j - first] as usize,
+        }
     }
 }
 
@@ -216,7 +228,7 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
             let mut weight = [0.0f32; WIDTH];
             std::ptr::write_unaligned(weight.as_mut_ptr() as *mut L::F, lanes);
             for (w, &j) in weight.into_iter().zip(group) {
-                let j = j as usize;
+                let j = layout.original(j as usize);
                 if w == 0.0 || (j >= n && target >= n) {
                     continue;
                 }

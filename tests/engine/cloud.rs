@@ -61,6 +61,7 @@ impl Cloud {
             start: &[],
             member: &[],
             unknown: &[],
+            images: self.flow.image_sources(),
             scale: self.flow.grid.scale(self.h),
         }
     }

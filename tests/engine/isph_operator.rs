@@ -237,6 +237,7 @@ fn the_completed_closure_is_exact_for_the_depth_below_a_lattice() {
             member: &[],
             unknown: &[],
             scale: flow.grid.scale(h),
+            images: (usize::MAX, &[]),
         };
         let (mut sparse, mut degree, mut sums) = (Sparse::default(), Vec::new(), Vec::new());
         sparse.build(

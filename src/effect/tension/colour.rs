@@ -33,6 +33,7 @@ impl Tension {
                     self.payload[1][i] = c as f32;
                 }
             }
+            flow.share(&mut self.payload[stage]);
             self.scalars = sums;
         }
         self.wider = wider;

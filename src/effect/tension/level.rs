@@ -59,9 +59,10 @@ impl Tension {
     pub(super) fn lift<K: Kernel>(&mut self, flow: &Surface) {
         let mut bends = std::mem::take(&mut self.bends);
         bends.resize(self.stressed.index.len(), [0.0; 7]);
-        let sources = [self.stressed.source()];
+        let sources = self.stressed.sources();
+        let sources = &sources[..self.stressed.kinds()];
         let field = self.field(flow, self.length);
-        let field = self.stressed.field(field, &sources, &self.stressed.u);
+        let field = self.stressed.field(field, sources, &self.stressed.u);
         let pass = Curvature::<K>(PhantomData);
         sweep::runs(field, &self.stressed.index, &pass, &mut bends);
         let Stressed { u, stress, .. } = &mut self.stressed;
@@ -73,6 +74,7 @@ impl Tension {
             let lifted = lifted(root, &bends[k], depths, self.dimension);
             (0..6).for_each(|c| *unsafe { stress[c].at(k) } = lifted[c] as f32);
         });
+        self.stressed.turn_stress();
         self.bends = bends;
     }
 }

@@ -17,6 +17,7 @@ impl Tension {
             + 4 * (self.stressed.index.capacity()
                 + self.scalars.capacity()
                 + self.stressed.start.capacity())
+            + self.stressed.images.memory()
             + self.band.memory()
             + self.wetting.as_ref().map_or(0, Wetting::memory)
     }

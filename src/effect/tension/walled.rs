@@ -18,11 +18,11 @@ impl Tension {
         let n = flow.density.len();
         self.payload[0][..n].fill(1.0);
         self.payload[0][n..n + wetting.colour.len()].copy_from_slice(&wetting.colour);
-        let wall = Wetting::wall(flow);
+        flow.share(&mut self.payload[0]);
         let mut normals = std::mem::take(&mut self.normals);
         let all = self.field(flow, self.length);
         let liquid = Field {
-            sources: &flow.sources[..1],
+            sources: flow.of_liquid(),
             ..all
         };
         normals.resize(self.near.len(), Default::default());
@@ -34,7 +34,7 @@ impl Tension {
         );
         wetting.walls.resize(self.near.len(), Default::default());
         let walled = Field {
-            sources: wall,
+            sources: flow.of_wall(),
             ..all
         };
         sweep::runs(
@@ -94,9 +94,10 @@ impl Tension {
         for (&j, (root, _)) in wetting.near.iter().zip(&wetting.normals) {
             (0..3).for_each(|a| self.payload[a][n + j as usize] = root[a]);
         }
+        flow.turn(&mut self.payload);
         wetting.force.resize(force.len(), [0.0; 3]);
         let field = Field {
-            sources: Wetting::wall(flow),
+            sources: flow.of_wall(),
             ..self.field(flow, self.length)
         };
         sweep::runs(field, &self.reached, pass, &mut wetting.force);

@@ -8,21 +8,46 @@ use crate::space::parallel::{Slots, each};
 use rayon::prelude::*;
 
 impl Flow {
-    /// Writes all records: current positions, payloads by liquid index and by wall index.
+    /// Writes all records: current positions, payloads by liquid index and by wall index. The
+    /// first three payloads are a vector: images turn it.
     pub fn pack(
         &mut self,
         liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
         wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
     ) {
+        self.write(liquid, wall);
+        if let Some(mirror) = &self.mirror {
+            mirror.copy(&mut self.records, true);
+        }
+    }
+
+    /// The same for payloads without a vector.
+    pub fn pack_scalars(
+        &mut self,
+        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
+        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
+    ) {
+        self.write(liquid, wall);
+        if let Some(mirror) = &self.mirror {
+            mirror.copy(&mut self.records, false);
+        }
+    }
+
+    fn write(
+        &mut self,
+        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
+        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
+    ) {
         let (n, m) = (self.liquid(), self.walls());
-        self.records.resize(n + m + WIDTH, Record::default());
+        let count = n + m + self.images() + WIDTH;
+        self.records.resize(count, Record::default());
         let (p, w) = (&self.particles, &self.wall);
         let (own, rest) = self.records.split_at_mut(n);
         write(&self.grid, &p.position, own, |i| liquid(p, i));
         write(&self.grid, &w.position, &mut rest[..m], |i| wall(w, i));
     }
 
-    /// The same when nothing has moved since.
+    /// [`Flow::pack`] when nothing has moved since.
     pub fn repack(
         &mut self,
         liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
@@ -34,15 +59,21 @@ impl Flow {
         each(w.position[0].len(), |i| {
             unsafe { records.at(n + i) }.carry(wall(w, i))
         });
+        if let Some(mirror) = &self.mirror {
+            mirror.copy(&mut self.records, true);
+        }
     }
 
-    /// Rewrites the payloads of the wall records.
+    /// Rewrites the payloads of the wall records, vectors first.
     pub fn pack_wall(&mut self, wall: impl Fn(usize) -> [f32; 5] + Sync) {
         let n = self.liquid();
         let records = Slots::new(&mut self.records);
         each(self.wall.position[0].len(), |i| {
             unsafe { records.at(n + i) }.carry(wall(i))
         });
+        if let Some(mirror) = &self.mirror {
+            mirror.copy_wall(&mut self.records, true);
+        }
     }
 }
 

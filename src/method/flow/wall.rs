@@ -1,4 +1,4 @@
-//! No particle gets through a wall.
+//! No particle gets through a wall or a mirror plane.
 
 use super::Flow;
 use crate::scene::Side;
@@ -28,6 +28,27 @@ impl Flow {
                     (*x, *v) = (0.0, v.max(0.0));
                 } else if high && *x > size + deep {
                     (*x, *v) = (size, v.min(0.0));
+                }
+            });
+        }
+    }
+
+    /// Reflects whoever is beyond a mirror plane, velocity too.
+    pub(super) fn fold_back(&mut self, turned: impl Fn(usize, usize) + Sync) {
+        let Some(mirror) = &self.mirror else {
+            return;
+        };
+        let (n, p) = (self.particles.len(), &mut self.particles);
+        for a in 0..3 {
+            let (at, velocity) = (
+                Slots::new(&mut p.position[a]),
+                Slots::new(&mut p.velocity[a]),
+            );
+            each(n, |i| {
+                let (x, v) = unsafe { (at.at(i), velocity.at(i)) };
+                if let Some(inside) = mirror.planes.back(a, *x) {
+                    (*x, *v) = (inside, -*v);
+                    turned(i, a);
                 }
             });
         }

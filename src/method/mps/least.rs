@@ -16,7 +16,7 @@ impl Projection<Mps> {
         }
         let (x, walls, marks) = (&self.unknown, &self.walls, &self.marks);
         let least = &self.scheme.least;
-        self.flow.pack(
+        self.flow.pack_scalars(
             |_, i| {
                 let q = match gradient {
                     MpsGradient::Symmetric => 0.0,
@@ -37,8 +37,8 @@ impl Projection<Mps> {
     fn find_least(&mut self) {
         let n = self.flow.liquid();
         let (flow, walls, x) = (&self.flow, &self.walls, &self.unknown);
-        let pressure = |j: usize| match j.checked_sub(n) {
-            None => x[j],
+        let pressure = |j: usize| match flow.original(j).checked_sub(n) {
+            None => x[flow.original(j)],
             Some(w) => x[n + walls.group[w] as usize] + walls.offset[w] as f64,
         };
         let square = (self.scheme.radius * self.case.spacing).powi(2);

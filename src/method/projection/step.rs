@@ -108,12 +108,7 @@ impl<S: Scheme> Projection<S> {
     /// Wraps, removes, sorts along cells, finds neighbours.
     fn rebuild(&mut self) {
         let (domain, position) = (&self.case.domain, &self.flow.particles.position);
-        let crosses = |i: usize| {
-            (0..2).any(|a| {
-                let x = position[a][i];
-                domain.size[a] > 0.0 && (x < 0.0 || x >= domain.size[a])
-            })
-        };
+        let crosses = |i: usize| (0..2).any(|a| domain.is_crossed(a, position[a][i]));
         let (around, sums) = (&self.around, self.sum_factor());
         let mist = &mut self.scratch.mist;
         mist.clear();
@@ -121,7 +116,9 @@ impl<S: Scheme> Projection<S> {
             let is = |i: usize| crosses(i) && self.step > 0 && sums * around[i].kernel < MIST;
             mist.extend((0..around.len()).map(is));
         }
-        if let Some(keep) = self.flow.confine(|i| self.pool && mist[i]) {
+        // All vectors that are held are made anew before they are used.
+        let doomed = |i: usize| self.pool && mist[i];
+        if let Some(keep) = self.flow.confine(doomed, |_, _| ()) {
             retain(&mut self.pressure, &keep);
             retain(&mut self.around, &keep);
         }
@@ -150,7 +147,8 @@ impl<S: Scheme> Projection<S> {
         // In the order of the walls: that of rows changes with the liquid.
         let own = |j: usize| {
             let others = rows.row(j).iter().map(|k| *k as usize);
-            let mut others: Vec<usize> = others.filter(|k| *k >= n && *k != n + j).collect();
+            let is_wall = |k: &usize| self.flow.original(*k) >= n && *k != n + j;
+            let mut others: Vec<usize> = others.filter(is_wall).collect();
             others.sort_unstable();
             add(n + j, n + j) + others.into_iter().map(|k| add(n + j, k)).sum::<f64>()
         };
@@ -225,7 +223,7 @@ impl<S: Scheme> Projection<S> {
         let out = Slots::new(&mut marks);
         each(n, |i| *unsafe { out.at(i) } = f32::from(self.is_surface(i)));
         self.flow
-            .pack(|_, i| [marks[i], 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+            .pack_scalars(|_, i| [marks[i], 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
         self.marks = marks;
         let scale = self.scale();
         let (records, rows) = (&self.flow.records, &self.flow.rows);

@@ -143,6 +143,7 @@ impl Walls {
             start: &self.start,
             member: &self.member,
             unknown: &self.unknown,
+            images: flow.image_sources(),
             scale: flow.grid.scale(h),
         }
     }

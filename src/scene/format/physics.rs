@@ -6,22 +6,34 @@ const POINT: Kind = Kind::List(&Kind::Quantity(Unit::Length, Range::Any), 2, 3);
 const SIZES: Kind = Kind::List(&LENGTH, 2, 3);
 const VELOCITY: Kind = Kind::List(&Kind::Quantity(Unit::Speed, Range::Any), 2, 3);
 const SIDE: Kind = Kind::Word(&["periodic", "wall", "open"]);
+const LATERAL: Kind = Kind::Word(&["periodic", "wall", "open", "mirror"]);
+const LATERALS: Kind = Kind::Either(&[LATERAL, Kind::List(&LATERAL, 2, 2)]);
 const SIDES: Kind = Kind::Either(&[SIDE, Kind::List(&SIDE, 2, 2)]);
 
 pub static BOX: &[Field] = &[
     required("size", SIZES, "Lengths along x, y, z (x, z in 2-D)."),
     default(
         "x",
-        SIDES,
+        LATERALS,
         "\"periodic\"",
-        "Low and high side in x: periodic, wall or open.",
+        "Low and high side in x: periodic, wall, open or mirror.",
     ),
-    default("y", SIDES, "\"periodic\"", "Low and high side in y (3-D)."),
+    default(
+        "y",
+        LATERALS,
+        "\"periodic\"",
+        "Low and high side in y (3-D).",
+    ),
     default(
         "z",
         SIDES,
         "[\"wall\", \"open\"]",
         "Low and high side in z.",
+    ),
+    optional(
+        "symmetry",
+        Kind::Word(&["half", "quarter"]),
+        "Simulates a part of a symmetric scene: half in x, or a quarter in x and y.",
     ),
     default(
         "wall_velocity",

@@ -1,5 +1,6 @@
 //! Settings of bodies.
 
+use super::super::resolve::{AXES, ENDS};
 use super::super::{Body, Dimension, Motion, Scene, Shape};
 use super::flow::walls;
 use super::{List, Unit};
@@ -7,6 +8,12 @@ use super::{List, Unit};
 /// What the packing of a body depends on: its size, and the box if it stands in it.
 pub(super) fn size(list: &mut List, scene: &Scene, body: &Body) {
     form(list, scene, body, "body");
+    for (axis, side) in body.shape.cuts(&scene.domain).into_iter().enumerate() {
+        if let Some(side) = side {
+            let (axis, end) = (AXES[axis], ENDS[side]);
+            list.text(&format!("box.{axis}"), &format!("body.cut.{axis}"), end);
+        }
+    }
     if !body.shape.is_free() {
         place(list, scene, body, "body");
         walls(list, scene);

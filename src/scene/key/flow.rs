@@ -97,6 +97,7 @@ fn side(side: Side) -> &'static str {
         Side::Periodic => "periodic",
         Side::Open => "open",
         Side::Wall => "wall",
+        Side::Mirror => "mirror",
     }
 }
 

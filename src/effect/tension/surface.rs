@@ -1,0 +1,53 @@
+//! What the tension reads of a flow.
+
+use crate::space::grid::Grid;
+use crate::space::mirror::Mirror;
+use crate::space::sort::Cells;
+use crate::space::sweep::Source;
+
+/// What the effect reads of a flow.
+pub struct Surface<'a> {
+    pub grid: &'a Grid,
+    pub liquid: &'a Cells,
+    /// Fixed-point coordinates of liquid, wall and images, and eight spare ones.
+    pub at: &'a [Vec<i32>; 3],
+    /// Liquid, its images, wall, its images: those that there are.
+    pub sources: &'a [Source<'a>],
+    /// How many of them are liquid and its images: the first.
+    pub liquid_sources: usize,
+    /// Images behind mirror planes; `at` holds them after the wall.
+    pub mirror: Option<&'a Mirror>,
+    pub position: &'a [Vec<f64>; 3],
+    /// Positions of the wall particles, m.
+    pub wall: &'a [Vec<f64>; 3],
+    pub density: &'a [f64],
+    pub mass: f64,
+    /// What two particles may have approached since the sort, m.
+    pub slack: f64,
+}
+
+impl<'a> Surface<'a> {
+    /// The liquid and its images among the sources.
+    pub fn of_liquid(&self) -> &'a [Source<'a>] {
+        &self.sources[..self.liquid_sources]
+    }
+
+    /// The wall and its images among the sources.
+    pub fn of_wall(&self) -> &'a [Source<'a>] {
+        &self.sources[self.liquid_sources..]
+    }
+
+    /// Vectors of the images from those of the points.
+    pub fn turn(&self, words: &mut [Vec<f32>; 3]) {
+        if let Some(mirror) = self.mirror {
+            mirror.turn(words);
+        }
+    }
+
+    /// The same for scalars.
+    pub fn share(&self, words: &mut [f32]) {
+        if let Some(mirror) = self.mirror {
+            mirror.share(words);
+        }
+    }
+}

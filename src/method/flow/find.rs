@@ -1,0 +1,134 @@
+//! Who is near whom: how far rows reach, images, sources, rows.
+
+use super::{Flow, HASTE, LEAST, MOST, SLACK};
+use crate::space::dilate::dilate;
+use crate::space::parallel::{Slots, each};
+use crate::space::row::{Search, Source};
+
+impl Flow {
+    /// Where neighbours are: liquid, its images, then walls if there are any, and their images.
+    pub fn sources(&self) -> impl std::ops::Deref<Target = [Source<'_>]> {
+        let liquid = Source {
+            start: &self.liquid_cells.start,
+            offset: 0,
+        };
+        let wall = Source {
+            start: &self.wall_cells.start,
+            offset: self.liquid(),
+        };
+        let kinds = 1 + usize::from(self.walls() > 0);
+        match &self.mirror {
+            None => Sources([liquid, wall, wall, wall], kinds),
+            Some(mirror) => {
+                let [images, walls] = mirror.sources();
+                Sources([liquid, images, wall, walls], 2 * kinds)
+            }
+        }
+    }
+
+    /// How many of them are liquid and its images: the first.
+    pub fn liquid_sources(&self) -> usize {
+        1 + usize::from(self.mirror.is_some())
+    }
+
+    /// Sets what each particle may move, and its reach: the support, that, and the most about it.
+    fn allow(&mut self) -> f64 {
+        let (n, support, late) = (self.liquid(), self.lengths.support, self.lengths.late);
+        let equal = 0.5 * (SLACK * support + late);
+        self.allowed.resize(n, 0.0);
+        self.reach.clear();
+        if self.lasting == 0.0 {
+            self.allowed.fill(equal as f32);
+            return support * (1.0 + SLACK);
+        }
+        let (p, haste) = (&self.particles, HASTE * self.lasting);
+        let (least, most) = (LEAST * equal, MOST * equal);
+        let allowed = Slots::new(&mut self.allowed);
+        each(n, |i| {
+            *unsafe { allowed.at(i) } = (haste * p.speed(i)).max(least).min(most) as f32
+        });
+        let start = &self.liquid_cells.start;
+        let (peaks, scratch) = (&mut self.scratch.peaks, &mut self.scratch.dilated);
+        peaks.resize(start.len() - 1, 0.0);
+        let peak = Slots::new(peaks);
+        each(start.len() - 1, |cell| {
+            let run = start[cell] as usize..start[cell + 1] as usize;
+            let most = self.allowed[run].iter().fold(0.0, |m: f32, a| m.max(*a));
+            *unsafe { peak.at(cell) } = most;
+        });
+        let longest = support - late + 2.0 * most;
+        dilate(peaks, scratch, &self.grid, longest);
+        self.reach.resize(n + self.wall.position[0].len(), 0.0);
+        let (grid, peaks, base) = (&self.grid, &self.scratch.peaks, (support - late) as f32);
+        let (reach, allowed) = (Slots::new(&mut self.reach), &self.allowed);
+        let (liquid, wall) = (&self.particles.position, &self.wall.position);
+        let peak = |x: [f64; 3]| peaks[grid.index(grid.cell(x))];
+        each(n, |i| {
+            let x = [liquid[0][i], liquid[1][i], liquid[2][i]];
+            *unsafe { reach.at(i) } = base + allowed[i] + peak(x);
+        });
+        each(wall[0].len(), |i| {
+            let x = [wall[0][i], wall[1][i], wall[2][i]];
+            *unsafe { reach.at(n + i) } = base + peak(x);
+        });
+        longest
+    }
+
+    /// Finds all neighbour rows. Call after [`Flow::sort`].
+    pub fn find(&mut self) {
+        let cutoff = self.allow();
+        self.find_images(cutoff);
+        self.place();
+        let n = self.liquid();
+        for (home, at) in self.home.iter_mut().zip(&self.at) {
+            home.clear();
+            home.extend_from_slice(&at[..n]);
+        }
+        let mut rows = std::mem::take(&mut self.rows);
+        let mut wall_rows = std::mem::take(&mut self.wall_rows);
+        let sources = self.sources();
+        let search = Search {
+            grid: &self.grid,
+            at: &self.at,
+            sources: &sources,
+            cutoff,
+            each: &self.reach,
+        };
+        rows.build(search, 0, &self.particles.position);
+        if self.walls() > 0 {
+            let seen = match self.wall_sees_wall {
+                true => sources.len(),
+                false => self.liquid_sources(),
+            };
+            let search = Search {
+                sources: &sources[..seen],
+                ..search
+            };
+            wall_rows.build(search, self.liquid(), &self.wall.position);
+        }
+        drop(sources);
+        (self.rows, self.wall_rows) = (rows, wall_rows);
+    }
+
+    /// Images for rows of `cutoff` m and for what asks farther, with room for what particles move
+    /// until the next search.
+    fn find_images(&mut self, cutoff: f64) {
+        let Some(mirror) = &mut self.mirror else {
+            return;
+        };
+        let most = self.allowed.iter().fold(0.0, |m: f32, a| m.max(*a)) as f64;
+        let reach = cutoff.max(self.lengths.longest + 2.0 * most) + 2.0 * most;
+        let (liquid, wall) = (&self.particles.position, &self.wall.position);
+        mirror.find(&self.grid, liquid, wall, reach);
+    }
+}
+
+/// One to four sources.
+struct Sources<'a>([Source<'a>; 4], usize);
+
+impl<'a> std::ops::Deref for Sources<'a> {
+    type Target = [Source<'a>];
+    fn deref(&self) -> &[Source<'a>] {
+        &self.0[..self.1]
+    }
+}

@@ -1,0 +1,222 @@
+//! Mirror planes: scenes that are a part of a symmetric whole.
+//!
+//! A lateral side of the box may be a plane of symmetry, [`Side::Mirror`]. The box is then half of a
+//! whole that is unfolded about its low side, or about the high one if only that is a mirror; if
+//! both are, the whole is periodic. A round body whose centre lies in the plane of unfolding is cut
+//! by it, a block that touches the plane goes on behind it. `box.symmetry` makes such a part of a
+//! whole scene. Solvers, checkpoints and logs know the part only; measures are those of the whole.
+//! Tests: tests/engine/scene_symmetry.rs, tests/engine/method_mirror.rs.
+
+use super::cursor::Cursor;
+use super::error::SceneError;
+use super::resolve::AXES;
+use super::{Body, Dimension, Domain, Motion, Scene, Shape, Side};
+
+/// Lengths that differ by less than this part of the box are equal.
+const EQUAL: f64 = 1e-9;
+
+impl Domain {
+    /// Places of the mirror planes of an axis, low and high, m.
+    pub fn mirrors(&self, axis: usize) -> [Option<f64>; 2] {
+        let [low, high] = self.boundary[axis].map(|side| side == Side::Mirror);
+        [low.then_some(0.0), high.then_some(self.size[axis])]
+    }
+
+    /// The side of an axis about which the box is unfolded; `None` without mirror planes there.
+    pub fn fold(&self, axis: usize) -> Option<usize> {
+        let sides = self.boundary[axis].iter();
+        sides.clone().position(|side| *side == Side::Mirror)
+    }
+
+    /// Whether any side is a mirror plane.
+    pub fn is_part(&self) -> bool {
+        (0..3).any(|axis| self.fold(axis).is_some())
+    }
+
+    /// Whether `x` m is beyond a side of the box that mist does not come back from: any but that of
+    /// unfolding. In the whole, what crosses that is still inside.
+    pub fn is_crossed(&self, axis: usize, x: f64) -> bool {
+        let fold = self.fold(axis);
+        let size = self.size[axis];
+        size > 0.0 && ((x < 0.0 && fold != Some(0)) || (x >= size && fold != Some(1)))
+    }
+
+    /// Place of the plane of unfolding of an axis, m.
+    fn plane(&self, axis: usize) -> Option<f64> {
+        self.fold(axis).map(|side| [0.0, self.size[axis]][side])
+    }
+}
+
+impl Shape {
+    /// Along each axis the side at which a plane of unfolding cuts a round body in two.
+    pub fn cuts(&self, domain: &Domain) -> [Option<usize>; 3] {
+        let (Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. }) = self else {
+            return [None; 3];
+        };
+        [0, 1, 2].map(|axis| {
+            let near = |plane: &f64| (centre[axis] - plane).abs() <= EQUAL * domain.size[axis];
+            domain.plane(axis).filter(near).and(domain.fold(axis))
+        })
+    }
+
+    /// Of how many equal parts this is one: 2 for each plane of unfolding that it meets.
+    pub fn parts(&self, domain: &Domain) -> f64 {
+        let meets = |axis: usize| match self {
+            Shape::Block { low, high } => match domain.fold(axis) {
+                Some(0) => low[axis] <= EQUAL * domain.size[axis],
+                Some(_) => high[axis] >= (1.0 - EQUAL) * domain.size[axis],
+                None => false,
+            },
+            Shape::Layer { .. } => domain.fold(axis).is_some(),
+            _ => self.cuts(domain)[axis].is_some(),
+        };
+        (0..3).fold(
+            1.0,
+            |parts, axis| if meets(axis) { 2.0 * parts } else { parts },
+        )
+    }
+}
+
+impl Scene {
+    /// The whole that this scene is a part of; a scene without mirror planes is itself. Bodies that
+    /// the planes do not meet are named once.
+    pub fn whole(&self) -> Scene {
+        let mut whole = self.clone();
+        for axis in 0..3 {
+            let Some(fold) = self.domain.fold(axis) else {
+                continue;
+            };
+            let (size, sides) = (self.domain.size[axis], self.domain.boundary[axis]);
+            whole.domain.size[axis] = 2.0 * size;
+            whole.domain.boundary[axis] = match sides[1 - fold] {
+                Side::Mirror => [Side::Periodic; 2],
+                side => [side; 2],
+            };
+            let velocity = self.domain.wall_velocity[axis][1 - fold];
+            whole.domain.wall_velocity[axis] = [velocity; 2];
+            for body in &mut whole.bodies {
+                unfold(body, &self.domain, axis, fold);
+            }
+        }
+        whole
+    }
+}
+
+/// Puts a body of the part where it is in the whole.
+fn unfold(body: &mut Body, domain: &Domain, axis: usize, fold: usize) {
+    let size = domain.size[axis];
+    let (shift, near) = ([size, 0.0][fold], EQUAL * size);
+    match &mut body.shape {
+        Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. } => centre[axis] += shift,
+        Shape::Block { low, high } => {
+            let meets = [low[axis] <= near, high[axis] >= size - near][fold];
+            (low[axis], high[axis]) = (low[axis] + shift, high[axis] + shift);
+            match (meets, fold) {
+                (true, 0) => low[axis] = 2.0 * size - high[axis],
+                (true, _) => high[axis] = 2.0 * size - low[axis],
+                _ => {}
+            }
+        }
+        Shape::Layer { .. } => {}
+    }
+}
+
+/// Cuts a whole scene as `box.symmetry` asks; mirror planes then stand at its low sides.
+///
+/// # Errors
+/// [`SceneError`] if the scene is not symmetric about its middle.
+pub(super) fn cut(scene: &mut Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+    let Some(key) = root.need("box")?.get("symmetry") else {
+        return Ok(());
+    };
+    let axes = match (key.text()?, scene.dimension) {
+        ("half", _) => 0..1,
+        (_, Dimension::Three) => 0..2,
+        _ => return Err(key.fault("is for three dimensions", "write \"half\"")),
+    };
+    for axis in axes {
+        if let Some((what, remedy)) = lopsided(scene, axis) {
+            let problem = format!("needs a scene that is symmetric in {}: {what}", AXES[axis]);
+            return Err(key.fault(&problem, &format!("{remedy}, or leave `box.symmetry` out")));
+        }
+        halve(scene, axis);
+    }
+    Ok(())
+}
+
+/// What is not symmetric about the middle of an axis, and what would be.
+fn lopsided(scene: &Scene, axis: usize) -> Option<(String, String)> {
+    let (domain, name) = (&scene.domain, AXES[axis]);
+    let [low, high] = domain.boundary[axis];
+    if low != high || low == Side::Mirror {
+        let remedy = format!("write \"periodic\", \"wall\" or \"open\" for `box.{name}`");
+        return Some((format!("the sides in {name} differ or are mirrors"), remedy));
+    }
+    if let Some((what, remedy)) = crosswise(scene, axis) {
+        return Some((what, remedy));
+    }
+    let middle = 0.5 * domain.size[axis];
+    let near = |x: f64| (x - middle).abs() <= EQUAL * domain.size[axis];
+    scene.bodies.iter().find_map(|body| {
+        let centred = match &body.shape {
+            Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. } => near(centre[axis]),
+            Shape::Block { low, high } => near(0.5 * (low[axis] + high[axis])),
+            Shape::Layer { .. } => true,
+        };
+        let what = format!("body `{}` is not in the middle", body.name);
+        (!centred).then(|| (what, format!("move it to {name} = half of `box.size`")))
+    })
+}
+
+/// What moves or pulls across the planes of an axis, and what would not.
+pub(super) fn crosswise(scene: &Scene, axis: usize) -> Option<(String, String)> {
+    let name = AXES[axis];
+    let domain = &scene.domain;
+    if scene.effects.gravity.is_some_and(|g| g[axis] != 0.0) {
+        let remedy = "let `effects.gravity.direction` point along the planes".to_string();
+        return Some((format!("gravity acts along {name}"), remedy));
+    }
+    if domain
+        .wall_velocity
+        .iter()
+        .flatten()
+        .any(|v| v[axis] != 0.0)
+    {
+        let remedy = format!("make the {name} of `box.wall_velocity` 0");
+        return Some((format!("a wall slides along {name}"), remedy));
+    }
+    scene.bodies.iter().find_map(|body| {
+        let across = match body.motion {
+            // A body beside the plane meets its image.
+            Motion::Uniform(v) => {
+                let meets = domain.fold(axis).is_none() || body.shape.parts(domain) > 1.0;
+                v[axis] != 0.0 && meets
+            }
+            Motion::TaylorGreen { .. } => true,
+            Motion::Stretch { .. } => false,
+        };
+        let what = format!("body `{}` moves along {name}", body.name);
+        across.then(|| (what, format!("give it no velocity along {name}")))
+    })
+}
+
+/// Keeps the high half along `axis`.
+fn halve(scene: &mut Scene, axis: usize) {
+    let domain = &mut scene.domain;
+    let half = 0.5 * domain.size[axis];
+    domain.size[axis] = half;
+    domain.boundary[axis] = match domain.boundary[axis][1] {
+        Side::Periodic => [Side::Mirror; 2],
+        side => [Side::Mirror, side],
+    };
+    domain.wall_velocity[axis][0] = [0.0; 3];
+    for body in &mut scene.bodies {
+        match &mut body.shape {
+            Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. } => centre[axis] = 0.0,
+            Shape::Block { low, high } => {
+                (low[axis], high[axis]) = (0.0, high[axis] - half);
+            }
+            Shape::Layer { .. } => {}
+        }
+    }
+}

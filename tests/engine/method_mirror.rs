@@ -1,0 +1,198 @@
+//! Mirror planes: a part of a symmetric scene moves as the whole does.
+
+use super::method_scene::{EFFECTS, GRAVITY, disturbed, scene, words};
+use coronet::method::{self, Phase, Solver};
+use coronet::particle::State;
+use coronet::scene::Scene;
+
+const WETTING: &str = "[effects.wetting]\nangle = '70 deg'\n";
+
+/// A drop above a pool, each half or quarter of it, or a drop on a floor; sides as given.
+fn part(preset: &str, dimension: usize, sides: &str, effects: &str, is_pool: bool) -> Scene {
+    let symmetry = ["half", "quarter"][dimension - 2];
+    let (pool, above) = match is_pool {
+        true => ("[body.pool]\nlayer = { depth = '1.6 mm' }\n", "1.8 mm"),
+        false => ("", "0 mm"),
+    };
+    let (round, lateral) = match dimension {
+        3 => ("sphere", "'4.8 mm', '4.8 mm'"),
+        _ => ("disc", "'4.8 mm'"),
+    };
+    let height = 1.6 + above.split(' ').next().unwrap().parse::<f64>().unwrap();
+    let drop = format!(
+        "[body.drop]\n{round} = {{ diameter = '3.2 mm', centre = [{lateral}, '{height} mm'] }}\n\
+         velocity = '1 m/s'\n"
+    );
+    let size = format!("size = [{lateral}, '5.6 mm']").replace("4.8", "9.6");
+    let text = format!("{size}\nsymmetry = '{symmetry}'\n{sides}");
+    mirrored(preset, dimension, &text, &format!("{effects}{pool}{drop}"))
+}
+
+/// As [`scene`], in a box of its own.
+fn mirrored(preset: &str, dimension: usize, lines: &str, parts: &str) -> Scene {
+    let (method, preset) = preset.split_once(' ').unwrap_or(("wcsph", preset));
+    let text = format!(
+        "dimension = {dimension}\n[box]\n{lines}\n[liquid]\ndensity = '1100 kg/m^3'\n{parts}\n\
+         [pack]\nspacing = '0.4 mm'\narrangement = 'lattice'\n\
+         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\nname = '{method}'\n\
+         preset = '{preset}'\n"
+    );
+    let loaded = coronet::scene::file::read(&text, std::path::Path::new("part.toml"), &[]);
+    loaded
+        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+        .scene
+}
+
+/// The state of the whole: every particle and its images, in the order of the images.
+fn unfolded(part: &Scene, state: &State) -> State {
+    let mut all = state.clone();
+    let p = &mut all.particles;
+    for a in (0..3).filter(|&a| part.domain.fold(a) == Some(0)) {
+        let n = p.len();
+        let half = part.domain.size[a];
+        for i in 0..n {
+            p.id.push((n + i) as u32);
+            p.body.push(p.body[i]);
+            p.density.push(p.density[i]);
+            for c in 0..3 {
+                let sign = if c == a { -1.0 } else { 1.0 };
+                let (x, v) = (sign * p.position[c][i], sign * p.velocity[c][i]);
+                p.position[c].push(x);
+                p.velocity[c].push(v);
+            }
+        }
+        p.position[a].iter_mut().for_each(|x| *x += half);
+    }
+    all
+}
+
+/// Positions and velocities by id.
+fn by_id(solver: &dyn Solver, count: usize) -> Vec<[f64; 6]> {
+    let p = solver.state().particles;
+    let mut all = vec![[f64::NAN; 6]; count];
+    for i in 0..p.len() {
+        let of = |k: usize| [&p.position, &p.velocity][k / 3][k % 3][i];
+        if let Some(place) = all.get_mut(p.id[i] as usize) {
+            *place = std::array::from_fn(of);
+        }
+    }
+    all
+}
+
+/// Runs both and compares after some steps: places in spacings and velocities in m/s.
+fn agree(part: &Scene, steps: usize, tolerance: f64, what: &str) {
+    let state = disturbed(part, 0.1);
+    let count = state.particles.len();
+    let whole = part.whole();
+    let all = unfolded(part, &state);
+    let build = |scene, state| method::build(scene, state, Phase::Impact, Some(3.0)).unwrap();
+    let (mut one, mut other) = (build(part, state), build(&whole, all));
+    for _ in 0..steps {
+        one.advance(&mut |_| ()).unwrap();
+        other.advance(&mut |_| ()).unwrap();
+    }
+    let step = (one.time() / other.time() - 1.0).abs();
+    assert!(step < 1e-5, "{what}: {} and {}", one.time(), other.time());
+    let (one, other) = (by_id(one.as_ref(), count), by_id(other.as_ref(), count));
+    let (mut far, mut fast) = (0.0f64, 0.0f64);
+    for (a, b) in one.iter().zip(&other) {
+        for c in 0..3 {
+            let half = part.domain.fold(c).map_or(0.0, |_| part.domain.size[c]);
+            let away = (a[c] + half - b[c]).abs();
+            // Across a periodic side of the whole.
+            let away = away.min((away - 2.0 * half).abs());
+            let turned = (a[c + 3] - b[c + 3]).abs();
+            let beyond = (a[c] - half).abs() < 0.01 * part.pack.spacing && half > 0.0;
+            assert!(
+                away.is_finite() && turned.is_finite(),
+                "{what}: {a:?} {b:?}"
+            );
+            far = far.max(away / part.pack.spacing);
+            // Who is at a plane may be on either side of it.
+            let turned = if beyond || (a[c].abs() < 1e-6 && half > 0.0) {
+                turned.min((a[c + 3] + b[c + 3]).abs())
+            } else {
+                turned
+            };
+            fast = fast.max(turned);
+        }
+    }
+    eprintln!("{what}: {far:.1e} spacings, {fast:.1e} m/s");
+    assert!(
+        far < tolerance && fast < tolerance,
+        "{what}: {far:e} spacings, {fast:e} m/s"
+    );
+}
+
+/// Presets whose steps are compared; tolerances after some steps.
+const PRESETS: [(&str, f64); 9] = [
+    ("paper", 1e-4),
+    ("corrected", 1e-4),
+    ("modern", 1e-4),
+    ("isph paper", 1e-3),
+    ("isph corrected", 1e-3),
+    ("isph modern", 1e-3),
+    ("mps paper", 1e-3),
+    ("mps corrected", 1e-3),
+    ("mps modern", 1e-3),
+];
+
+#[test]
+fn a_part_moves_as_the_whole() {
+    for (preset, tolerance) in PRESETS {
+        for dimension in [2, 3] {
+            let effects = format!("{GRAVITY}{EFFECTS}");
+            let part = part(preset, dimension, "", &effects, true);
+            let steps = if dimension == 2 { 4 } else { 2 };
+            agree(&part, steps, tolerance, &format!("{preset} {dimension}-D"));
+        }
+    }
+}
+
+#[test]
+fn with_walls_at_the_other_sides_too() {
+    for (preset, tolerance) in [
+        ("modern", 1e-4),
+        ("isph modern", 1e-3),
+        ("mps modern", 1e-3),
+    ] {
+        let effects = format!("{GRAVITY}{EFFECTS}");
+        let part = part(preset, 2, "x = 'wall'", &effects, true);
+        agree(&part, 4, tolerance, preset);
+    }
+}
+
+#[test]
+fn a_contact_angle_is_the_same() {
+    for dimension in [2, 3] {
+        let effects = format!("{GRAVITY}{EFFECTS}{WETTING}");
+        let part = part("modern", dimension, "", &effects, false);
+        agree(&part, 3, 1e-4, &format!("{dimension}-D"));
+    }
+}
+
+#[test]
+fn a_part_restarts_bit_for_bit_and_keeps_its_mass() {
+    for preset in ["corrected", "modern", "isph modern", "mps modern"] {
+        let effects = format!("{GRAVITY}{EFFECTS}");
+        let part = part(preset, 2, "", &effects, true);
+        let build = |state, alpha| method::build(&part, state, Phase::Impact, alpha).unwrap();
+        let mut whole = build(disturbed(&part, 1.0), Some(3.0));
+        let count = whole.len();
+        for _ in 0..3 {
+            whole.advance(&mut |_| ()).unwrap();
+            let mut again = build(whole.state(), None);
+            again.advance(&mut |_| ()).unwrap();
+            let mut on = build(whole.state(), None);
+            on.advance(&mut |_| ()).unwrap();
+            assert_eq!(words(&again.state()), words(&on.state()), "{preset}");
+            whole.advance(&mut |_| ()).unwrap();
+            assert_eq!(words(&again.state()), words(&whole.state()), "{preset}");
+        }
+        assert_eq!(whole.len(), count, "{preset}");
+        for x in &whole.state().particles.position[0] {
+            assert!(*x > -0.2 * part.pack.spacing, "{preset}: {x:e}");
+        }
+    }
+    let _ = scene;
+}

@@ -331,7 +331,8 @@ fn the_reference_manual_shows_the_true_defaults() {
             let is_key = key
                 .bytes()
                 .all(|byte| byte.is_ascii_lowercase() || byte == b'_');
-            let example = ["", "wall_velocity", "references", "angle"].contains(&key);
+            let examples = ["", "symmetry", "wall_velocity", "references", "angle"];
+            let example = examples.contains(&key);
             if example || !is_key || key.len() == setting.len() {
                 return line.to_string();
             }

@@ -51,8 +51,8 @@ pub fn rests(body: &Body) -> bool {
     matches!(body.shape, Shape::Layer { .. } | Shape::Block { .. })
 }
 
-/// The box in which a body relaxes: the scene's for one that rests, else an open one around it, with
-/// the mirror planes that cut it.
+/// The box in which a body relaxes: the scene's for one that rests, else an open one around it,
+/// with the mirror planes that cut it.
 pub fn resting_domain(scene: &Scene, body: &Body) -> Domain {
     let extent = match &body.shape {
         Shape::Sphere { radius, .. } => [*radius; 3],

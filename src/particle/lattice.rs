@@ -4,8 +4,8 @@
 //! cells along an axis is the nearest whole one, and the cells are stretched to fit, so that
 //! periodic sides match. A sphere or ellipsoid is cut out of a lattice centred ON a particle: d =
 //! 3.75 mm at s0 = 0.25 mm then holds the published 1791 particles, which are the lattice points
-//! with r <= 7.5 s0. Along an axis on which a mirror plane cuts it, the lattice stands half a spacing
-//! from that plane.
+//! with r <= 7.5 s0. Along an axis on which a mirror plane cuts it, the lattice stands half a
+//! spacing from that plane.
 
 use super::shape::{Form, Region, axes};
 use crate::scene::Dimension;

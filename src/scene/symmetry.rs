@@ -1,10 +1,12 @@
 //! Mirror planes: scenes that are a part of a symmetric whole.
 //!
-//! A lateral side of the box may be a plane of symmetry, [`Side::Mirror`]. The box is then half of a
-//! whole that is unfolded about its low side, or about the high one if only that is a mirror; if
+//! A lateral side of the box may be a plane of symmetry, [`Side::Mirror`]. The box is then half of
+//! a whole that is unfolded about its low side, or about the high one if only that is a mirror; if
 //! both are, the whole is periodic. A round body whose centre lies in the plane of unfolding is cut
 //! by it, a block that touches the plane goes on behind it. `box.symmetry` makes such a part of a
 //! whole scene. Solvers, checkpoints and logs know the part only; measures are those of the whole.
+//! Mist that crosses the plane of unfolding is reflected like all else; at the plane on the other
+//! side of the box it is removed, as at the periodic sides of the whole.
 //! Tests: tests/engine/scene_symmetry.rs, tests/engine/method_mirror.rs.
 
 use super::cursor::Cursor;

@@ -4,7 +4,7 @@
 //! behind each and one behind both. Images are sorted along cells, as points are. A reflection in
 //! fixed point is exact, so both halves of a pair across a plane are equally long.
 //! Records: points of two kinds (liquid, then wall), then the images of each kind.
-//! Tests: tests/engine/space_mirror.rs.
+//! Tests: tests/engine/method_mirror.rs, tests/engine/pack_mirror.rs.
 
 use super::grid::Grid;
 use super::lane::Record;

@@ -39,7 +39,7 @@ impl Flow {
             return;
         };
         let (n, p) = (self.particles.len(), &mut self.particles);
-        for a in 0..3 {
+        for a in (0..3).filter(|&a| self.domain.fold(a).is_some()) {
             let (at, velocity) = (
                 Slots::new(&mut p.position[a]),
                 Slots::new(&mut p.velocity[a]),

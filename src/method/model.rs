@@ -2,7 +2,8 @@
 
 use super::Phase;
 use crate::scene::{
-    Body, Density, Dimension, Domain, Effects, Method, Scene, Shape, Side, Sph, Wcsph, numbers,
+    Body, Density, Dimension, Domain, Effects, Method, Pressure, Scene, Shape, Side, Sph, Wcsph,
+    numbers,
 };
 use std::ops::Deref;
 
@@ -137,8 +138,8 @@ impl Model {
         };
         let p = self.density * self.sound_speed * self.sound_speed * p;
         match self.settings.pressure {
-            crate::scene::Pressure::Clipped => p.max(0.0),
-            crate::scene::Pressure::Signed | crate::scene::Pressure::Controlled => p,
+            Pressure::Clipped => p.max(0.0),
+            _ => p,
         }
     }
 
@@ -150,6 +151,15 @@ impl Model {
             return self.density * (1.0 + p);
         }
         self.density * (1.0 + chi * p).max(1e-6).powf(1.0 / chi)
+    }
+
+    /// The least density at a free surface, kg/m^3, where what is stretched tears: that of the
+    /// pressure that tension holds across the finest surface, (d - 1) sigma / h.
+    pub fn torn(&self) -> Option<f64> {
+        let held = (self.dimension.count() - 1) as f64 / self.h;
+        let sigma = self.effects.tension.unwrap_or(0.0);
+        let tears = self.settings.pressure == Pressure::Tearing;
+        tears.then(|| self.density_at(-held * sigma))
     }
 
     /// Whether density follows the continuity equation, and its diffusion.

@@ -5,6 +5,10 @@
 //! (3) v^(n+1) = v* - dt grad p / rho
 //! (4) r^(n+1) = r^n + dt v, v the mean of v^n and v^(n+1), or v^(n+1)
 //!
+//! Particles at a free surface with less than 0.9 of their support ask for no negative pressure: a
+//! sheet of one or two particles cannot get thinner while it is stretched, and to be held together
+//! would cost its kinetic energy (two thirds of what a drop of eight spacings lost on a pool).
+//!
 //! What [`super::isph`] and [`super::mps`] do each in their own way is a [`Scheme`]: sums, weights,
 //! gradients. The rest is here: walls are [`walls`], free surfaces [`surface`], the equation and
 //! its solvers [`super::pressure`], shifting [`shift`].

@@ -231,6 +231,9 @@ pub enum Pressure {
     Signed,
     /// Itself, with control of the tensile instability inside the liquid.
     Controlled,
+    /// Itself inside; at a free surface no less than tension can hold, for a sheet of one or two
+    /// particles cannot get thinner: what is stretched there tears.
+    Tearing,
 }
 
 /// Speed of sound in the course of a run.

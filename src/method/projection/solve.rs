@@ -1,6 +1,6 @@
 //! The second half of a step: from predicted positions and velocities to the pressure.
 
-use super::{Projection, Scheme};
+use super::{Projection, SURFACE, Scheme};
 use crate::method::pass::Extrapolation;
 use crate::method::pressure::Outcome;
 use crate::scene::{PoissonSource, Preconditioner};
@@ -149,7 +149,13 @@ impl<S: Scheme> Projection<S> {
                         dense = dense.max(0.0);
                     }
                     let rate = density * dense / span - this.local[i].divergence as f64;
-                    rate / (n * dt * unit) + this.sums[i][1] as f64
+                    let right = rate / (n * dt * unit) + this.sums[i][1] as f64;
+                    // What is stretched at a surface tears: a sheet of one or two particles cannot
+                    // get thinner, and to hold it together would take its energy.
+                    match (this.local[i].kernel_sum as f64) < SURFACE {
+                        true => right.max(0.0),
+                        false => right,
+                    }
                 }
                 PoissonSource::Divergence { .. } => this.wall_flux(i, dt),
             };

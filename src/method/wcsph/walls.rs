@@ -49,6 +49,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     fn write_force(&mut self, ahead: f64, moved: bool) {
+        self.tear();
         let (model, held) = (&self.model, &self.held);
         let controlled = model.settings.pressure == Pressure::Controlled;
         let (around, sums) = (&self.around, self.sum_factor());
@@ -85,6 +86,23 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let (rho, v) = (walls.density[i], walls.viscous[i]);
             let pressure = (model.pressure(rho) * inverse(rho)) as f32;
             [v[0], v[1], v[2], pressure, inverse(rho) as f32]
+        });
+    }
+
+    /// Keeps the density of the free surface from falling below [`torn`](crate::method::model::Model::torn): a sheet of one or
+    /// two particles cannot get thinner, so that stretching it would look like expansion, and the
+    /// pressure against that would take its energy.
+    fn tear(&mut self) {
+        let Some(least) = self.model.torn() else {
+            return;
+        };
+        let (around, sums) = (&self.around, self.sum_factor());
+        let density = Slots::new(&mut self.flow.particles.density);
+        each(around.len(), |i| {
+            if around[i].kernel_sum(sums) < SURFACE {
+                let rho = unsafe { density.at(i) };
+                *rho = rho.max(least);
+            }
         });
     }
 

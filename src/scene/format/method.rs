@@ -194,8 +194,9 @@ pub static WCSPH: &[Field] = &[
     ),
     optional(
         "pressure",
-        Kind::Word(&["clipped", "controlled", "signed"]),
-        "What a pressure below zero becomes.",
+        Kind::Word(&["clipped", "controlled", "signed", "tearing"]),
+        "What a pressure below zero becomes: zero; itself, with or without control of the tensile \
+         instability; or itself, but at a free surface no less than tension can hold.",
     ),
     optional(
         "exponent",

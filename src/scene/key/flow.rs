@@ -204,6 +204,7 @@ fn wcsph(list: &mut List, settings: &Wcsph, walled: bool) {
         Pressure::Clipped => "clipped",
         Pressure::Controlled => "controlled",
         Pressure::Signed => "signed",
+        Pressure::Tearing => "tearing",
     };
     list.word("method.wcsph.pressure", pressure);
     let sound = match settings.sound_speed {

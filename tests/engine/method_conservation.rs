@@ -177,7 +177,7 @@ fn steps_allocate_nothing() {
                 // Buffers, rows of neighbours above all, grow to their size.
                 advance(
                     solver.as_mut(),
-                    if preset.ends_with("modern") { 10 } else { 5 },
+                    if preset.ends_with("modern") { 20 } else { 5 },
                 );
                 let (particles, advances) = (solver.len(), 4);
                 let count = counted(|| {

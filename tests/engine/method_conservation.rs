@@ -175,10 +175,12 @@ fn steps_allocate_nothing() {
             for dimension in [2, 3] {
                 let mut solver = splash(preset, dimension);
                 // Buffers, rows of neighbours above all, grow to their size.
-                advance(
-                    solver.as_mut(),
-                    if preset.ends_with("modern") { 20 } else { 5 },
-                );
+                let warm = match preset {
+                    "mps modern" => 20,
+                    _ if preset.ends_with("modern") => 10,
+                    _ => 5,
+                };
+                advance(solver.as_mut(), warm);
                 let (particles, advances) = (solver.len(), 4);
                 let count = counted(|| {
                     advance(solver.as_mut(), advances);

@@ -90,9 +90,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     /// Keeps the density of the free surface from falling below that of a torn one,
-    /// [`crate::method::model::Model::torn`]: a sheet of one or two particles cannot get thinner, so
-    /// that stretching it would look like expansion, and the pressure against that would take its
-    /// energy.
+    /// [`crate::method::model::Model::torn`]: a sheet of one or two particles cannot get
+    /// thinner, so that stretching it would look like expansion, and the pressure against that
+    /// would take its energy.
     fn tear(&mut self) {
         let Some(least) = self.model.torn() else {
             return;

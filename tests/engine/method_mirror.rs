@@ -1,5 +1,6 @@
 //! Mirror planes: a part of a symmetric scene moves as the whole does.
 
+use super::allocation::counted;
 use super::method_scene::{EFFECTS, GRAVITY, disturbed, words};
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
@@ -153,6 +154,42 @@ fn the_energy_of_a_splash_is_that_of_the_whole() {
             assert!((ratio - 1.0).abs() < 0.02, "{preset}: {ratio} at {t} s");
         }
     }
+}
+
+#[test]
+fn threads_change_no_bit_of_a_part() {
+    for preset in ["modern", "isph modern", "mps modern"] {
+        let part = part(preset, 3, "", &format!("{GRAVITY}{EFFECTS}"), true);
+        let run = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build().unwrap().install(|| {
+                let state = disturbed(&part, 0.1);
+                let mut solver = method::build(&part, state, Phase::Impact, Some(3.0)).unwrap();
+                (0..4).for_each(|_| solver.advance(&mut |_| ()).unwrap());
+                words(&solver.state())
+            })
+        };
+        let one = run(1);
+        assert!(one == run(2) && one == run(5), "{preset}");
+    }
+}
+
+#[test]
+fn steps_of_a_part_allocate_nothing() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+    pool.build().unwrap().install(|| {
+        for preset in ["modern", "isph modern", "mps modern"] {
+            let part = part(preset, 3, "", &format!("{GRAVITY}{EFFECTS}"), true);
+            let state = disturbed(&part, 0.1);
+            let mut solver = method::build(&part, state, Phase::Impact, Some(3.0)).unwrap();
+            let mut steps =
+                |count: usize| (0..count).for_each(|_| solver.advance(&mut |_| ()).unwrap());
+            // Buffers grow to their size; one may still grow.
+            steps(10);
+            let count = counted(|| steps(4));
+            assert!(count < 4, "{preset}: {count} allocations");
+        }
+    });
 }
 
 #[test]

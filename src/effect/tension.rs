@@ -220,14 +220,13 @@ impl Tension {
         };
         let field = self.field(flow, self.force_length);
         let sources = self.stressed.sources();
-        let sources = &sources[..self.stressed.kinds()];
         if self.form == TensionForm::CahnHilliard {
             sweep::runs(field, &self.reached, &Whole(pass), &mut force);
         } else if self.lifted {
-            let field = self.stressed.field(field, sources, &self.stressed.stress);
+            let field = self.stressed.field(field, &sources, &self.stressed.stress);
             sweep::runs(field, &self.reached, &Tensor(pass), &mut force);
         } else {
-            let field = self.stressed.field(field, sources, &self.stressed.u);
+            let field = self.stressed.field(field, &sources, &self.stressed.u);
             sweep::runs(field, &self.reached, &pass, &mut force);
         }
         self.add_walls(flow, &pass, &mut force);

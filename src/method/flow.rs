@@ -206,6 +206,11 @@ impl Flow {
         support + 2.0 * self.moved()
     }
 
+    /// Whether liquid particle `i` is beyond a periodic side.
+    pub fn crosses(&self, i: usize) -> bool {
+        (0..2).any(|a| self.domain.is_crossed(a, self.particles.position[a][i]))
+    }
+
     /// Wraps periodic axes, puts back what is behind the first layer of a wall or behind a mirror
     /// plane, and removes what left through open sides or is `doomed`; returns the kept indices if
     /// any went, for arrays that the caller holds. `turned` hears of who was reflected, and the

@@ -100,7 +100,7 @@ impl Case {
             effects,
             spacing: scene.pack.spacing,
             h: sph.smoothing * scene.pack.spacing,
-            widest: 2.0 * sph.smoothing * scene.pack.spacing * scene.widest(),
+            widest: scene.widest(),
             density: scene.density,
             speed: numbers::reference_speed(scene),
             damping,

@@ -116,6 +116,8 @@ pub(super) struct Projection<S: Scheme> {
     /// Largest speed, m/s, and explicit acceleration, m/s^2, of the last step.
     fastest: f64,
     hardest: f64,
+    /// Largest speed of what is not spray, m/s.
+    swiftest: f64,
     /// Largest pressure, Pa.
     peak: f64,
     /// Explicit acceleration, m/s^2.
@@ -182,6 +184,7 @@ impl<S: Scheme> Projection<S> {
             last_step: named("time_step_s").unwrap_or(0.0),
             fastest: 0.0,
             hardest: named("acceleration_m_s2").unwrap_or(0.0),
+            swiftest: 0.0,
             peak: 0.0,
             held: vec![[0.0; 3]; n],
             around: vec![Sums::default(); n],
@@ -210,6 +213,7 @@ impl<S: Scheme> Projection<S> {
             around.for_each(|(s, x)| s.kernel = *x as f32);
         }
         solver.fastest = solver.speed();
+        solver.swiftest = named("connected_speed_m_s").unwrap_or(solver.fastest);
         solver.peak = solver.peak();
         solver
     }
@@ -250,6 +254,16 @@ impl<S: Scheme> Projection<S> {
     fn speed(&self) -> f64 {
         let p = &self.flow.particles;
         max(p.len(), |i| p.speed(i)).max(0.0)
+    }
+
+    /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
+    fn connected_speed(&self) -> f64 {
+        let p = &self.flow.particles;
+        let speed = |i: usize| match self.kernel_sum(i) < LOOSE {
+            true => 0.0,
+            false => p.speed(i),
+        };
+        max(p.len(), speed).max(0.0)
     }
 
     /// Largest pressure now, Pa, or zero.
@@ -310,6 +324,7 @@ impl<S: Scheme> Solver for Projection<S> {
             ("removed_particles".to_string(), self.flow.removed.1 as f64),
             ("time_step_s".to_string(), self.last_step),
             ("acceleration_m_s2".to_string(), self.hardest),
+            ("connected_speed_m_s".to_string(), self.swiftest),
         ];
         let solution = self.solution_scalars();
         scalars.extend(solution.map(|(name, value)| (name.to_string(), value)));

@@ -50,6 +50,8 @@ pub struct Wcsph<K, V> {
     /// Largest speed, m/s, and acceleration, m/s^2, of the last step.
     fastest: f64,
     hardest: f64,
+    /// Largest speed that steps follow, m/s: with dual stepping that of what is not spray.
+    swiftest: f64,
     /// d rho/dt, kg/m^3/s (continuity only).
     rate: Vec<f32>,
     /// Acceleration: the whole one (single rate), or what is held over an advective step (dual).
@@ -109,6 +111,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             last_step: named("time_step_s").unwrap_or(0.0),
             fastest: 0.0,
             hardest: named("acceleration_m_s2").unwrap_or(0.0),
+            swiftest: 0.0,
             rate,
             held: vec![[0.0; 3]; n],
             force: vec![[0.0; 3]; n],
@@ -130,6 +133,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 .for_each(|(s, x)| s.sum = *x as f32);
         }
         solver.fastest = solver.speed();
+        solver.swiftest = named("connected_speed_m_s").unwrap_or(solver.fastest);
         if !solver.is_dual() {
             let parts = ["acceleration_x", "acceleration_y", "acceleration_z"].map(array);
             match parts {
@@ -179,25 +183,22 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             sound_speed: self.model.sound_speed,
             viscosity: self.model.effects.viscosity,
             tension: self.model.effects.tension,
-            speed: self.fastest,
+            speed: self.swiftest,
             acceleration: self.hardest,
         }
     }
 
     /// Wraps, removes, sorts, finds neighbours, looks at the surroundings.
     fn rebuild(&mut self) {
-        let around = &self.around;
-        let scale = self.sum_factor();
-        let (domain, position) = (&self.model.domain, &self.flow.particles.position);
-        let crosses = |i: usize| (0..2).any(|a| domain.is_crossed(a, position[a][i]));
+        let (around, scale) = (&self.around, self.sum_factor());
         let mist = &mut self.scratch.mist;
         mist.clear();
-        if self.pool {
-            let is = |i| crosses(i) && self.step > 0 && scale * around[i].sum < MIST;
+        if self.pool && self.step > 0 {
+            let is = |i| self.flow.crosses(i) && scale * around[i].sum < MIST;
             mist.extend((0..around.len()).map(is));
         }
         let held = Slots::new(&mut self.held);
-        let doomed = |i: usize| self.pool && mist[i];
+        let doomed = |i: usize| !mist.is_empty() && mist[i];
         let turned = |i: usize, a: usize| {
             let a = unsafe { &mut held.at(i)[a] };
             *a = -*a;
@@ -302,6 +303,9 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             ("acceleration_m_s2".to_string(), self.hardest),
             ("sound_speed_m_s".to_string(), self.model.sound_speed),
         ];
+        if self.is_dual() {
+            scalars.push(("connected_speed_m_s".to_string(), self.swiftest));
+        }
         if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
             scalars.push(("tension_strength".to_string(), tension.strength));
         }

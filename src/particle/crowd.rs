@@ -198,12 +198,11 @@ impl Crowd {
             offset: n,
         };
         let [liquid, walls] = self.mirror.as_ref().map_or([own, wall], Mirror::sources);
-        let sources = [own, wall, liquid, walls];
         let kinds = if self.mirror.is_some() { 4 } else { 2 };
         let search = Search {
             grid: &self.grid,
             at: &self.fixed,
-            sources: &sources[..kinds],
+            sources: &[own, wall, liquid, walls][..kinds],
             cutoff,
             each: &[],
         };

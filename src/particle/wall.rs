@@ -17,7 +17,7 @@ pub fn build(scene: &Scene) -> Wall {
 
 /// Layers that cover the widest kernel support.
 pub fn layers(scene: &Scene) -> usize {
-    let support = 2.0 * scene.method.sph().smoothing * scene.widest();
+    let support = scene.widest() / scene.pack.spacing;
     (support - 1e-9).ceil().max(1.0) as usize
 }
 

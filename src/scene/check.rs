@@ -201,14 +201,9 @@ fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
     axes.filter(|axis| scene.domain.boundary[*axis][0] == Side::Periodic)
 }
 
-/// Support of the widest sum, m.
-fn widest(scene: &Scene) -> f64 {
-    2.0 * scene.method.sph().smoothing * scene.pack.spacing * scene.widest()
-}
-
 /// A particle must not see itself, nor one neighbour twice, through periodic sides.
 fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    let reach = widest(scene);
+    let reach = scene.widest();
     for axis in periodic_axes(scene) {
         if scene.domain.size[axis] < 2.0 * reach {
             let problem = format!(
@@ -227,7 +222,7 @@ fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
 
 /// An image must not be near the next plane, and nothing may break the symmetry.
 fn mirrors(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    let reach = widest(scene);
+    let reach = scene.widest();
     for &axis in scene.dimension.axes() {
         if scene.domain.fold(axis).is_none() {
             continue;

@@ -34,16 +34,18 @@ impl Sph {
 }
 
 impl Scene {
-    /// Widest support of a sum over that of the kernel: of the tension, or of the normals that
-    /// shifting needs without it.
+    /// Support of the widest sum, m: of the tension, of the normals that shifting needs without it,
+    /// or of the kernel.
     pub fn widest(&self) -> f64 {
-        let smoothing = self.method.sph().tension_smoothing.max(1.0);
-        match (self.effects.tension, self.effects.wetting) {
+        let sph = self.method.sph();
+        let smoothing = sph.tension_smoothing.max(1.0);
+        let over_kernel = match (self.effects.tension, self.effects.wetting) {
             (Some(_), Some(wetting)) => smoothing * wetting.stretch(),
             (Some(_), None) => smoothing,
             _ if self.method.shifting() > 0.0 => smoothing,
             _ => 1.0,
-        }
+        };
+        2.0 * sph.smoothing * self.pack.spacing * over_kernel
     }
 }
 

@@ -16,7 +16,7 @@ use super::sort::Cells;
 pub type Code = u8;
 
 /// Axes of the components of a symmetric tensor: xx, yy, zz, yz, xz, xy.
-const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
+pub const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
 
 /// Most images of one point, and itself.
 const MOST: usize = 27;
@@ -211,9 +211,9 @@ impl Mirror {
         self.copy_from(records, is_vector, 0);
     }
 
-    /// The same for the images of the wall alone.
-    pub fn copy_wall(&self, records: &mut [Record], is_vector: bool) {
-        self.copy_from(records, is_vector, self.liquid.len());
+    /// The same for the images of the wall alone, with a vector.
+    pub fn copy_wall(&self, records: &mut [Record]) {
+        self.copy_from(records, true, self.liquid.len());
     }
 
     fn copy_from(&self, records: &mut [Record], is_vector: bool, from: usize) {

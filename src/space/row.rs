@@ -51,6 +51,23 @@ impl Source<'_> {
     }
 }
 
+/// One to four sources.
+pub struct Sources<'a>([Source<'a>; 4], usize);
+
+impl<'a> Sources<'a> {
+    pub fn of(some: &[Source<'a>]) -> Self {
+        let all = std::array::from_fn(|k| some[k.min(some.len() - 1)]);
+        Sources(all, some.len())
+    }
+}
+
+impl<'a> std::ops::Deref for Sources<'a> {
+    type Target = [Source<'a>];
+    fn deref(&self) -> &[Source<'a>] {
+        &self.0[..self.1]
+    }
+}
+
 /// What a build needs.
 #[derive(Clone, Copy)]
 pub struct Search<'a> {

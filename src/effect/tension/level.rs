@@ -25,6 +25,7 @@ use super::{Surface, Tension};
 use crate::kernel::Kernel;
 use crate::scene::KernelName;
 use crate::space::lane::Lanes;
+use crate::space::mirror::PAIRS;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
@@ -60,9 +61,8 @@ impl Tension {
         let mut bends = std::mem::take(&mut self.bends);
         bends.resize(self.stressed.index.len(), [0.0; 7]);
         let sources = self.stressed.sources();
-        let sources = &sources[..self.stressed.kinds()];
         let field = self.field(flow, self.length);
-        let field = self.stressed.field(field, sources, &self.stressed.u);
+        let field = self.stressed.field(field, &sources, &self.stressed.u);
         let pass = Curvature::<K>(PhantomData);
         sweep::runs(field, &self.stressed.index, &pass, &mut bends);
         let Stressed { u, stress, .. } = &mut self.stressed;
@@ -83,8 +83,8 @@ impl Tension {
 fn lifted(root: [f64; 3], bend: &Bend, [z, b]: [f64; 2], dimension: usize) -> [f64; 6] {
     let squared: f64 = root.iter().map(|u| u * u).sum();
     let n = root.map(|u| u / squared.sqrt().max(f64::MIN_POSITIVE));
-    let unit = AXES.map(|(a, b)| f64::from(u8::from(a == b)));
-    let tangent: [f64; 6] = std::array::from_fn(|c| unit[c] - n[AXES[c].0] * n[AXES[c].1]);
+    let unit = PAIRS.map(|(a, b)| f64::from(u8::from(a == b)));
+    let tangent: [f64; 6] = std::array::from_fn(|c| unit[c] - n[PAIRS[c].0] * n[PAIRS[c].1]);
     let planar = dimension == 2;
     // H B.
     let scale = (dimension as f64 - 1.0) / (bend[6] as f64).max(f64::MIN_POSITIVE);
@@ -105,9 +105,6 @@ fn lifted(root: [f64; 3], bend: &Bend, [z, b]: [f64; 2], dimension: usize) -> [f
     let slope = (low - high) / (2.0 * spread).max(f64::MIN_POSITIVE);
     std::array::from_fn(|c| squared * (0.5 * (high + low) * tangent[c] + slope * rest[c]))
 }
-
-/// Axes of the components of a stress.
-const AXES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
 
 /// The least curvature that counts, as a part of the bracket in (2).
 const LEAST: f64 = -0.5;
@@ -138,7 +135,7 @@ impl<K: Kernel> Pass<7> for Curvature<K> {
                 t[c] = L::mul(w, L::sub(L::div(b[c], size), L::mul(along, a[c])));
                 across[c] = L::sub(d[c], L::mul(height, a[c]));
             }
-            for (c, (i, j)) in AXES.into_iter().enumerate() {
+            for (c, (i, j)) in PAIRS.into_iter().enumerate() {
                 let product = if i == j {
                     L::mul(t[i], across[i])
                 } else {

@@ -3,6 +3,7 @@
 use super::Surface;
 use crate::space::lane::WIDTH;
 use crate::space::mirror::{Code, sign, sign_of_tensor};
+use crate::space::row::Sources;
 use crate::space::sweep::{Field, Source};
 
 /// Images of particles with a stress, along cells.
@@ -39,7 +40,7 @@ pub struct Stressed {
 
 impl Stressed {
     /// The particles and, if there are mirror planes, their images.
-    pub fn sources(&self) -> [Source<'_>; 2] {
+    pub fn sources(&self) -> Sources<'_> {
         let own = Source {
             start: &self.start,
             offset: 0,
@@ -48,12 +49,8 @@ impl Stressed {
             start: &self.images.start,
             offset: self.index.len(),
         };
-        [own, images]
-    }
-
-    /// How many of [`Stressed::sources`] there are.
-    pub fn kinds(&self) -> usize {
-        1 + usize::from(!self.images.start.is_empty())
+        let kinds = 1 + usize::from(!self.images.start.is_empty());
+        Sources::of(&[own, images][..kinds])
     }
 
     /// `field` with these particles and a payload of theirs for sources.

@@ -3,11 +3,11 @@
 use super::{Flow, HASTE, LEAST, MOST, SLACK};
 use crate::space::dilate::dilate;
 use crate::space::parallel::{Slots, each};
-use crate::space::row::{Search, Source};
+use crate::space::row::{Search, Source, Sources};
 
 impl Flow {
     /// Where neighbours are: liquid, its images, then walls if there are any, and their images.
-    pub fn sources(&self) -> impl std::ops::Deref<Target = [Source<'_>]> {
+    pub fn sources(&self) -> Sources<'_> {
         let liquid = Source {
             start: &self.liquid_cells.start,
             offset: 0,
@@ -18,10 +18,10 @@ impl Flow {
         };
         let kinds = 1 + usize::from(self.walls() > 0);
         match &self.mirror {
-            None => Sources([liquid, wall, wall, wall], kinds),
+            None => Sources::of(&[liquid, wall][..kinds]),
             Some(mirror) => {
                 let [images, walls] = mirror.sources();
-                Sources([liquid, images, wall, walls], 2 * kinds)
+                Sources::of(&[liquid, images, wall, walls][..2 * kinds])
             }
         }
     }
@@ -120,15 +120,5 @@ impl Flow {
         let reach = cutoff.max(self.lengths.longest + 2.0 * most) + 2.0 * most;
         let (liquid, wall) = (&self.particles.position, &self.wall.position);
         mirror.find(&self.grid, liquid, wall, reach);
-    }
-}
-
-/// One to four sources.
-struct Sources<'a>([Source<'a>; 4], usize);
-
-impl<'a> std::ops::Deref for Sources<'a> {
-    type Target = [Source<'a>];
-    fn deref(&self) -> &[Source<'a>] {
-        &self.0[..self.1]
     }
 }

@@ -15,10 +15,7 @@ impl Flow {
         liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
         wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
     ) {
-        self.write(liquid, wall);
-        if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records, true);
-        }
+        self.write(liquid, wall, true);
     }
 
     /// The same for payloads without a vector.
@@ -27,16 +24,14 @@ impl Flow {
         liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
         wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
     ) {
-        self.write(liquid, wall);
-        if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records, false);
-        }
+        self.write(liquid, wall, false);
     }
 
     fn write(
         &mut self,
         liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
         wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
+        is_vector: bool,
     ) {
         let (n, m) = (self.liquid(), self.walls());
         let count = n + m + self.images() + WIDTH;
@@ -45,6 +40,9 @@ impl Flow {
         let (own, rest) = self.records.split_at_mut(n);
         write(&self.grid, &p.position, own, |i| liquid(p, i));
         write(&self.grid, &w.position, &mut rest[..m], |i| wall(w, i));
+        if let Some(mirror) = &self.mirror {
+            mirror.copy(&mut self.records, is_vector);
+        }
     }
 
     /// [`Flow::pack`] when nothing has moved since.
@@ -72,7 +70,7 @@ impl Flow {
             unsafe { records.at(n + i) }.carry(wall(i))
         });
         if let Some(mirror) = &self.mirror {
-            mirror.copy_wall(&mut self.records, true);
+            mirror.copy_wall(&mut self.records);
         }
     }
 }

@@ -152,9 +152,10 @@ impl<S: Scheme> Projection<S> {
                     let right = rate / (n * dt * unit) + this.sums[i][1] as f64;
                     // What is stretched at a surface tears: a sheet of one or two particles cannot
                     // get thinner, and to hold it together would take its energy.
-                    match (this.local[i].kernel_sum as f64) < SURFACE {
-                        true => right.max(0.0),
-                        false => right,
+                    if (this.local[i].kernel_sum as f64) < SURFACE {
+                        right.max(0.0)
+                    } else {
+                        right
                     }
                 }
                 PoissonSource::Divergence { .. } => this.wall_flux(i, dt),

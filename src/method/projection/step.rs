@@ -25,6 +25,7 @@ impl<S: Scheme> Projection<S> {
         self.flow.lasting = if self.fastest > 0.0 { expected } else { 0.0 };
         self.rebuild();
         self.hold();
+        self.swiftest = self.connected_speed();
         let mut dt = self.next_step().min(expected.max(self.settings.shortest));
         self.remember();
         let mut done = false;
@@ -65,7 +66,7 @@ impl<S: Scheme> Projection<S> {
             sound_speed: f64::INFINITY,
             viscosity: self.case.effects.viscosity,
             tension: self.case.effects.tension,
-            speed: self.fastest,
+            speed: self.swiftest,
             acceleration: self.hardest,
         }
     }
@@ -80,8 +81,10 @@ impl<S: Scheme> Projection<S> {
         all
     }
 
+    /// Spray may cross a spacing, s.
     fn advective(&self) -> f64 {
-        self.settings.courant * self.case.spacing / self.fastest.max(1e-30)
+        let connected = self.settings.courant * self.case.spacing / self.swiftest.max(1e-30);
+        connected.min(self.case.spacing / self.fastest.max(1e-30))
     }
 
     /// Where a symmetric gradient stays stable, s.
@@ -107,17 +110,15 @@ impl<S: Scheme> Projection<S> {
 
     /// Wraps, removes, sorts along cells, finds neighbours.
     fn rebuild(&mut self) {
-        let (domain, position) = (&self.case.domain, &self.flow.particles.position);
-        let crosses = |i: usize| (0..2).any(|a| domain.is_crossed(a, position[a][i]));
         let (around, sums) = (&self.around, self.sum_factor());
         let mist = &mut self.scratch.mist;
         mist.clear();
-        if self.pool {
-            let is = |i: usize| crosses(i) && self.step > 0 && sums * around[i].kernel < MIST;
+        if self.pool && self.step > 0 {
+            let is = |i: usize| self.flow.crosses(i) && sums * around[i].kernel < MIST;
             mist.extend((0..around.len()).map(is));
         }
         // All vectors that are held are made anew before they are used.
-        let doomed = |i: usize| self.pool && mist[i];
+        let doomed = |i: usize| !mist.is_empty() && mist[i];
         if let Some(keep) = self.flow.confine(doomed, |_, _| ()) {
             retain(&mut self.pressure, &keep);
             retain(&mut self.around, &keep);

@@ -6,8 +6,8 @@ use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::Diverged;
-use crate::method::shifting::Shifting;
-use crate::space::parallel::{Slots, each, slots3};
+use crate::method::shifting::{LOOSE, Shifting};
+use crate::space::parallel::{Slots, each, max, slots3};
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
@@ -21,11 +21,12 @@ const HASTE: f64 = 1.5;
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// One advective step.
     pub(super) fn dual_step(&mut self, advective: f64, acoustic: f64) -> Result<(), Diverged> {
-        self.follow();
-        let inner = acoustic * self.model.h / (self.model.sound_speed + self.fastest);
-        let crossing = advective * self.model.h / self.fastest.max(1e-30);
-        self.flow.lasting = crossing.min(MOST * inner);
+        let crossing = advective * self.model.h / self.swiftest.max(1e-30);
+        self.flow.lasting = crossing.min(MOST * self.inner(acoustic));
         self.rebuild();
+        self.swiftest = self.connected_speed();
+        self.follow();
+        let inner = self.inner(acoustic);
         self.hold();
         let outer = self.limits_now().advective(advective).min(MOST * inner);
         let count = (outer / inner).ceil();
@@ -37,11 +38,26 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         Ok(())
     }
 
+    /// The longest acoustic step, s.
+    fn inner(&self, acoustic: f64) -> f64 {
+        acoustic * self.model.h / (self.model.sound_speed + self.swiftest)
+    }
+
+    /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
+    fn connected_speed(&self) -> f64 {
+        let (scale, p) = (self.sum_factor(), &self.flow.particles);
+        let speed = |i: usize| match self.around[i].kernel_sum(scale) < LOOSE {
+            true => 0.0,
+            false => p.speed(i),
+        };
+        max(self.around.len(), speed).max(0.0)
+    }
+
     /// Lets the speed of sound follow the largest speed of the moment: up at once, down slowly.
     /// Pressures stay what they are; densities change to what these mean under the new speed.
     fn follow(&mut self) {
         let (old, [least, most]) = (self.model.sound_speed, self.model.sound_speeds);
-        let wanted = self.model.settings.sound_speed_factor * self.fastest;
+        let wanted = self.model.settings.sound_speed_factor * self.swiftest;
         let new = wanted.max(SLOWING * old).clamp(least, most);
         if new == old {
             return;
@@ -169,7 +185,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             strength: model.settings.shifting,
             h: model.h,
             dt,
-            fastest: self.fastest,
+            fastest: self.swiftest,
             capillary: Shifting::capillary(model.effects.tension, model.density, model.h),
             unit: gradient,
         };

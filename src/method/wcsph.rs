@@ -76,14 +76,13 @@ struct Scratch {
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn new(
-        model: Model,
-        flow: Flow,
+        mut model: Model,
+        mut flow: Flow,
         viscosity: V,
         tension: Option<Tension>,
         state: &State,
         pool: bool,
     ) -> Self {
-        let mut flow = flow;
         flow.wall_sees_wall = model.settings.wall_pressure == WallPressure::Summation;
         let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
         flow.removed = (
@@ -97,10 +96,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             Some(_) => array("density_rate").map_or(vec![0.0; n], narrow),
             None => Vec::new(),
         };
-        let mut model = model;
-        if let Some(c) = named("sound_speed_m_s") {
-            model.sound_speed = c;
-        }
+        model.sound_speed = named("sound_speed_m_s").unwrap_or(model.sound_speed);
         let mut solver = Wcsph {
             model,
             flow,

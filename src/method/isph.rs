@@ -79,9 +79,14 @@ impl<K: Kernel> Isph<K> {
     }
 
     fn look_with<const CORRECTED: bool>(p: &mut Projection<Self>) {
+        let full = match p.is_printed() {
+            true => 1.0,
+            false => p.closure.lattice(),
+        };
         let pass = Look::<K, CORRECTED> {
             value: p.factor(0),
             gradient: p.factor(1),
+            full: full as f32,
             active: p.active(),
             marks: &p.marks,
             kernel: PhantomData,

@@ -5,6 +5,11 @@
 //! (3) v^(n+1) = v* - dt grad p / rho
 //! (4) r^(n+1) = r^n + dt v, v the mean of v^n and v^(n+1), or v^(n+1)
 //!
+//! With `theta` below 1, (1) to (3) go over theta dt, and v^n + (v - v^n) / theta is v^(n+1) (theta
+//! method). At 1, implicit Euler, a step takes (dt grad p / rho)^2 / 2 of the kinetic energy, and
+//! an impact is all pressure: a crater came out 9 % narrow. Below, it takes 2 theta - 1 of that; at
+//! 1/2 what divergence (2) and (3) leave would change its sign forever.
+//!
 //! Particles at a free surface with less than 0.9 of their support ask for no negative pressure: a
 //! sheet of one or two particles cannot get thinner while it is stretched, and to be held together
 //! would cost its kinetic energy (a drop of eight spacings on a pool lost 37 % in 3 ms, so 20 %).
@@ -135,7 +140,7 @@ pub(super) struct Projection<S: Scheme> {
     /// Positions and velocities at the start of a step.
     before: [[Vec<f64>; 3]; 2],
     pub walls: Walls,
-    closure: Completion,
+    pub closure: Completion,
     pub equation: Equation,
     pub sums: Vec<S::Row>,
     solver: PressureSolver,
@@ -172,7 +177,9 @@ impl<S: Scheme> Projection<S> {
         let n = flow.liquid();
         let array = |name: &str| state.arrays.iter().find(|a| a.0 == name).map(|a| &a.1);
         let walls = Walls::new(&case, &flow.wall);
-        let closure = scheme.completion(&case);
+        let volume = flow.particles.mass / case.density;
+        let cell = case.spacing.powi(case.dimension.count() as i32);
+        let closure = scheme.completion(&case).of_volume(volume / cell);
         let mut solver = Projection {
             case,
             settings,

@@ -30,6 +30,8 @@ pub struct Projection {
     pub iterations: usize,
     /// Strength of particle shifting (0 is off).
     pub shifting: f64,
+    /// Where in a step the pressure keeps the flow free of divergence: 1 at its end.
+    pub theta: f64,
     /// Spacings that the fastest particle crosses in a step.
     pub courant: f64,
     /// Shortest step, s.

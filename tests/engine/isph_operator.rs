@@ -109,6 +109,7 @@ fn look(cloud: &mut Cloud, v: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Local> {
         value: factor::<WendlandC2>(cloud, 0),
         gradient: factor::<WendlandC2>(cloud, 1),
         active: [true, cloud.flow.dimension == Dimension::Three, true],
+        full: 1.0,
         marks: &marks,
         kernel: PhantomData,
     };
@@ -208,8 +209,10 @@ fn the_completed_closure_is_exact_for_the_depth_below_a_lattice() {
         let d = dimension.count();
         let closure = Completion::of::<WendlandC2>(KernelName::WendlandC2, d, SMOOTHING);
         // Thin liquid is no surface, and its density is seen; nor is disorder one.
-        assert_eq!(closure.density(0.9, [0.0; 3]), 0.9);
-        assert_eq!(closure.density(1.0, [0.0, 0.03, 0.0]), 1.0);
+        let full = closure.lattice();
+        assert!((1.002..1.006).contains(&full), "{full}");
+        assert_eq!(closure.density(0.9 * full, [0.0; 3]), 0.9);
+        assert_eq!(closure.density(full, [0.0, 0.03, 0.0]), 1.0);
         let h = cloud.h;
         let inverse: Vec<f32> = local
             .iter()

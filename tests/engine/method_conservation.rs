@@ -176,7 +176,7 @@ fn steps_allocate_nothing() {
                 let mut solver = splash(preset, dimension);
                 // Buffers, rows of neighbours above all, grow to their size.
                 let warm = match preset {
-                    "mps modern" => 20,
+                    "isph modern" | "mps modern" => 20,
                     _ if preset.ends_with("modern") => 10,
                     _ => 5,
                 };

@@ -50,6 +50,8 @@ pub struct Look<'a, K, const CORRECTED: bool> {
     /// V norm / h^d and that over h.
     pub value: f64,
     pub gradient: f64,
+    /// Kernel sum at rho0.
+    pub full: f32,
     /// Axes along which anything varies.
     pub active: [bool; 3],
     /// Above 0 for particles near a surface, whose L is the identity.
@@ -86,7 +88,7 @@ impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
     #[inline(always)]
     fn finish(&self, target: usize, s: [f32; 20], out: &mut Local) {
         out.kernel_sum = (self.value * (s[0] as f64 + K::w(0.0))) as f32;
-        out.number = out.kernel_sum;
+        out.number = out.kernel_sum / self.full;
         out.stir = (s[19] / s[0].max(f32::MIN_POSITIVE)).sqrt();
         out.slope = [s[1], s[2], s[3]].map(|s| (self.gradient * s as f64) as f32);
         out.moment = std::array::from_fn(|k| (-self.value * s[4 + k] as f64) as f32);

@@ -3,6 +3,7 @@
 use super::{Projection, SURFACE, Scheme};
 use crate::method::pass::Extrapolation;
 use crate::method::pressure::Outcome;
+use crate::method::shifting::LOOSE;
 use crate::scene::{PoissonSource, Preconditioner};
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
@@ -141,11 +142,10 @@ impl<S: Scheme> Projection<S> {
                     (dense - 1.0) / (dt * dt * unit)
                 }
                 PoissonSource::Divergence { density } if i < n => {
-                    // Rows count as much as their volume, 1 / n. Who lacks neighbours at a surface
-                    // is not too thin.
+                    // Rows count as much as their volume, 1 / n. Spray is not too thin.
                     let [n, seen] = S::dense(this, i);
                     let mut dense = seen - 1.0;
-                    if this.marks[i] > 0.0 {
+                    if this.local[i].kernel_sum < LOOSE {
                         dense = dense.max(0.0);
                     }
                     let rate = density * dense / span - this.local[i].divergence as f64;

@@ -30,9 +30,10 @@ impl<S: Scheme> Projection<S> {
         self.remember();
         let mut done = false;
         for attempt in 0..=HALVINGS {
-            self.predict(dt);
+            let ahead = self.settings.theta * dt;
+            self.predict(ahead);
             if !self.flow.stale(|_| 0.0) {
-                self.outcome = self.project(dt);
+                self.outcome = self.project(ahead);
                 done = self.outcome.converged;
             }
             self.peak = self.peak();
@@ -286,8 +287,9 @@ impl<S: Scheme> Projection<S> {
         }
     }
 
-    /// (3) and (4), damped.
+    /// (3) and (4), from a part theta of the step to all of it, damped.
     fn correct(&mut self, dt: f64) {
+        let theta = self.settings.theta;
         let n = self.flow.liquid();
         let damp = 1.0 / (1.0 + self.damping(dt) * dt);
         let (push, before) = (&self.push, &self.before);
@@ -296,9 +298,11 @@ impl<S: Scheme> Projection<S> {
         each(n, |i| {
             for a in 0..3 {
                 let v = unsafe { v[a].at(i) };
-                *v = damp * (*v + dt * push[i][a] as f64);
+                let old = before[1][a][i];
+                let ahead = *v + theta * dt * push[i][a] as f64;
+                *v = damp * (old + (ahead - old) / theta);
                 let mean = match S::TRAPEZOIDAL {
-                    true => 0.5 * (before[1][a][i] + *v),
+                    true => 0.5 * (old + *v),
                     false => *v,
                 };
                 *unsafe { x[a].at(i) } = before[0][a][i] + dt * mean;

@@ -138,6 +138,8 @@ impl Share {
 pub struct Completion {
     /// SUM w of a full support.
     full: f64,
+    /// C of a full lattice, some per mille above 1.
+    lattice: f64,
     /// F between which t falls from 1 to 0.
     from: f64,
     to: f64,
@@ -156,7 +158,7 @@ impl Completion {
         let reach = (2.0 * smoothing).ceil() as i64;
         let depth = if dimension == 3 { reach } else { 0 };
         let norm = K::norm(dimension) / smoothing.powi(dimension as i32);
-        let (mut full, mut sum, mut slope) = (0.0, 0.0, 0.0);
+        let (mut full, mut lattice, mut sum, mut slope) = (0.0, 0.0, 0.0, 0.0);
         for x in -reach..=reach {
             for y in -depth..=depth {
                 for m in -reach..=reach {
@@ -164,9 +166,11 @@ impl Completion {
                     if q > 0.0 && q < 2.0 {
                         full -= K::slope(q);
                     }
+                    let w = if q < 2.0 { norm * K::w(q) } else { 0.0 };
+                    lattice += w;
                     // The second layer of a flat lattice has one above it.
                     if m >= -1 && q < 2.0 {
-                        sum += norm * K::w(q);
+                        sum += w;
                         slope -= norm * K::slope(q) * m as f64 / smoothing;
                     }
                 }
@@ -176,6 +180,7 @@ impl Completion {
         let [from, _] = share.at(slope / sum);
         Completion {
             full,
+            lattice,
             from,
             to: 0.5 * (1.0 + from),
             least: 0.25 / smoothing,
@@ -200,18 +205,29 @@ impl Completion {
         ((self.to - share) / (self.to - self.from)).clamp(0.0, 1.0)
     }
 
-    /// n = C / F within its bounds; `slope` = h grad C. Where t(F) is zero the support is full:
+    /// n = C / F over that of a lattice, within its bounds; `slope` = h grad C. Where t(F) is zero the support is full:
     /// disorder alone makes |grad C| some per cent, and n would be 0.8 % too large on average.
     #[inline(always)]
     pub fn density(&self, kernel_sum: f64, slope: [f64; 3]) -> f64 {
         let [share, _] = self.share.at(dot(slope, slope).sqrt() / kernel_sum);
         let lack = self.ramp(share) * (1.0 - share);
-        (kernel_sum / (1.0 - lack)).clamp(LOOSEST, DENSEST)
+        (kernel_sum / (self.lattice * (1.0 - lack))).clamp(LOOSEST, DENSEST)
+    }
+
+    /// The same for particles of `volume` cells of the lattice.
+    pub fn of_volume(self, volume: f64) -> Self {
+        let lattice = volume * self.lattice;
+        Completion { lattice, ..self }
     }
 
     /// The same for other weights w, with their sum over a full support.
     pub fn with_full(self, full: f64) -> Self {
         Completion { full, ..self }
+    }
+
+    /// C of a full lattice: what a liquid of density rho0 has.
+    pub fn lattice(&self) -> f64 {
+        self.lattice
     }
 
     /// SUM w of a full support.

@@ -72,6 +72,7 @@ pub static MPS: &[Field] = &[
     TOLERANCE,
     ITERATIONS,
     SHIFTING,
+    THETA,
     COURANT,
     SHORTEST,
     LONGEST,
@@ -96,6 +97,7 @@ pub static ISPH: &[Field] = &[
     TOLERANCE,
     ITERATIONS,
     SHIFTING,
+    THETA,
     COURANT,
     SHORTEST,
     LONGEST,
@@ -128,6 +130,12 @@ const ITERATIONS: Field = optional(
     "iterations",
     Kind::Count(1),
     "Most iterations of one solution.",
+);
+
+const THETA: Field = optional(
+    "theta",
+    Kind::Number(Range::Between(0.5, 1.0)),
+    "Part of a step after which the flow has no divergence (theta method); 1: implicit Euler.",
 );
 
 const COURANT: Field = optional(

@@ -29,6 +29,7 @@ pub(super) fn solution(list: &mut List, method: &str, settings: &Projection) {
     list.number(&name("tolerance"), settings.tolerance, Unit::One);
     list.count(&name("iterations"), settings.iterations as u64);
     list.number(&name("shifting"), settings.shifting, Unit::One);
+    list.number(&name("theta"), settings.theta, Unit::One);
     list.number(&name("courant"), settings.courant, Unit::One);
     list.number(&name("shortest"), settings.shortest, Unit::Time);
     if settings.longest.is_finite() {

@@ -29,6 +29,7 @@ pub fn isph_paper() -> Isph {
             tolerance: 1e-6,                          // not given
             iterations: 2000,
             shifting: 0.0,
+            theta: 1.0,     // Eq. 9
             courant: 0.1,   // law not given: speeds of 1.25 to 5 m/s span
             shortest: 5e-6, // the steps of Section 3 at d0 = 0.25 mm
             longest: 20e-6,

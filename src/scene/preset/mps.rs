@@ -28,6 +28,7 @@ pub fn mps_paper() -> Mps {
             tolerance: 1e-6, // not given
             iterations: 2000,
             shifting: 0.0,
+            theta: 1.0,
             courant: 0.1, // not given
             shortest: 0.1e-6,
             longest: f64::INFINITY,
@@ -62,6 +63,7 @@ pub fn mps_modern() -> Mps {
         gradient: MpsGradient::Corrected, // Khayyer & Gotoh 2011; Tamai & Koshizuka 2014
         pressure: Pressure::Signed,
         projection: Projection {
+            theta: 1.0,   // positions follow the new velocity alone
             courant: 0.1, // 0.25 diverges in vortices
             ..projection_modern(corrected.projection.source)
         },

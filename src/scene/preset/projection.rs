@@ -13,6 +13,7 @@ pub(super) fn projection_modern(source: PoissonSource) -> Projection {
         tolerance: 1e-6,
         iterations: 2000,
         shifting: 4.0, // Lind et al. 2012, as strong as in WCSPH
+        theta: 0.6,    // see `method::projection`: implicit Euler takes energy from impacts
         courant: 0.25, // Shao & Lo 2003 use 0.1, Lind et al. 2012 up to 0.25
         shortest: 0.1e-6,
         longest: f64::INFINITY,
@@ -45,6 +46,7 @@ pub(super) fn override_projection(
         "tolerance" => settings.tolerance = value.number()?,
         "iterations" => settings.iterations = value.count()? as usize,
         "shifting" => settings.shifting = value.number()?,
+        "theta" => settings.theta = value.number()?,
         "courant" => settings.courant = value.number()?,
         "shortest" => settings.shortest = value.quantity(Unit::Time)?,
         "longest" => {

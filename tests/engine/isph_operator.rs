@@ -194,6 +194,18 @@ fn tensors_are_inverted_down_to_the_least_eigenvalue() {
 /// Under a flat lattice surface p = depth solves every layer's equation: the plane p = 0 lies half
 /// a spacing above the top layer.
 #[test]
+fn thin_liquid_is_no_surface_and_its_density_is_seen() {
+    for dimension in [2, 3] {
+        let closure = Completion::of::<WendlandC2>(KernelName::WendlandC2, dimension, SMOOTHING);
+        let full = closure.lattice();
+        assert!((1.002..1.006).contains(&full), "{full}");
+        assert_eq!(closure.density(0.9 * full, [0.0; 3]), 0.9);
+        // Nor is disorder one.
+        assert_eq!(closure.density(full, [0.0, 0.03, 0.0]), 1.0);
+    }
+}
+
+#[test]
 fn the_completed_closure_is_exact_for_the_depth_below_a_lattice() {
     for dimension in BOTH {
         let depth = if dimension == Dimension::Two {
@@ -208,11 +220,6 @@ fn the_completed_closure_is_exact_for_the_depth_below_a_lattice() {
         let local = look(&mut cloud, |_| [0.0; 3]);
         let d = dimension.count();
         let closure = Completion::of::<WendlandC2>(KernelName::WendlandC2, d, SMOOTHING);
-        // Thin liquid is no surface, and its density is seen; nor is disorder one.
-        let full = closure.lattice();
-        assert!((1.002..1.006).contains(&full), "{full}");
-        assert_eq!(closure.density(0.9 * full, [0.0; 3]), 0.9);
-        assert_eq!(closure.density(full, [0.0, 0.03, 0.0]), 1.0);
         let h = cloud.h;
         let inverse: Vec<f32> = local
             .iter()

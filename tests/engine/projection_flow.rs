@@ -224,3 +224,32 @@ fn no_pressure_is_an_error_that_keeps_the_state() {
     };
     assert_eq!(sorted(&before), sorted(&after));
 }
+
+/// A disc that a flow u = A (-x, z) stretches keeps its kinetic energy. Implicit Euler takes
+/// (dt grad p / rho)^2 / 2 of it a step.
+#[test]
+fn the_theta_method_keeps_kinetic_energy() {
+    let lost = |theta: f64| {
+        let mut scene = drop_scene("isph modern", 2, "");
+        let coronet::scene::Method::Isph(settings) = &mut scene.method else {
+            panic!("another method");
+        };
+        settings.projection.theta = theta;
+        let disc = pack(&scene, 0, &mut |_| Continue(())).unwrap().0;
+        let mut state = method::initial(&scene, &[disc]);
+        let p = &mut state.particles;
+        for (a, rate) in [(0, -500.0), (2, 500.0)] {
+            let v = p.position[a].iter().map(|x| rate * (x - 2.4e-3)).collect();
+            p.velocity[a] = v;
+        }
+        let mut solver = method::build(&scene, state, Phase::Impact, Some(3.0)).unwrap();
+        let energy = |solver: &dyn Solver| named(&solver.frame(), "kinetic_energy_J");
+        let first = energy(solver.as_ref());
+        while solver.time() < 0.6e-3 {
+            solver.advance(&mut |_| ()).unwrap();
+        }
+        1.0 - energy(solver.as_ref()) / first
+    };
+    let [euler, theta] = [1.0, 0.6].map(lost);
+    assert!(theta.abs() < 0.5 * euler, "{euler} {theta}");
+}

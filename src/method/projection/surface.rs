@@ -205,8 +205,9 @@ impl Completion {
         ((self.to - share) / (self.to - self.from)).clamp(0.0, 1.0)
     }
 
-    /// n = C / F over that of a lattice, within its bounds; `slope` = h grad C. Where t(F) is zero the support is full:
-    /// disorder alone makes |grad C| some per cent, and n would be 0.8 % too large on average.
+    /// n = C / F over that of a lattice, within its bounds; `slope` = h grad C. Where t(F) is zero
+    /// the support is full: disorder alone makes |grad C| some per cent, and n would be 0.8 % too
+    /// large on average.
     #[inline(always)]
     pub fn density(&self, kernel_sum: f64, slope: [f64; 3]) -> f64 {
         let [share, _] = self.share.at(dot(slope, slope).sqrt() / kernel_sum);

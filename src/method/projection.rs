@@ -18,7 +18,8 @@
 //! gradients. The rest is here: walls are [`walls`], free surfaces [`surface`], the equation and
 //! its solvers [`super::pressure`], shifting [`shift`].
 //!
-//! Time step: courant s0 / u_max, and the viscous, capillary and force limits of [`super::limit`],
+//! Time step: courant s0 / u, u the largest speed of what is not spray (and no spray crosses more
+//! than a spacing), and the viscous, capillary and force limits of [`super::limit`],
 //! between `shortest` and `longest`. A gradient with p_a + p_b is a spring between particles, of
 //! (omega s0)^2 = 4 to 8 p / rho (a lattice, its rows moving against each other), explicit and so
 //! unstable beyond omega dt = 2: dt <= s0 / (4 sqrt(p / rho)) with the largest p. A solution that
@@ -122,7 +123,7 @@ pub(super) struct Projection<S: Scheme> {
     fastest: f64,
     hardest: f64,
     /// Largest speed of what is not spray, m/s.
-    swiftest: f64,
+    connected: f64,
     /// Largest pressure, Pa.
     peak: f64,
     /// Explicit acceleration, m/s^2.
@@ -191,7 +192,7 @@ impl<S: Scheme> Projection<S> {
             last_step: named("time_step_s").unwrap_or(0.0),
             fastest: 0.0,
             hardest: named("acceleration_m_s2").unwrap_or(0.0),
-            swiftest: 0.0,
+            connected: 0.0,
             peak: 0.0,
             held: vec![[0.0; 3]; n],
             around: vec![Sums::default(); n],
@@ -220,7 +221,7 @@ impl<S: Scheme> Projection<S> {
             around.for_each(|(s, x)| s.kernel = *x as f32);
         }
         solver.fastest = solver.speed();
-        solver.swiftest = named("connected_speed_m_s").unwrap_or(solver.fastest);
+        solver.connected = named("connected_speed_m_s").unwrap_or(solver.fastest);
         solver.peak = solver.peak();
         solver
     }
@@ -331,7 +332,7 @@ impl<S: Scheme> Solver for Projection<S> {
             ("removed_particles".to_string(), self.flow.removed.1 as f64),
             ("time_step_s".to_string(), self.last_step),
             ("acceleration_m_s2".to_string(), self.hardest),
-            ("connected_speed_m_s".to_string(), self.swiftest),
+            ("connected_speed_m_s".to_string(), self.connected),
         ];
         let solution = self.solution_scalars();
         scalars.extend(solution.map(|(name, value)| (name.to_string(), value)));

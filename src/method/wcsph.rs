@@ -51,7 +51,7 @@ pub struct Wcsph<K, V> {
     fastest: f64,
     hardest: f64,
     /// Largest speed that steps follow, m/s: with dual stepping that of what is not spray.
-    swiftest: f64,
+    connected: f64,
     /// d rho/dt, kg/m^3/s (continuity only).
     rate: Vec<f32>,
     /// Acceleration: the whole one (single rate), or what is held over an advective step (dual).
@@ -107,7 +107,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             last_step: named("time_step_s").unwrap_or(0.0),
             fastest: 0.0,
             hardest: named("acceleration_m_s2").unwrap_or(0.0),
-            swiftest: 0.0,
+            connected: 0.0,
             rate,
             held: vec![[0.0; 3]; n],
             force: vec![[0.0; 3]; n],
@@ -129,7 +129,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 .for_each(|(s, x)| s.sum = *x as f32);
         }
         solver.fastest = solver.speed();
-        solver.swiftest = named("connected_speed_m_s").unwrap_or(solver.fastest);
+        solver.connected = named("connected_speed_m_s").unwrap_or(solver.fastest);
         if !solver.is_dual() {
             let parts = ["acceleration_x", "acceleration_y", "acceleration_z"].map(array);
             match parts {
@@ -179,7 +179,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             sound_speed: self.model.sound_speed,
             viscosity: self.model.effects.viscosity,
             tension: self.model.effects.tension,
-            speed: self.swiftest,
+            speed: self.connected,
             acceleration: self.hardest,
         }
     }
@@ -300,7 +300,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             ("sound_speed_m_s".to_string(), self.model.sound_speed),
         ];
         if self.is_dual() {
-            scalars.push(("connected_speed_m_s".to_string(), self.swiftest));
+            scalars.push(("connected_speed_m_s".to_string(), self.connected));
         }
         if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
             scalars.push(("tension_strength".to_string(), tension.strength));

@@ -11,7 +11,7 @@ impl<S: Scheme> Projection<S> {
             strength: self.settings.shifting,
             h: case.h,
             dt,
-            fastest: self.swiftest,
+            fastest: self.connected,
             capillary: Shifting::capillary(case.effects.tension, case.density, case.h),
             unit: 1.0,
         };

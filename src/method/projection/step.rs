@@ -25,7 +25,7 @@ impl<S: Scheme> Projection<S> {
         self.flow.lasting = if self.fastest > 0.0 { expected } else { 0.0 };
         self.rebuild();
         self.hold();
-        self.swiftest = self.connected_speed();
+        self.connected = self.connected_speed();
         let mut dt = self.next_step().min(expected.max(self.settings.shortest));
         self.remember();
         let mut done = false;
@@ -67,7 +67,7 @@ impl<S: Scheme> Projection<S> {
             sound_speed: f64::INFINITY,
             viscosity: self.case.effects.viscosity,
             tension: self.case.effects.tension,
-            speed: self.swiftest,
+            speed: self.connected,
             acceleration: self.hardest,
         }
     }
@@ -84,7 +84,7 @@ impl<S: Scheme> Projection<S> {
 
     /// Spray may cross a spacing, s.
     fn advective(&self) -> f64 {
-        let connected = self.settings.courant * self.case.spacing / self.swiftest.max(1e-30);
+        let connected = self.settings.courant * self.case.spacing / self.connected.max(1e-30);
         connected.min(self.case.spacing / self.fastest.max(1e-30))
     }
 

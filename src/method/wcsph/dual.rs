@@ -21,10 +21,10 @@ const HASTE: f64 = 1.5;
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// One advective step.
     pub(super) fn dual_step(&mut self, advective: f64, acoustic: f64) -> Result<(), Diverged> {
-        let crossing = advective * self.model.h / self.swiftest.max(1e-30);
+        let crossing = advective * self.model.h / self.connected.max(1e-30);
         self.flow.lasting = crossing.min(MOST * self.inner(acoustic));
         self.rebuild();
-        self.swiftest = self.connected_speed();
+        self.connected = self.connected_speed();
         self.follow();
         let inner = self.inner(acoustic);
         self.hold();
@@ -40,7 +40,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// The longest acoustic step, s.
     fn inner(&self, acoustic: f64) -> f64 {
-        acoustic * self.model.h / (self.model.sound_speed + self.swiftest)
+        acoustic * self.model.h / (self.model.sound_speed + self.connected)
     }
 
     /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
@@ -57,7 +57,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Pressures stay what they are; densities change to what these mean under the new speed.
     fn follow(&mut self) {
         let (old, [least, most]) = (self.model.sound_speed, self.model.sound_speeds);
-        let wanted = self.model.settings.sound_speed_factor * self.swiftest;
+        let wanted = self.model.settings.sound_speed_factor * self.connected;
         let new = wanted.max(SLOWING * old).clamp(least, most);
         if new == old {
             return;
@@ -185,7 +185,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             strength: model.settings.shifting,
             h: model.h,
             dt,
-            fastest: self.swiftest,
+            fastest: self.connected,
             capillary: Shifting::capillary(model.effects.tension, model.density, model.h),
             unit: gradient,
         };

@@ -78,7 +78,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             });
         }
         self.fastest = self.speed();
-        self.swiftest = self.fastest;
+        self.connected = self.fastest;
         self.time += dt;
         self.step += 1;
         self.last_step = dt;

@@ -191,8 +191,6 @@ fn tensors_are_inverted_down_to_the_least_eigenvalue() {
     );
 }
 
-/// Under a flat lattice surface p = depth solves every layer's equation: the plane p = 0 lies half
-/// a spacing above the top layer.
 #[test]
 fn thin_liquid_is_no_surface_and_its_density_is_seen() {
     for dimension in [2, 3] {
@@ -205,6 +203,8 @@ fn thin_liquid_is_no_surface_and_its_density_is_seen() {
     }
 }
 
+/// Under a flat lattice surface p = depth solves every layer's equation: the plane p = 0 lies half
+/// a spacing above the top layer.
 #[test]
 fn the_completed_closure_is_exact_for_the_depth_below_a_lattice() {
     for dimension in BOTH {

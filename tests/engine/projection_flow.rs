@@ -225,6 +225,26 @@ fn no_pressure_is_an_error_that_keeps_the_state() {
     assert_eq!(sorted(&before), sorted(&after));
 }
 
+/// A layer that comes down on the floor as one stops in a step, whatever theta: a wall gives nothing
+/// back. Over a part of the step (1 - theta) / theta of the speed would return.
+#[test]
+fn a_layer_that_meets_the_floor_stops() {
+    for (preset, gravity) in [
+        ("isph modern", ""),
+        ("isph modern", GRAVITY),
+        ("mps modern", ""),
+    ] {
+        let body = "[body.liquid]\nlayer = { depth = '2.4 mm' }\nvelocity = '0.1 m/s'\n";
+        let sides = "x = 'periodic'\nz = ['wall', 'open']";
+        let scene = scene(preset, 2, sides, &format!("{gravity}{body}"));
+        let mut solver = solver(&scene, |_| true);
+        let frame = run(solver.as_mut(), 1);
+        for v in &frame.velocity[2] {
+            assert!(v.abs() < 0.01, "{preset}: {v} m/s");
+        }
+    }
+}
+
 /// A disc that a flow u = A (-x, z) stretches keeps its kinetic energy. Implicit Euler takes
 /// (dt grad p / rho)^2 / 2 of it a step.
 #[test]

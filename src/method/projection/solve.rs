@@ -1,5 +1,6 @@
 //! The second half of a step: from predicted positions and velocities to the pressure.
 
+use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
 use crate::method::pass::Extrapolation;
 use crate::method::pressure::Outcome;
@@ -47,8 +48,8 @@ impl<S: Scheme> Projection<S> {
         sweep::rows(records, rows, scale, &extrapolation, &mut self.walls.sums);
         self.walls.gather(&self.flow.wall);
         let still = self.is_printed();
-        let (wall, density) = (&self.flow.wall, self.case.density);
-        self.walls.set_offsets(wall, still, density, dt);
+        let halt = self.halt(dt);
+        self.walls.set_offsets(&self.flow.wall, still, &halt);
         let walls = &self.walls;
         self.flow.pack_wall(|j| {
             let [x, y, z] = walls.velocity[walls.group[j] as usize];
@@ -171,11 +172,22 @@ impl<S: Scheme> Projection<S> {
         if usual.is_finite() { dt.max(usual) } else { dt }
     }
 
+    /// What walls take in a step of which `dt` is the part theta.
+    fn halt(&self, dt: f64) -> Halt {
+        let theta = self.settings.theta;
+        let g = self.case.effects.gravity.unwrap_or_default();
+        Halt {
+            density: self.case.density,
+            dt: dt / theta,
+            late: g.map(|g| (1.0 - theta) * g),
+        }
+    }
+
     /// The right-hand side of the group of wall particles `i`: what its offsets move.
     fn wall_flux(&self, i: usize, dt: f64) -> f64 {
-        let (density, h, sums) = (self.case.density, self.case.h, &self.sums[i]);
+        let (h, sums) = (self.case.h, &self.sums[i]);
         let group = i - self.flow.liquid();
-        let slope = self.walls.slope(group, &self.flow.wall, density, dt);
+        let slope = self.walls.slope(group, &self.flow.wall, &self.halt(dt));
         let lever = |a: usize| slope[a] * h * sums[2 + a] as f64;
         (0..3).map(lever).sum::<f64>() - sums[5] as f64
     }

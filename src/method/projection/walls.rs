@@ -8,12 +8,15 @@
 //! As printed every wall particle moves with the wall and has a density of its own. With
 //! `source.divergence` the wall goes on with the velocity that the liquid before it has, v*_w =
 //! SUM v* W / SUM W, and the pressure takes its part through the wall away,
-//! (1) n . grad p = rho0 n . (v*_w - v_wall) / dt
+//! (1) n . grad p = rho0 n . ((v*_w - v_wall) / dt + (1 - theta) g)
 //! (Cummins & Rudman 1999; Lee et al. 2008): along the normals n of its axes the pressure of wall
 //! particle j behind contact g is p_j = p_g + c_j,
-//! c_j = rho0 / dt n n . (v*_w - v_wall) (r_j - r_g). On a lattice p = rho g depth is then an exact
-//! solution. Viscosity sees 2 v_wall - SUM v W / SUM W (Adami, Hu & Adams 2012,
-//! Eq. 23). Test: tests/engine/projection_flow.rs.
+//! c_j = n n . grad p . (r_j - r_g). On a lattice p = rho g depth is then an exact solution. dt is
+//! the whole step, of whose gravity v* has the part theta: over theta dt a wall would give back
+//! (1 - theta) / theta of what hits it, and particles pressed into the floor, which a unit of
+//! pressure moves more than the equation has it, leapt higher in every step. Viscosity sees
+//! 2 v_wall - SUM v W / SUM W (Adami, Hu & Adams 2012, Eq. 23).
+//! Test: tests/engine/projection_flow.rs.
 
 use crate::method::flow::Flow;
 use crate::method::model::Case;
@@ -22,6 +25,16 @@ use crate::particle::Wall;
 use crate::scene::Side;
 use crate::space::sparse::Layout;
 use std::collections::HashMap;
+
+/// What walls take from the liquid before them in a step.
+pub struct Halt {
+    /// rho0, kg/m^3.
+    pub density: f64,
+    /// The whole step, s.
+    pub dt: f64,
+    /// Gravity that v* lacks, m/s^2.
+    pub late: [f64; 3],
+}
 
 /// Groups of wall particles, one for each particle in contact.
 #[derive(Default)]
@@ -168,22 +181,23 @@ impl Walls {
         }
     }
 
-    /// rho0 / dt n n . (v*_w - v_wall) of group `g`, Pa/m.
-    pub fn slope(&self, g: usize, wall: &Wall, density: f64, dt: f64) -> [f64; 3] {
+    /// n n . grad p of (1) for group `g`, Pa/m.
+    pub fn slope(&self, g: usize, wall: &Wall, halt: &Halt) -> [f64; 3] {
         let contact = self.contact[g] as usize;
+        let beside = |a: usize| self.velocity[g][a] as f64 - wall.velocity[a][contact];
         [0, 1, 2].map(|a| match self.normal[g][a] {
-            true => density / dt * (self.velocity[g][a] as f64 - wall.velocity[a][contact]),
+            true => halt.density * (beside(a) / halt.dt + halt.late[a]),
             false => 0.0,
         })
     }
 
     /// Sets c_j; all zero with `still`, the copy as printed.
-    pub fn set_offsets(&mut self, wall: &Wall, still: bool, density: f64, dt: f64) {
+    pub fn set_offsets(&mut self, wall: &Wall, still: bool, halt: &Halt) {
         if still {
             return self.offset.fill(0.0);
         }
         for g in 0..self.len() {
-            let (slope, contact) = (self.slope(g, wall, density, dt), self.contact[g] as usize);
+            let (slope, contact) = (self.slope(g, wall, halt), self.contact[g] as usize);
             for k in self.start[g]..self.start[g + 1] {
                 let j = self.member[k as usize] as usize;
                 let away = |a: usize| wall.position[a][j] - wall.position[a][contact];

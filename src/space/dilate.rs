@@ -1,7 +1,10 @@
 //! Largest values about each cell.
 
 use super::grid::Grid;
-use super::parallel::{Slots, each};
+use rayon::prelude::*;
+
+/// Lines of cells that a thread takes at least.
+const LINES: usize = 16;
 
 /// Gives every cell the largest value within `reach` m of it, axis by axis.
 pub fn dilate<T: Copy + PartialOrd + Default + Send + Sync>(
@@ -11,36 +14,49 @@ pub fn dilate<T: Copy + PartialOrd + Default + Send + Sync>(
     reach: f64,
 ) {
     let count = grid.count;
-    let stride = [count[1] * count[2], count[2], 1];
     scratch.resize(values.len(), T::default());
     for axis in 0..3 {
-        let n = count[axis] as i64;
-        let r = ((reach / grid.edge[axis]).ceil() as i64).min(n - 1);
-        if r <= 0 {
+        let n = count[axis];
+        let r = ((reach / grid.edge[axis]).ceil() as usize).min(n - 1);
+        if r == 0 {
             continue;
         }
-        let largest = |cell: usize| {
-            let at = ((cell / stride[axis]) % count[axis]) as i64;
-            let base = cell - at as usize * stride[axis];
-            let mut most = values[cell];
-            for c in at - r..=at + r {
-                let c = match (grid.periodic[axis], c) {
-                    (true, c) if c < 0 => c + n,
-                    (true, c) if c >= n => c - n,
-                    (false, c) if c < 0 || c >= n => continue,
-                    (_, c) => c,
-                };
-                let value = values[base + c as usize * stride[axis]];
-                if value > most {
-                    most = value;
-                }
-            }
-            most
+        let periodic = grid.periodic[axis];
+        // Of n + c: cells before the first and behind the last are others, or none.
+        let near = move |at: usize| {
+            (n + at - r..=n + at + r).filter_map(move |c| match periodic {
+                true => Some(c % n),
+                false => (n..2 * n).contains(&c).then(|| c - n),
+            })
         };
-        let out = Slots::new(scratch);
-        each(values.len(), |cell| {
-            *unsafe { out.at(cell) } = largest(cell)
-        });
+        let stride: usize = count[axis + 1..].iter().product();
+        if stride == 1 {
+            let lines = scratch.par_chunks_mut(n).zip(values.par_chunks(n));
+            lines.with_min_len(LINES).for_each(|(out, line)| {
+                for (at, most) in out.iter_mut().enumerate() {
+                    *most = line[at];
+                    near(at).for_each(|c| raise(most, line[c]));
+                }
+            });
+        } else {
+            let lines = scratch.par_chunks_mut(stride).enumerate();
+            lines.with_min_len(LINES).for_each(|(k, out)| {
+                let at = k % n;
+                let line = |c: usize| &values[(k - at + c) * stride..][..stride];
+                out.copy_from_slice(line(at));
+                for c in near(at) {
+                    let pairs = out.iter_mut().zip(line(c));
+                    pairs.for_each(|(most, value)| raise(most, *value));
+                }
+            });
+        }
         std::mem::swap(values, scratch);
+    }
+}
+
+#[inline(always)]
+fn raise<T: Copy + PartialOrd>(most: &mut T, value: T) {
+    if value > *most {
+        *most = value;
     }
 }

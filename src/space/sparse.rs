@@ -215,6 +215,10 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
             *own = L::splat(record.payload(c));
         }
         let mut degree = 0.0;
+        chunk.index.reserve(row.len());
+        chunk.weight.reserve(row.len());
+        let mut kept = chunk.index.len();
+        let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
         for group in row.chunks_exact(WIDTH) {
             let r = L::gather(layout.records.as_ptr(), group.as_ptr());
             let d = separation::<L>(at, [r[0], r[1], r[2]], scale);
@@ -227,21 +231,21 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
             let lanes = pass.pair::<L>(&pair, sum);
             let mut weight = [0.0f32; WIDTH];
             std::ptr::write_unaligned(weight.as_mut_ptr() as *mut L::F, lanes);
+            // All are written, and those that count are passed: no branch that cannot be foretold.
             for (w, &j) in weight.into_iter().zip(group) {
                 let j = layout.original(j as usize);
-                if w == 0.0 || (j >= n && target >= n) {
-                    continue;
-                }
-                let unknown = if j < n {
-                    j as u32
-                } else {
-                    layout.unknown[j - n]
+                let w = if j >= n && target >= n { 0.0 } else { w };
+                *indices.add(kept) = match j < n {
+                    true => j as u32,
+                    false => layout.unknown[j - n],
                 };
-                chunk.index.push(unknown);
-                chunk.weight.push(w);
+                *weights.add(kept) = w;
+                kept += usize::from(w != 0.0);
                 degree += w as f64;
             }
         }
+        chunk.index.set_len(kept);
+        chunk.weight.set_len(kept);
         degree
     }
 }

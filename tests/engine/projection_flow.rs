@@ -225,8 +225,8 @@ fn no_pressure_is_an_error_that_keeps_the_state() {
     assert_eq!(sorted(&before), sorted(&after));
 }
 
-/// A layer that comes down on the floor as one stops in a step, whatever theta: a wall gives nothing
-/// back. Over a part of the step (1 - theta) / theta of the speed would return.
+/// A layer that comes down on the floor stops in a step, whatever theta: a wall gives nothing back.
+/// Over a part of the step (1 - theta) / theta of the speed would return.
 #[test]
 fn a_layer_that_meets_the_floor_stops() {
     for (preset, gravity) in [

@@ -110,10 +110,10 @@ const PRESETS: [(&str, f64); 9] = [
     ("modern", 5e-6),
     ("isph paper", 2e-4),
     ("isph corrected", 5e-6),
-    ("isph modern", 5e-6),
+    ("isph modern", 5e-5),
     ("mps paper", 5e-5),
     ("mps corrected", 5e-6),
-    ("mps modern", 5e-6),
+    ("mps modern", 5e-5),
 ];
 
 #[test]

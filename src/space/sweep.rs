@@ -27,9 +27,9 @@ pub struct Pair<L: Lanes> {
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
     type Out: Send;
-    /// The payload of a target as its own pairs see it.
+    /// The payload of a target as its own pairs see it. `target`: record index.
     #[inline(always)]
-    fn own(&self, payload: [f32; 6]) -> [f32; 6] {
+    fn own(&self, _target: usize, payload: [f32; 6]) -> [f32; 6] {
         payload
     }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
@@ -88,9 +88,8 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
             let target = rows.first + from + k;
             let record = &records[target];
             let at = [record.at(0), record.at(1), record.at(2)];
-            let own = splat::<L>(
-                pass.own([0, 1, 2, 3, 4, 5].map(|c| if c < 5 { record.payload(c) } else { 0.0 })),
-            );
+            let own = [0, 1, 2, 3, 4, 5].map(|c| if c < 5 { record.payload(c) } else { 0.0 });
+            let own = splat::<L>(pass.own(target, own));
             let mut sum = [L::splat(0.0); N];
             for group in rows.row(from + k).chunks_exact(WIDTH) {
                 let r = L::gather(records.as_ptr(), group.as_ptr());
@@ -232,7 +231,7 @@ unsafe fn runs_lanes<L: Lanes, const N: usize, const W: usize, const O: usize, P
             let x = [x[i], y[i], z[i]];
             let at = field.grid.fix3(x);
             let own = std::array::from_fn(|c| field.own.get(c).map_or(0.0, |own| own[i]));
-            let own = splat::<L>(pass.own(own));
+            let own = splat::<L>(pass.own(i, own));
             let mut sum = [zero; N];
             for &column in columns.around(x, field.cutoff) {
                 for source in field.sources {

@@ -93,11 +93,17 @@ fn dilation<K: Kernel>(
     field: impl Fn([f64; 3]) -> [f64; 5],
 ) -> [f64; 2] {
     let mut cloud = lattice(dimension);
-    let i = fill(&mut cloud, field);
+    let ahead = |x: [f64; 3]| {
+        let mut payload = field(x);
+        (0..3).for_each(|a| payload[a] += 0.5 * drift[a]);
+        payload
+    };
+    let i = fill(&mut cloud, ahead);
     let pass = Continuity {
         factor: factor::<K>(&cloud),
         diffusion: diffusion as f32,
-        drift: drift.map(|g| g as f32),
+        lag: 1.0,
+        held: &[drift.map(|g| g as f32)],
         kernel: PhantomData::<K>,
     };
     let mut out = vec![0.0f32; cloud.flow.liquid()];

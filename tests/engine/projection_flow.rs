@@ -102,7 +102,11 @@ fn a_drop_that_just_touches_a_pool_is_solved() {
             let mut solver = solver(&scene, |_| true);
             let frame = run(solver.as_mut(), 12);
             assert_eq!(named(&frame, "pressure_repeated"), 0.0, "{preset}");
-            let most = if preset.ends_with("modern") { 1e-4 } else { 1e-6 };
+            let most = if preset.ends_with("modern") {
+                1e-4
+            } else {
+                1e-6
+            };
             assert!(named(&frame, "pressure_residual") <= most);
             assert!(named(&frame, "pressure_iterations") > 0.0);
         }

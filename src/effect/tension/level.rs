@@ -115,7 +115,7 @@ struct Curvature<K>(PhantomData<K>);
 impl<K: Kernel> Pass<7> for Curvature<K> {
     type Out = Bend;
     #[inline(always)]
-    fn own(&self, u: [f32; 6]) -> [f32; 6] {
+    fn own(&self, _: usize, u: [f32; 6]) -> [f32; 6] {
         let size = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
         u.map(|u| u / size.max(f32::MIN_POSITIVE))
     }

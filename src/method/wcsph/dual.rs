@@ -115,7 +115,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         match self.model.diffusion() {
             None => self.sum_density(),
             Some(diffusion) => {
-                self.density_rate(diffusion);
+                self.density_rate(diffusion, true);
                 self.drift_density(0.5 * dt);
             }
         }

@@ -70,30 +70,35 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
     }
 
-    /// (2): fills `rate`.
-    pub(super) fn density_rate(&mut self, diffusion: f64) {
+    /// (2): fills `rate`. The pressure holds what is `held` apart from it, or gravity.
+    pub(super) fn density_rate(&mut self, diffusion: f64, apart: bool) {
         let (model, rho0) = (&self.model, self.model.density);
         let c = model.sound_speed;
-        let drift = match model.effects.gravity {
-            Some(g) => g.map(|g| (2.0 * diffusion * model.h / c * g) as f32),
-            None => [0.0; 3],
+        let lag = (2.0 * diffusion * model.h / c) as f32;
+        let gravity = [model.effects.gravity.unwrap_or_default().map(|g| g as f32)];
+        let held = match apart {
+            true => &self.held[..],
+            false => &gravity,
         };
+        let ahead = |v: [f32; 3], f: [f32; 3]| [0, 1, 2].map(|a| v[a] + 0.5 * lag * f[a]);
         let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
         let density = &self.walls.density;
         self.flow.pack(
             |p, i| {
-                let [x, y, z] = velocity(p, i);
+                let [x, y, z] = ahead(velocity(p, i), held[i.min(held.len() - 1)]);
                 [x, y, z, excess(p.density[i]), 0.0]
             },
             |w, i| {
                 let v = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
-                [v[0], v[1], v[2], excess(density[i]), 0.0]
+                let [x, y, z] = ahead(v, gravity[0]);
+                [x, y, z, excess(density[i]), 0.0]
             },
         );
         let pass = Continuity {
             factor: self.gradient_factor(),
             diffusion: (2.0 * diffusion * c) as f32,
-            drift,
+            lag,
+            held,
             kernel: self.kernel,
         };
         let scale = self.scale();

@@ -90,7 +90,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         match self.model.diffusion() {
             None => self.sum_density(),
             Some(diffusion) => {
-                self.density_rate(diffusion);
+                self.density_rate(diffusion, false);
                 let rate = &self.rate;
                 let density = Slots::new(&mut self.flow.particles.density);
                 each(rate.len(), |i| {

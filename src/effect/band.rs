@@ -45,6 +45,18 @@ impl Band {
         dilate(&mut self.mark, &mut self.scratch, grid, reach);
     }
 
+    /// Whether each particle is in a marked cell.
+    pub fn flags(&self, cells: &Cells, flags: &mut Vec<bool>) {
+        let (mark, start) = (&self.mark, &cells.start);
+        flags.resize(start[mark.len()] as usize, false);
+        let flags = Slots::new(flags);
+        each(mark.len(), |cell| {
+            for i in start[cell] as usize..start[cell + 1] as usize {
+                *unsafe { flags.at(i) } = mark[cell];
+            }
+        });
+    }
+
     /// The particles of marked cells, in cell order.
     pub fn members(&self, cells: &Cells, members: &mut Vec<u32>) {
         self.members_of(&cells.start, members);

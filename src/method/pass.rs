@@ -230,10 +230,17 @@ impl<K: Kernel, V: PairViscosity> Pass<5> for Neighbourhood<K, V> {
 }
 
 /// SUM of payload 0 over the support: how many neighbours are marked with 1.
-pub struct Marked;
+pub struct Marked<'a> {
+    /// Whether any neighbour of a target may be marked.
+    pub near: &'a [bool],
+}
 
-impl Pass<1> for Marked {
+impl Pass<1> for Marked<'_> {
     type Out = f32;
+    #[inline(always)]
+    fn skips(&self, target: usize) -> bool {
+        !self.near[target]
+    }
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {

@@ -43,6 +43,7 @@ use super::pressure::multigrid::Domain;
 use super::pressure::{Equation, Outcome, Solver as PressureSolver};
 use super::shifting::LOOSE;
 use super::{Diverged, Solver, frame};
+use crate::effect::band::Band;
 use crate::effect::tension::Tension;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State};
@@ -159,6 +160,9 @@ struct Scratch<T> {
     f64s: Vec<f64>,
     around: Vec<Sums<T>>,
     viscous: Vec<[f32; 3]>,
+    band: Band,
+    /// Whether a particle of the surface may be in the support.
+    near: Vec<bool>,
 }
 
 impl<S: Scheme> Projection<S> {
@@ -378,6 +382,8 @@ impl<S: Scheme> Solver for Projection<S> {
             + size_of::<Sums<S::Own>>() * self.around.capacity() * 2
             + size_of::<S::Row>() * self.sums.capacity()
             + self.scheme.memory()
+            + self.scratch.near.capacity()
+            + self.scratch.band.memory()
             + self.solver.memory()
             + self.tension.as_ref().map_or(0, Tension::memory);
         let (bare, whole) = self.flow.memory();

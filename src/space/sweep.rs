@@ -27,6 +27,11 @@ pub struct Pair<L: Lanes> {
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
     type Out: Send;
+    /// Whether nothing adds to this target, so that its row need not be read.
+    #[inline(always)]
+    fn skips(&self, _target: usize) -> bool {
+        false
+    }
     /// The payload of a target as its own pairs see it. `target`: record index.
     #[inline(always)]
     fn own(&self, _target: usize, payload: [f32; 6]) -> [f32; 6] {
@@ -86,6 +91,10 @@ unsafe fn rows_lanes<L: Lanes, const N: usize, P: Pass<N>>(
         let scale = L::splat3(scale);
         for (k, out) in out.iter_mut().enumerate() {
             let target = rows.first + from + k;
+            if pass.skips(target) {
+                pass.finish(target, [0.0; N], out);
+                continue;
+            }
             let record = &records[target];
             let at = [record.at(0), record.at(1), record.at(2)];
             let own = [0, 1, 2, 3, 4, 5].map(|c| if c < 5 { record.payload(c) } else { 0.0 });

@@ -1,6 +1,6 @@
 //! One step, as the algorithm box of Kuri et al. has it.
 
-use super::{MIST, Projection, Scheme};
+use super::{MIST, Projection, Scheme, Scratch};
 use crate::effect::gravity;
 use crate::method::Diverged;
 use crate::method::flow::retain;
@@ -226,10 +226,17 @@ impl<S: Scheme> Projection<S> {
         each(n, |i| *unsafe { out.at(i) } = f32::from(self.is_surface(i)));
         self.flow
             .pack_scalars(|_, i| [marks[i], 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+        let (cells, support) = (&self.flow.liquid_cells, 2.0 * self.case.h);
+        let Scratch { band, near, .. } = &mut self.scratch;
+        band.mark(cells, |i| marks[i] > 0.0);
+        band.grow(&self.flow.grid, support);
+        band.flags(cells, near);
         self.marks = marks;
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &Marked, &mut self.marks);
+        let (records, rows, scale) = (&self.flow.records, &self.flow.rows, self.scale());
+        let pass = Marked {
+            near: &self.scratch.near,
+        };
+        sweep::rows(records, rows, scale, &pass, &mut self.marks);
     }
 
     fn add_tension(&mut self) {

@@ -22,13 +22,17 @@ fn part(preset: &str, dimension: usize, sides: &str, effects: &str, is_pool: boo
         true => ("[body.pool]\nlayer = { depth = '1.6 mm' }\n", "'3.4 mm'"),
         false => ("", "'1.6 mm'"),
     };
+    let solution = match method {
+        "wcsph" => String::new(),
+        _ => format!("[method.{method}]\ntolerance = 1e-6\n"),
+    };
     let text = format!(
         "dimension = {dimension}\n[box]\nsize = [{lateral}, '5.6 mm']\n\
          symmetry = '{symmetry}'\n{sides}\n[liquid]\ndensity = '1100 kg/m^3'\n{effects}{pool}\
          [body.drop]\n{round} = {{ diameter = '3.2 mm', centre = [{middle}, {height}] }}\n\
          velocity = '1 m/s'\n[pack]\nspacing = '0.4 mm'\narrangement = 'lattice'\n\
          [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\nname = '{method}'\n\
-         preset = '{preset}'\n"
+         preset = '{preset}'\n{solution}"
     );
     let loaded = file::read(&text, Path::new("part.toml"), &[]);
     loaded
@@ -110,10 +114,10 @@ const PRESETS: [(&str, f64); 9] = [
     ("modern", 5e-6),
     ("isph paper", 2e-4),
     ("isph corrected", 5e-6),
-    ("isph modern", 5e-5),
+    ("isph modern", 5e-6),
     ("mps paper", 5e-5),
     ("mps corrected", 5e-6),
-    ("mps modern", 5e-5),
+    ("mps modern", 5e-6),
 ];
 
 #[test]

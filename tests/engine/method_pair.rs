@@ -158,12 +158,12 @@ fn density() {
 #[test]
 fn continuity() {
     fn check<K: Kernel>() {
-        let diffusion = 0.7f32;
+        let (diffusion, drift) = (0.7f32, [0.1f32, -0.2, 0.3]);
         let pass = Continuity {
             factor: 1.5,
             diffusion,
-            lag: 0.0,
-            held: &[[0.0; 3]],
+            lag: 1.0,
+            held: &[drift],
             kernel: PhantomData::<K>,
         };
         compare(
@@ -172,7 +172,8 @@ fn continuity() {
             1.5,
             |p| {
                 let (v, e) = (p.v(), p.own(3) - p.other(3));
-                [K::slope(p.q) * (dot(v, p.d) + diffusion as f64 * e)]
+                let convection = dot(v, p.d) - dot(drift.map(f64::from), p.d);
+                [K::slope(p.q) * (convection + diffusion as f64 * e)]
             },
         );
     }

@@ -21,17 +21,28 @@ pub fn decay(scene: &Scene) -> Result<[f64; 3], Diverged> {
         },
     )?;
     let e0 = track[0].1;
-    let used: Vec<_> = track.iter().filter(|t| t.1 > 1e-2 * e0).collect();
-    let n = used.len() as f64;
-    let mean = used
+    let used = track.iter().filter(|t| t.1 > 1e-2 * e0);
+    let used: Vec<_> = used.map(|t| (t.0, t.1.ln())).collect();
+    Ok([-slope(&used), 4.0 * nu * k * k, net])
+}
+
+/// Slope of y over x by least squares.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let mean = points
         .iter()
-        .fold((0.0, 0.0), |s, t| (s.0 + t.0 / n, s.1 + t.1.ln() / n));
-    let rise: f64 = used
-        .iter()
-        .map(|t| (t.0 - mean.0) * (t.1.ln() - mean.1))
-        .sum();
-    let run: f64 = used.iter().map(|t| (t.0 - mean.0).powi(2)).sum();
-    Ok([-rise / run, 4.0 * nu * k * k, net])
+        .fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
+    let rise = points.iter().map(|p| (p.0 - mean.0) * (p.1 - mean.1));
+    let run = points.iter().map(|p| (p.0 - mean.0).powi(2));
+    rise.sum::<f64>() / run.sum::<f64>()
+}
+
+/// y at x between points in the order of x, or on the line through the last two.
+fn between(points: &[(f64, f64)], x: f64) -> f64 {
+    let k = points.iter().position(|p| p.0 >= x);
+    let k = k.unwrap_or(points.len() - 1).max(1);
+    let (p, q) = (points[k - 1], points[k]);
+    p.1 + (q.1 - p.1) * (x - p.0) / (q.0 - p.0)
 }
 
 #[test]
@@ -74,28 +85,8 @@ const MARTIN_MOYCE: [(f64, f64); 15] = [
 
 /// Mean relative error of the front against the experiment whose clock is `late`.
 fn front_error(track: &[(f64, f64)], late: f64) -> f64 {
-    let at = |t: f64| {
-        let k = track.iter().position(|p| p.0 >= t);
-        let k = k.unwrap_or(track.len() - 1).max(1);
-        let (p, q) = (track[k - 1], track[k]);
-        p.1 + (q.1 - p.1) * (t - p.0) / (q.0 - p.0)
-    };
-    let wrong = |(t, z): (f64, f64)| (at((t - late).max(0.0)) / z - 1.0).abs();
+    let wrong = |(t, z): (f64, f64)| (between(track, (t - late).max(0.0)) / z - 1.0).abs();
     MARTIN_MOYCE.map(wrong).iter().sum::<f64>() / MARTIN_MOYCE.len() as f64
-}
-
-/// Speed of the front, by least squares over the places that it reaches after the first two, which
-/// the membrane before the column holds back; no clock enters.
-fn front_speed(reached: impl Fn(f64) -> f64) -> f64 {
-    let used: Vec<_> = MARTIN_MOYCE[2..]
-        .iter()
-        .map(|p| (reached(p.1), p.1))
-        .collect();
-    let n = used.len() as f64;
-    let sums = used.iter().fold([0.0; 4], |s, (t, z)| {
-        [s[0] + t, s[1] + z, s[2] + t * t, s[3] + t * z]
-    });
-    (n * sums[3] - sums[0] * sums[1]) / (n * sums[2] - sums[0] * sums[0])
 }
 
 /// Error of the front as it is, with the best shift of the experiment's clock, and that shift;
@@ -113,14 +104,14 @@ pub fn front(scene: &Scene) -> Result<[f64; 5], Diverged> {
     let shifts = (0..=60).map(|k| 0.01 * k as f64);
     let best = shifts.min_by(|p, q| front_error(&track, *p).total_cmp(&front_error(&track, *q)));
     let best = best.unwrap_or(0.0);
-    let measured = |z: f64| MARTIN_MOYCE.iter().find(|p| p.1 == z).map_or(0.0, |p| p.0);
-    let ours = |z: f64| {
-        let k = track.iter().position(|p| p.1 >= z);
-        let k = k.unwrap_or(track.len() - 1).max(1);
-        let (p, q) = (track[k - 1], track[k]);
-        p.0 + (q.0 - p.0) * (z - p.1) / (q.1 - p.1)
-    };
-    let speeds = [front_speed(ours), front_speed(measured)];
+    // By the places reached after the first two, which the membrane before the column holds back.
+    let measured = &MARTIN_MOYCE[2..];
+    let turned: Vec<_> = track.iter().map(|(t, z)| (*z, *t)).collect();
+    let ours: Vec<_> = measured
+        .iter()
+        .map(|p| (between(&turned, p.1), p.1))
+        .collect();
+    let speeds = [slope(&ours), slope(measured)];
     let errors = [front_error(&track, 0.0), front_error(&track, best)];
     Ok([errors[0], errors[1], best, speeds[0], speeds[1]])
 }

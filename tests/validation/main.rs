@@ -9,6 +9,7 @@ mod contact;
 mod drop;
 mod flow;
 mod order;
+mod potential;
 mod wall;
 
 use coronet::method::{self, Diverged, Phase, Solver};

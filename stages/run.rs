@@ -37,7 +37,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     }
     let stop = stop_on_signals()?;
     let screen = Screen::new(arguments.store.json);
-    let reports = pipeline::run(&Run {
+    let all = Run {
         store: &store,
         pipeline: &pipeline,
         until: arguments.until.as_deref(),
@@ -45,7 +45,9 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         watch: &screen,
         threads,
         program: PROGRAM.to_string(),
-    })?;
+    };
+    // On one of the threads: from outside, each pass would wait for another thread to wake up.
+    let reports = rayon::scope(|_| pipeline::run(&all))?;
     let name = &pipeline.name;
     finish(&store, name, &reports, arguments.store.json).context("cannot print the summary")
 }

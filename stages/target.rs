@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use coronet::measure::gauge::contact_time;
 use coronet::measure::series::{Series, compare_column};
-use coronet::measure::summary::period;
+use coronet::measure::summary::{mean, period};
 use coronet::scene::file;
 use coronet::scene::quantity::{Unit, parse};
 use serde::Deserialize;
@@ -39,6 +39,7 @@ enum Feature {
     #[default]
     Largest,
     Last,
+    Mean,
     /// Of the oscillation about the mean, s.
     Period,
 }
@@ -48,6 +49,7 @@ impl Feature {
         match self {
             Feature::Largest => measures.maximum(column).map(|(value, _)| value),
             Feature::Last => measures.column(column)?.last().copied(),
+            Feature::Mean => mean(measures, column),
             Feature::Period => period(measures, column),
         }
     }

@@ -62,6 +62,19 @@ impl Shape {
         }
     }
 
+    /// Mean pressure of the particles within 0.6 radii of a round drop's centre, Pa; `radius` in m.
+    /// `None` if there are none.
+    pub fn core_pressure(&self, frame: &Frame, radius: f64) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (i, p) in frame.pressure.iter().enumerate() {
+            let off = |a: usize| f64::from(frame.position[a][i]) - self.centre[a];
+            if off(0).hypot(off(1)).hypot(off(2)) < 0.6 * radius {
+                (sum, count) = (sum + f64::from(*p), count + 1.0);
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+
     fn lateral(&self, dimension: Dimension) -> f64 {
         match dimension {
             Dimension::Three => 0.5 * (self.semi_axes[0] + self.semi_axes[1]),

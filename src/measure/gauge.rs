@@ -234,6 +234,11 @@ impl Gauge {
                     shape.map(|s| s.aspect_ratio(scene.dimension)),
                 );
                 row.put_some("amplitude", shape.map(|s| s.amplitude(scene.dimension)));
+                if let (Some(_), [drop]) = (scene.effects.tension, scene.bodies.as_slice()) {
+                    let radius = drop.shape.equivalent_radius(&scene.domain, scene.dimension);
+                    let pressure = shape.and_then(|s| s.core_pressure(frame, radius));
+                    row.put_some("core_pressure_Pa", pressure);
+                }
             }
             Kind::Bulk => {}
         }

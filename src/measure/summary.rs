@@ -142,16 +142,42 @@ fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
             format!("{:.3} ms", 1e3 * period),
         ));
     }
+    let half = 0.5 * series.time().last().copied().unwrap_or(0.0);
+    if let Some(pressure) = mean(&series.window(half, f64::INFINITY), "core_pressure_Pa") {
+        let name = "mean pressure in the core, second half of the run".into();
+        lines.push((name, format!("{} Pa", digits(pressure))));
+    }
+    if let Some(pressure) = young_laplace(scene) {
+        let name = "pressure of Young and Laplace at rest".into();
+        lines.push((name, format!("{} Pa", digits(pressure))));
+    }
     if let Some(period) = rayleigh(scene) {
         let name = "Rayleigh's period for small amplitude".into();
         lines.push((name, format!("{:.3} ms", 1e3 * period)));
     }
 }
 
+/// Mean of a column over its rows; `None` without any.
+pub fn mean(series: &Series, column: &str) -> Option<f64> {
+    let values = series.column(column)?;
+    let sum: f64 = values.iter().sum();
+    (!values.is_empty()).then(|| sum / values.len() as f64)
+}
+
+/// (d - 1) sigma / R of the only body in free space, Pa.
+fn young_laplace(scene: &Scene) -> Option<f64> {
+    let [body] = scene.bodies.as_slice() else {
+        return None;
+    };
+    let radius = body.shape.equivalent_radius(&scene.domain, scene.dimension);
+    let sides = scene.dimension.count() as f64 - 1.0;
+    Some(sides * scene.effects.tension? / radius)
+}
+
 /// Period of a column about its mean, s: twice the mean time between crossings.
 pub fn period(series: &Series, column: &str) -> Option<f64> {
     let (t, a) = (series.time(), series.column(column)?);
-    let mean = a.iter().fold(0.0, |sum, x| sum + x) / a.len() as f64;
+    let mean = mean(series, column)?;
     let crossings: Vec<f64> = (1..t.len())
         .filter(|&i| (a[i - 1] < mean) != (a[i] < mean))
         .map(|i| t[i - 1] + (mean - a[i - 1]) / (a[i] - a[i - 1]) * (t[i] - t[i - 1]))

@@ -48,6 +48,26 @@ fn an_ellipsoid_has_its_aspect_ratio_and_amplitude() {
 }
 
 #[test]
+fn the_pressure_in_the_core_is_that_within_0_6_radii() {
+    let mut scene = without_pool(Dimension::Three, 0.25);
+    scene.domain.boundary[2][0] = Side::Open;
+    scene.effects.gravity = None;
+    let apart = |x: f64, y: f64, z: f64| (x - 12.0).hypot(y - 12.0).hypot(z - 12.0);
+    let mut frame = lattice(&scene, |x, y, z| apart(x, y, z) < 2.0);
+    let at = |frame: &coronet::particle::Frame, i: usize, a: usize| frame.position[a][i] as f64;
+    for i in 0..frame.id.len() {
+        let [x, y, z] = [0, 1, 2].map(|a| 1e3 * at(&frame, i, a));
+        frame.pressure[i] = if apart(x, y, z) < 1.21 { 30.0 } else { -500.0 };
+    }
+    scene.effects.tension = Some(0.067);
+    let row = Gauge::new(&scene).measure(&frame);
+    assert!((value(&row, "core_pressure_Pa") - 30.0).abs() < 1e-9);
+    scene.effects.tension = None;
+    let row = Gauge::new(&scene).measure(&frame);
+    assert!(row.iter().all(|(name, _)| name != "core_pressure_Pa"));
+}
+
+#[test]
 fn a_cap_on_a_wall_has_its_spread_and_apex() {
     for dimension in [Dimension::Two, Dimension::Three] {
         let scene = without_pool(dimension, 0.2);

@@ -17,7 +17,7 @@ use coronet::scene::file::Loaded;
 use crate::flight::{self, Flight};
 use crate::journal::{Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start};
 use crate::pace::Pace;
-use crate::{calibrate, settings};
+use crate::{calibrate, forecast, settings};
 
 /// State at the end.
 pub const STATE: &str = "state.checkpoint";
@@ -58,7 +58,7 @@ impl Stage for Impact<'_> {
     }
 
     fn work(&self) -> Option<Work> {
-        settings::impact_work(&self.loaded.scene)
+        forecast::impact(&self.loaded.scene)
     }
 
     fn remark(&self, name: &str) -> Option<&str> {

@@ -143,6 +143,7 @@ pub fn size(bytes: u64) -> String {
         b if b < 1e3 => format!("{b} B"),
         b if b < 1e6 => format!("{:.1} kB", b / 1e3),
         b if b < 1e9 => format!("{:.1} MB", b / 1e6),
-        b => format!("{:.2} GB", b / 1e9),
+        b if b < 1e12 => format!("{:.2} GB", b / 1e9),
+        b => format!("{:.2} TB", b / 1e12),
     }
 }

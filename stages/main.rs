@@ -5,6 +5,7 @@ mod calibrate;
 mod fault;
 mod finding;
 mod flight;
+mod forecast;
 mod impact;
 mod inspect;
 mod jobs;

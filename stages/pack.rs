@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use coronet::particle::pack::{PackError, PackProgress, PackReport, pack};
-use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError};
+use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::file::Loaded;
 
-use crate::BODY;
+use crate::{BODY, forecast};
 
 /// Time between two reports.
 const BETWEEN: Duration = Duration::from_millis(200);
@@ -23,6 +23,10 @@ pub struct Pack<'a> {
 impl Stage for Pack<'_> {
     fn identity(&self) -> &Identity {
         &self.identity
+    }
+
+    fn work(&self) -> Option<Work> {
+        forecast::pack(&self.loaded.scene, self.body)
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {

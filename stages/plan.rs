@@ -3,13 +3,21 @@
 use std::io::Write as _;
 
 use anyhow::Result;
-use coronet::pipeline::{self, Decision, Store};
+use coronet::pipeline::{self, Decision, Store, machine};
 use serde_json::json;
 
 use crate::arguments::{PipelineArguments, PlanArguments};
+use crate::fault::Usage;
 use crate::jobs;
+use crate::keep::size;
 use crate::watch::duration;
 use coronet::scene::file::{self, Loaded};
+
+/// How much more than this machine's memory is surely too much: forecasts may be a quarter off.
+const DOUBT: f64 = 1.25;
+
+/// Bytes not worth telling.
+const LITTLE: f64 = 1e8;
 
 pub fn load(arguments: &PipelineArguments) -> Result<Loaded> {
     Ok(file::load(&arguments.pipeline, &arguments.set)?)
@@ -28,12 +36,38 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
         return Ok(());
     }
     write!(out, "{}", text(&decisions))?;
-    let seconds: f64 = decisions
-        .iter()
-        .filter_map(|decision| decision.seconds)
-        .sum();
-    if decisions.iter().any(|decision| decision.fresh.is_none()) {
-        writeln!(out, "about {} of work", duration(seconds))?;
+    let stale = decisions.iter().filter(|decision| decision.fresh.is_none());
+    if stale.clone().next().is_some() {
+        let seconds: f64 = stale.clone().filter_map(|decision| decision.seconds).sum();
+        let work = stale.filter_map(|decision| decision.work);
+        let [memory, disk] = work.fold([0.0f64, 0.0], |[memory, disk], work| {
+            [memory.max(work.memory), disk + work.disk]
+        });
+        let need = needs(memory, disk);
+        writeln!(out, "about {} of work{need}", duration(seconds))?;
+    }
+    fits(&decisions)
+}
+
+fn needs(memory: f64, disk: f64) -> String {
+    let [memory, disk] = [memory, disk].map(|bytes| size(bytes as u64));
+    format!(", {memory} of memory, {disk} of disk")
+}
+
+/// Refuses what is surely more than this machine's memory holds.
+pub fn fits(decisions: &[Decision]) -> Result<()> {
+    let memory = machine::memory();
+    for decision in decisions.iter().filter(|decision| decision.fresh.is_none()) {
+        let Some(work) = decision.work.filter(|work| work.memory > DOUBT * memory) else {
+            continue;
+        };
+        let [need, has] = [work.memory, memory].map(|bytes| size(bytes as u64));
+        let label = decision.label();
+        return Err(Usage(format!(
+            "{label} needs about {need} of memory, this machine has {has}; raise pack.spacing, \
+             make the box smaller, or set box.symmetry = \"quarter\" where the scene is symmetric"
+        ))
+        .into());
     }
     Ok(())
 }
@@ -48,7 +82,9 @@ pub fn text(decisions: &[Decision]) -> String {
             details.push(format!("goes on from {start}"));
         }
         if let Some(seconds) = decision.seconds {
-            details.push(format!("about {}", duration(seconds)));
+            let need = decision.work.filter(|work| work.memory > LITTLE);
+            let need = need.map_or(String::new(), |work| needs(work.memory, work.disk));
+            details.push(format!("about {}{need}", duration(seconds)));
         }
         if let Some(stamp) = &decision.fresh {
             details.push(stamp.digest.short());
@@ -75,5 +111,7 @@ fn object(decision: &Decision) -> serde_json::Value {
         "reasons": decision.reasons,
         "start": decision.start,
         "seconds": decision.seconds,
+        "memory_bytes": decision.work.map(|work| work.memory),
+        "disk_bytes": decision.work.map(|work| work.disk),
     })
 }

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use coronet::measure::post;
 use coronet::particle::Frame;
-use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError};
+use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, Work};
 use coronet::record::log;
 use coronet::scene::file::Loaded;
 
+use crate::forecast;
 use crate::impact::FRAMES;
 
 /// The table of measures, as [`post::Post`] names it.
@@ -33,6 +34,10 @@ impl Stage for Post<'_> {
 
     fn inputs(&self) -> Vec<usize> {
         vec![self.impact]
+    }
+
+    fn work(&self) -> Option<Work> {
+        forecast::post(&self.loaded.scene)
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {

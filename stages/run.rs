@@ -26,8 +26,9 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         .num_threads(threads)
         .build_global()
         .context("cannot start the threads")?;
+    let decisions = pipeline::plan(&store, &pipeline);
+    plan::fits(&decisions)?;
     if !arguments.store.json {
-        let decisions = pipeline::plan(&store, &pipeline);
         let mut out = std::io::stdout().lock();
         writeln!(out, "{}", loaded.scene.title)?;
         write!(out, "{}", numbers::of(&loaded.scene))?;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::stamp::{InputStamp, SettingStamp, Stamp};
 use super::store::{CHECKPOINT, Found, Store, WORK};
-use super::{Pipeline, Stage, key, label};
+use super::{Pipeline, Stage, Work, key, label};
 use crate::record::Digest;
 
 /// What is to be done with one job.
@@ -24,8 +24,10 @@ pub struct Decision {
     pub reasons: Vec<String>,
     /// What the work can start from, if not from the beginning.
     pub start: Option<String>,
-    /// Expected wall time, s, from earlier runs or from the stage's own guess.
+    /// Expected wall time, s, from the stage's own guess or from earlier runs.
     pub seconds: Option<f64>,
+    /// What the stage says of it.
+    pub work: Option<Work>,
 }
 
 impl Decision {
@@ -45,6 +47,9 @@ impl Decision {
 }
 
 /// A finished input: its key and the digest of what it contains.
+/// Setting by which earlier results are told apart: methods take their own time.
+const METHOD: &str = "method.name";
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Done {
     pub key: Digest,
@@ -90,6 +95,7 @@ pub fn decide(store: &Store, pipeline: &Pipeline, job: usize, done: &[Option<Don
         reasons: Vec::new(),
         start: None,
         seconds: None,
+        work: stage.work(),
     };
     let family = digests.and_then(|digests| key::family(stage, &settings, &digests));
     if let Some(key) = decision.key {
@@ -260,20 +266,26 @@ fn input_difference(name: &str, old: Option<&InputStamp>, new: &Done) -> String 
     format!("result of {name} {before} -> {}", new.digest.short())
 }
 
-/// Wall time from the newest result of the stage that tells its work, else from the stage's guess.
+/// Wall time: what the stage expects, corrected by what earlier results of the same method took;
+/// of a stage that expects nothing, that of its newest result.
 fn estimate(stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
-    let known = |stamp: &&Stamp| stamp.work.is_some_and(|work| work > 0.0);
     let stamps = stamps.iter().map(|(_, stamp)| stamp);
-    let newest = stamps
-        .clone()
-        .filter(known)
-        .max_by_key(|stamp| &stamp.started);
-    let work = stage.work();
-    match (newest, work) {
-        (Some(stamp), Some(work)) => Some(work.amount / stamp.work? * stamp.wall_seconds),
-        (None, Some(work)) => Some(work.amount / work.pace),
-        (_, None) => stamps
-            .max_by_key(|stamp| &stamp.started)
-            .map(|stamp| stamp.wall_seconds),
-    }
+    let Some(work) = stage.work() else {
+        let newest = stamps.max_by_key(|stamp| &stamp.started);
+        return newest.map(|stamp| stamp.wall_seconds);
+    };
+    // A job shorter than a second tells nothing; nor does one in another unit.
+    let ratio = |stamp: &Stamp| Some(stamp.cpu_seconds / stamp.work?);
+    let known = |stamp: &&Stamp| ratio(stamp).is_some_and(|r| (0.1..10.0).contains(&r));
+    let method = stage.settings().into_iter().find(|s| s.name == METHOD);
+    let same = |stamp: &&Stamp| {
+        let own = stamp.settings.iter().find(|s| s.name == METHOD);
+        own.map(|s| &s.value) == method.as_ref().map(|s| &s.shown)
+    };
+    let long = |stamp: &&Stamp| stamp.cpu_seconds > 1.0;
+    let longest = stamps
+        .filter(|stamp| long(stamp) && known(stamp) && same(stamp))
+        .max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds));
+    let slower = longest.and_then(ratio).unwrap_or(1.0);
+    Some(slower * work.amount / work.threads as f64)
 }

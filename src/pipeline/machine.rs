@@ -26,6 +26,20 @@ impl Machine {
     }
 }
 
+/// Memory of this machine, bytes; infinite where the system does not tell.
+pub fn memory() -> f64 {
+    #[cfg(unix)]
+    {
+        // SAFETY: asks for two numbers.
+        let ask = |name| unsafe { libc::sysconf(name) } as f64;
+        let bytes = ask(libc::_SC_PHYS_PAGES) * ask(libc::_SC_PAGESIZE);
+        if bytes > 0.0 {
+            return bytes;
+        }
+    }
+    f64::INFINITY
+}
+
 /// Name of this host, or empty.
 pub fn host() -> String {
     let file = std::fs::read_to_string("/proc/sys/kernel/hostname");

@@ -124,7 +124,7 @@ pub trait Stage: Sync {
         None
     }
 
-    /// How much there is to do, for estimates of time.
+    /// How much there is to do, for [`plan`].
     fn work(&self) -> Option<Work> {
         None
     }
@@ -138,12 +138,17 @@ pub trait Stage: Sync {
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError>;
 }
 
-/// Size of a job's work, in a unit of the stage's own (particle-steps).
+/// What a job will take, as far as it can be told before it starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Work {
+    /// CPU seconds, on a machine that the stage knows.
     pub amount: f64,
-    /// Per second, where no earlier run tells.
-    pub pace: f64,
+    /// Threads that share them.
+    pub threads: usize,
+    /// Bytes at most.
+    pub memory: f64,
+    /// Bytes of files that stay.
+    pub disk: f64,
 }
 
 /// Name of a job for people: `relax drop`, `impact`.

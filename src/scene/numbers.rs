@@ -281,7 +281,7 @@ pub fn unstable_step(scene: &Scene) -> f64 {
 }
 
 /// The drop: the fastest body that hangs free. Diameter of equal volume, m.
-fn drop_diameter(scene: &Scene) -> Option<f64> {
+pub fn drop_diameter(scene: &Scene) -> Option<f64> {
     let speed = |motion: &Motion| match motion {
         Motion::Uniform(velocity) => length(*velocity),
         _ => 0.0,

@@ -2,8 +2,8 @@
 //!
 //! The costs below were measured on the machine of docs/performance.md; an earlier result of the
 //! same method corrects them for the machine at hand (`coronet::pipeline`). Steps are counted along
-//! the speed that limits them: a splash is faster than the impact at first, then slows down as 1 / t
-//! until waves and jet set the pace.
+//! the speed that limits them: a splash is faster than the impact at first, then slows down as
+//! 1 / t until waves and jet set the pace.
 
 use coronet::pipeline::Work;
 use coronet::scene::{

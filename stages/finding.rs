@@ -129,8 +129,7 @@ pub fn figure(
                 .iter()
                 .zip(trials)
                 .filter(|(s, _)| s.group == g && shown(s));
-            let mark =
-                |(s, trial): (&Sample, &Trial)| (place(s), human(trial.spacing, Unit::Length));
+            let mark = |(s, trial): (&Sample, &Trial)| (place(s), short(trial.spacing));
             let points = own.map(mark).collect();
             Cloud {
                 label,
@@ -153,6 +152,12 @@ pub fn figure(
         clouds,
         front,
     }
+}
+
+/// A spacing to four digits: "0.5556 mm".
+fn short(spacing: f64) -> String {
+    let rounded = format!("{spacing:.3e}").parse();
+    human(rounded.unwrap_or(spacing), Unit::Length)
 }
 
 /// A page: one row a spacing, one column a group, with error and CPU time; below, the sentences.
@@ -183,7 +188,7 @@ pub fn page(
             cells.collect::<Vec<_>>().join("; ")
         });
         let cells: Vec<String> = cells.collect();
-        let spacing = human(spacing, Unit::Length);
+        let spacing = short(spacing);
         page += &format!("| {spacing} | {} |\n", cells.join(" | "));
     }
     page += "\n";

@@ -32,6 +32,9 @@ const MEASURE: f64 = 1e-6;
 /// checkpoints that stay.
 const MEMORY: [f64; 2] = [1300.0, 2900.0];
 const FRAME: f64 = 35.0;
+/// Bytes of memory of the program itself, and of a particle of the whole that is drawn.
+const BASE: f64 = 2e7;
+const PICTURE: f64 = 550.0;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 
@@ -136,11 +139,10 @@ fn steps(scene: &Scene) -> f64 {
 }
 
 fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
-    let base = 2e7;
     cpu.is_finite().then(|| Work {
         amount: cpu,
         threads: rayon::current_num_threads(),
-        memory: base + memory * MEMORY[usize::from(is_projected(scene))],
+        memory: BASE + memory * MEMORY[usize::from(is_projected(scene))],
         disk,
     })
 }
@@ -177,6 +179,11 @@ pub fn post(scene: &Scene) -> Option<Work> {
     let whole = particles(scene) * 2f64.powi((0..2).filter(cut).count() as i32);
     let frames = (scene.impact.end / scene.frames.interval).floor() + 1.0;
     // One thread measures while another reads.
-    let work = work(scene, frames * whole * MEASURE, [0.3 * whole, 0.0])?;
-    Some(Work { threads: 1, ..work })
+    let work = work(scene, frames * whole * MEASURE, [0.0, 0.0])?;
+    let memory = BASE + whole * PICTURE;
+    Some(Work {
+        threads: 1,
+        memory,
+        ..work
+    })
 }

@@ -23,8 +23,8 @@
 //! between `shortest` and `longest`. A gradient with p_a + p_b is a spring between particles, of
 //! (omega s0)^2 = 4 to 8 p / rho (a lattice, its rows moving against each other), explicit and so
 //! unstable beyond omega dt = 2: dt <= s0 / (4 sqrt(p / rho)) with the largest p. A solution that
-//! does not converge is tried again with the diagonal preconditioner, then over half the step, five
-//! times; then the run has diverged, its state as before the step.
+//! does not converge is tried again with the diagonal preconditioner, then over half the step, as
+//! is a step that throws a particle two spacings, five times; then the run has diverged.
 //! Fails where: (2) and (3) are not the same operator, so that v^(n+1) keeps some divergence.
 //! Tests: tests/engine/{projection,pressure}_*.rs, tests/validation.
 

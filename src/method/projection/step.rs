@@ -10,7 +10,7 @@ use crate::space::parallel::{Slots, each, max, slots3};
 use crate::space::sweep;
 use std::marker::PhantomData;
 
-/// Halvings of a step whose pressure cannot be found.
+/// Halvings of a step whose pressure cannot be found, or that throws a particle.
 const HALVINGS: usize = 5;
 
 /// Spacings that sqrt(p / rho) crosses in a step: a third of what is stable on a lattice.
@@ -38,17 +38,23 @@ impl<S: Scheme> Projection<S> {
             }
             self.peak = self.peak();
             let stable = self.elastic().max(self.settings.shortest);
-            if done && (dt <= 2.0 * stable || attempt == HALVINGS) {
-                break;
+            let last = attempt == HALVINGS;
+            let short = dt <= 2.0 * stable || last;
+            if done && short {
+                self.correct(dt);
+                if last || self.check(dt).is_ok() {
+                    break;
+                }
+                // Thrown past its neighbours: over half the step it passes fewer.
+                self.repeated += 1;
             }
             self.restore();
-            dt = if done { stable } else { 0.5 * dt };
+            dt = if done && !short { stable } else { 0.5 * dt };
             done = false;
         }
         if !done {
             return Err(self.unsolved(dt));
         }
-        self.correct(dt);
         self.check(dt)?;
         if self.settings.shifting > 0.0 {
             self.shift(dt);

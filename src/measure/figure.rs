@@ -120,7 +120,8 @@ impl Figures<'_> {
             }
         }
         let several = columns.len() > 1;
-        for (column, label) in columns {
+        // A second reading of the same thing is compared with nothing.
+        for (column, label) in columns.iter().filter(|c| !c.0.contains("_far_")) {
             self.add_references(column, several.then_some(*label), factor, &mut curves);
         }
         Plot {

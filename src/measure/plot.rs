@@ -96,10 +96,10 @@ impl Plot {
             root.fill(&WHITE)?;
             let title = (FONT, 19).into_font().style(FontStyle::Bold).color(&TEXT);
             root.draw(&Text::new(self.title.clone(), (14, 10), title))?;
-            self.draw_legend(&root)?;
+            let below = self.draw_legend(&root)?;
             let [x, y] = self.ranges();
             let mut chart = ChartBuilder::on(&root)
-                .margin_top(66)
+                .margin_top(below)
                 .margin_right(24)
                 .margin_bottom(8)
                 .margin_left(8)
@@ -141,26 +141,34 @@ impl Plot {
         Ok(text)
     }
 
-    /// A row of samples with labels under the title.
+    /// Rows of samples with labels under the title; where they end.
     fn draw_legend(
         &self,
         root: &DrawingArea<SVGBackend, plotters::coord::Shift>,
-    ) -> Result<(), Failure> {
+    ) -> Result<i32, Failure> {
         let font = (FONT, 15).into_font().color(&TEXT);
-        let mut x = 18;
+        let (mut x, mut y) = (18, 50);
         for curve in self.curves.iter().filter(|c| !pieces(&c.points).is_empty()) {
             let dashes: &[(i32, i32)] = match curve.line {
                 Line::Solid => &[(0, 26)],
                 Line::Dashed => &[(0, 7), (11, 18), (22, 26)],
             };
+            let width = 54 + (7.8 * curve.label.chars().count() as f64) as i32;
+            if x > 18 && x + width > SIZE.0 as i32 {
+                (x, y) = (18, y + 20);
+            }
             for (from, to) in dashes {
-                let sample = vec![(x + from, 50), (x + to, 50)];
+                let sample = vec![(x + from, y), (x + to, y)];
                 root.draw(&PathElement::new(sample, style(curve)))?;
             }
-            root.draw(&Text::new(curve.label.clone(), (x + 32, 42), font.clone()))?;
-            x += 54 + (7.8 * curve.label.chars().count() as f64) as i32;
+            root.draw(&Text::new(
+                curve.label.clone(),
+                (x + 32, y - 8),
+                font.clone(),
+            ))?;
+            x += width;
         }
-        Ok(())
+        Ok(y + 16)
     }
 }
 

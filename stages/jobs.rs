@@ -21,7 +21,7 @@ pub mod version {
     pub const RELAX: u32 = 13;
     pub const CALIBRATE: u32 = 4;
     pub const IMPACT: u32 = 13;
-    pub const POST: u32 = 3;
+    pub const POST: u32 = 4;
 }
 
 fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {

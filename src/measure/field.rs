@@ -1,8 +1,9 @@
 //! Pressure and velocity averaged about the axis, as in Figs. 8 and 9 of Nishio et al. 2010.
 //!
 //! Particles are gathered in bins of one spacing by their distance from the axis and height (2-D:
-//! by |x|, left and right mirrored onto each other). A bin is liquid if it holds two fifths of the
-//! particles that would fill it.
+//! by |x|, left and right mirrored onto each other), each shared linearly by the four bins whose
+//! centres are about it, so that rows of particles leave no gaps. A bin is liquid if it holds two
+//! fifths of the particles that would fill it.
 
 use super::canvas::{Anchor, Canvas, Colour, FAINT, INK, WHITE};
 use super::pool::Axis;
@@ -18,6 +19,24 @@ pub struct Bin {
     pub pressure: f64,
     /// Radial (outward) and vertical, m/s.
     pub velocity: [f64; 2],
+}
+
+/// The four bins about a place in bins, and their shares of it; axis and floor reflect.
+fn shares(place: [f64; 2]) -> [([usize; 2], f64); 4] {
+    let [low, part] = [
+        |x: f64| (x - 0.5).floor(),
+        |x: f64| (x - 0.5) - (x - 0.5).floor(),
+    ];
+    std::array::from_fn(|k| {
+        let upper = [k & 1, k >> 1];
+        let axis = |a: usize| {
+            let part = part(place[a]);
+            let at = low(place[a]) + upper[a] as f64;
+            (at.max(0.0) as usize, [1.0 - part, part][upper[a]])
+        };
+        let ((r, a), (z, b)) = (axis(0), axis(1));
+        ([r, z], a * b)
+    })
 }
 
 /// A field of bins, r fastest.
@@ -44,7 +63,7 @@ impl Field {
             let d = offset(scene, axis, frame, i);
             let r = d[0].hypot(d[1]);
             let place = [r / edge, f64::from(frame.position[2][i]) / edge];
-            if !(place[0] < count[0] as f64 && place[1] >= 0.0 && place[1] < count[1] as f64) {
+            if !(place[0].is_finite() && place[1] >= 0.0) {
                 continue;
             }
             let v = [0, 1, 2].map(|a| f64::from(frame.velocity[a][i]));
@@ -53,18 +72,23 @@ impl Field {
             } else {
                 0.0
             };
-            let bin = &mut bins[place[1] as usize * count[0] + place[0] as usize];
-            bin.count += 1.0;
-            bin.pressure += f64::from(frame.pressure[i]);
-            bin.velocity[0] += outward;
-            bin.velocity[1] += v[2];
+            for ([r, z], share) in shares(place) {
+                if r >= count[0] || z >= count[1] {
+                    continue;
+                }
+                let bin = &mut bins[z * count[0] + r];
+                bin.count += share;
+                bin.pressure += share * f64::from(frame.pressure[i]);
+                bin.velocity[0] += share * outward;
+                bin.velocity[1] += share * v[2];
+            }
         }
         let full = |i: usize| {
             let ring = std::f64::consts::PI * (2 * i + 1) as f64;
             if flat { 2.0 } else { ring }
         };
         let mean = |(place, bin): (usize, &Bin)| {
-            let enough = bin.count >= 1.0 && bin.count >= 0.4 * full(place % count[0]);
+            let enough = bin.count >= 0.4 * full(place % count[0]);
             enough.then(|| Bin {
                 count: bin.count,
                 pressure: bin.pressure / bin.count,

@@ -44,6 +44,10 @@ fn particles(scene: &Scene) -> f64 {
     counts.sum::<u64>() as f64
 }
 
+fn frames(scene: &Scene) -> f64 {
+    (scene.impact.end / scene.frames.interval).floor() + 1.0
+}
+
 fn is_projected(scene: &Scene) -> bool {
     scene.method.projection().is_some()
 }
@@ -167,9 +171,8 @@ pub fn relax(scene: &Scene, body: usize) -> Option<Work> {
 /// Of the impact.
 pub fn impact(scene: &Scene) -> Option<Work> {
     let count = particles(scene);
-    let frames = (scene.impact.end / scene.frames.interval).floor() + 1.0;
     let cpu = steps(scene) * (STEP + count * particle_step(scene));
-    let disk = count * (frames * FRAME + CHECKPOINTS * CHECKPOINT);
+    let disk = count * (frames(scene) * FRAME + CHECKPOINTS * CHECKPOINT);
     work(scene, cpu, [count, disk])
 }
 
@@ -177,9 +180,8 @@ pub fn impact(scene: &Scene) -> Option<Work> {
 pub fn post(scene: &Scene) -> Option<Work> {
     let cut = |axis: &usize| scene.domain.boundary[*axis].contains(&Side::Mirror);
     let whole = particles(scene) * 2f64.powi((0..2).filter(cut).count() as i32);
-    let frames = (scene.impact.end / scene.frames.interval).floor() + 1.0;
     // One thread measures while another reads.
-    let work = work(scene, frames * whole * MEASURE, [0.0, 0.0])?;
+    let work = work(scene, frames(scene) * whole * MEASURE, [0.0, 0.0])?;
     let memory = BASE + whole * PICTURE;
     Some(Work {
         threads: 1,

@@ -23,15 +23,12 @@ pub struct Bin {
 
 /// The four bins about a place in bins, and their shares of it; axis and floor reflect.
 fn shares(place: [f64; 2]) -> [([usize; 2], f64); 4] {
-    let [low, part] = [
-        |x: f64| (x - 0.5).floor(),
-        |x: f64| (x - 0.5) - (x - 0.5).floor(),
-    ];
+    let low = place.map(|x| (x - 0.5).floor());
     std::array::from_fn(|k| {
         let upper = [k & 1, k >> 1];
         let axis = |a: usize| {
-            let part = part(place[a]);
-            let at = low(place[a]) + upper[a] as f64;
+            let part = (place[a] - 0.5) - low[a];
+            let at = low[a] + upper[a] as f64;
             (at.max(0.0) as usize, [1.0 - part, part][upper[a]])
         };
         let ((r, a), (z, b)) = (axis(0), axis(1));

@@ -89,6 +89,26 @@ fn a_prediction_is_checked() {
     );
 }
 
+/// Between two points errors are only guessed; what it ends with is measured all the same.
+#[test]
+fn what_is_checked_meets_the_error() {
+    let program = program();
+    program.call(&["study", "study.toml"]).well();
+    let found = errors(&program);
+    let (fine, coarse) = (found[1].min(found[0]), found[1].max(found[0]));
+    for part in [0.25, 0.5, 0.75] {
+        let wanted = fine * (coarse / fine).powf(part);
+        let error = format!("{wanted}");
+        let arguments = ["tune", "study.toml", "--check", "--json", "--error", &error];
+        let tuned = program.call(&arguments).well().objects().pop().unwrap();
+        let checked = tuned["checked"]["error"].as_f64().unwrap();
+        assert!(checked <= wanted, "{part}: {tuned}");
+        for miss in tuned["missed"].as_array().unwrap() {
+            assert!(miss["error"].as_f64().unwrap() > wanted, "{tuned}");
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_met_is_said() {
     let program = program();

@@ -83,9 +83,18 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
             support,
             longest: support,
             late: 0.0,
+            farthest: 0.0,
         };
         let (n, wall) = (particles.len(), Wall::default());
-        let flow = Flow::new(model.dimension, &model.domain, lengths, particles, wall);
+        let pairs = model.pairs;
+        let flow = Flow::new(
+            model.dimension,
+            &model.domain,
+            lengths,
+            pairs,
+            particles,
+            wall,
+        );
         let mut hand = Hand {
             flow: flow.expect("the box is large enough"),
             model,
@@ -154,7 +163,7 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
         self.seconds[part as usize] += cpu_seconds() - start;
     }
 
-    fn scale(&self) -> [f32; 3] {
+    fn scale(&self) -> coronet::space::grid::Scale {
         self.flow.grid.scale(self.model.h)
     }
 

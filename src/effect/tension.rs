@@ -20,11 +20,11 @@
 //! spline in 3-D. On a lattice of that spline the force it gives is 16 to 24 % too strong.
 //!
 //! Only liquid within the reach of a surface is looked at: on a lattice the force ends at a depth
-//! of 3.3 H (raw colour) or 4.6 H (normalised: volumes, colours and normals reach 2 H each, and (4)
-//! ignores what is left). The stress of (6) ends where |n| H = 0.05, 1.2 H under a flat surface, so
-//! n is summed to 1.5 H only. The own part of (5), T_a . SUM grad W, needs no sum over pairs of its
-//! own; in (6) it vanishes, for there SUM grad W is along n and T . n = 0. What is left runs over
-//! the stressed particles alone. Wall particles count as liquid in n: a wetted wall is no surface.
+//! of 3.3 H (raw colour) or 4.6 H (normalised: (4) ignores normals below 2.6 H). The stress of (6)
+//! ends where |n| H = 0.05, 1.2 H under a flat surface, so n is summed to 1.5 H only. The own part
+//! of (5), T_a . SUM grad W, needs no sum over pairs of its own; in (6) it vanishes, for there SUM
+//! grad W is along n and T . n = 0. What is left runs over the stressed particles alone. Wall
+//! particles count as liquid in n: a wetted wall is no surface.
 //!
 //! The liquid is one-sided, so alpha is not 1: it is calibrated by the virial of the pair forces or
 //! by the pressure that they leave in a round body (method::calibrate). The stress acts below the
@@ -186,7 +186,7 @@ impl Tension {
                 self.band.grow(flow.grid, deep);
                 self.band.members(flow.liquid, &mut self.near);
                 match &mut self.wetting {
-                    None => self.sum_normals(flow, &Gradient::<K>(PhantomData)),
+                    None => self.sum_normals(flow, &[], &Gradient::<K>(PhantomData)),
                     Some(wetting) => {
                         wetting.colour::<K>(flow, is_surface, &self.payload);
                         self.sum_walled_normals::<K>(flow);
@@ -196,9 +196,9 @@ impl Tension {
             TensionForm::CahnHilliard => {
                 self.band.grow(flow.grid, reach);
                 self.band.members(flow.liquid, &mut self.near);
-                self.sum_normals(flow, &Gradient::<K>(PhantomData));
+                self.sum_normals(flow, &[], &Gradient::<K>(PhantomData));
             }
-            TensionForm::NormalisedColour => self.colour::<K>(flow, reach),
+            TensionForm::NormalisedColour => self.colour::<K>(flow),
         }
         self.root::<K>(flow);
         if !self.pulls() {
@@ -267,25 +267,29 @@ impl Tension {
         }
     }
 
-    fn runs<const N: usize, P: Pass<N>>(
+    /// Sums over all particles, with the long kernel and some of the payload.
+    fn runs<const N: usize, const W: usize, P: Pass<N>>(
         &self,
         flow: &Surface,
-        targets: &[u32],
-        pass: &P,
+        payload: &[Vec<f32>; W],
+        (targets, pass): (&[u32], &P),
         out: &mut [P::Out],
     ) {
-        sweep::runs(self.field(flow, self.length), targets, pass, out);
+        let field = self.field(flow, self.length).owning(payload);
+        let field = field.among(flow.at, payload, flow.sources);
+        sweep::runs(field, targets, pass, out);
     }
 
     /// Fills `normals` by a pass over `near`.
-    fn sum_normals<const N: usize, P: Pass<N, Out = ([f32; 3], [f32; 3])>>(
+    fn sum_normals<const N: usize, const W: usize, P: Pass<N, Out = ([f32; 3], [f32; 3])>>(
         &mut self,
         flow: &Surface,
+        payload: &[Vec<f32>; W],
         pass: &P,
     ) {
         let mut normals = std::mem::take(&mut self.normals);
         normals.resize(self.near.len(), Default::default());
-        self.runs(flow, &self.near, pass, &mut normals);
+        self.runs(flow, payload, (&self.near, pass), &mut normals);
         self.normals = normals;
     }
 

@@ -10,7 +10,7 @@ mod pack;
 mod wall;
 
 use crate::particle::{Particles, Wall};
-use crate::scene::{Dimension, Domain, Side};
+use crate::scene::{Dimension, Domain, Pairs, Side};
 use crate::space::column;
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
@@ -20,10 +20,7 @@ use crate::space::row::Rows;
 use crate::space::sort::Cells;
 use rayon::prelude::*;
 
-/// Extra reach of the rows where nothing is known of speeds, as a fraction of the support.
-const SLACK: f64 = 0.1;
-
-/// Least and largest extra reach in units of that.
+/// Least and largest extra reach of the rows, in units of that where nothing is known of speeds.
 const LEAST: f64 = 0.25;
 const MOST: f64 = 2.5;
 
@@ -44,6 +41,16 @@ pub struct Lengths {
     pub longest: f64,
     /// A pair may be missing while it is this little inside the support (slope below 1e-3).
     pub late: f64,
+    /// What a particle may cross while rows last, whatever the slack.
+    pub farthest: f64,
+}
+
+impl Lengths {
+    /// The most that a particle may move before rows are stale. `slack`: of [`Pairs`].
+    fn most(&self, slack: f64) -> f64 {
+        let usual = 0.5 * (slack * self.support + self.late);
+        (MOST * usual).max(HASTE * self.farthest)
+    }
 }
 
 /// Particles, cells, rows.
@@ -52,6 +59,8 @@ pub struct Flow {
     pub domain: Domain,
     pub grid: Grid,
     pub lengths: Lengths,
+    /// Extra reach of the rows where nothing is known of speeds, as a fraction of the support.
+    slack: f64,
     pub particles: Particles,
     /// Sorted along cells once, never moved.
     pub wall: Wall,
@@ -96,15 +105,18 @@ impl Flow {
         dimension: Dimension,
         domain: &Domain,
         lengths: Lengths,
+        pairs: Pairs,
         particles: Particles,
         mut wall: Wall,
     ) -> Result<Self, TooSmall> {
-        let reach = lengths.support * (1.0 + SLACK);
+        let slack = pairs.slack;
+        let reach = lengths.support * (1.0 + slack);
         let margin = lengths.longest + reach;
         let longest = reach.max(lengths.longest);
-        let widest = lengths.support + MOST * (SLACK * lengths.support + lengths.late);
+        let widest = lengths.support + 2.0 * lengths.most(slack);
         let edge = (0.5 * reach).max(margin.max(widest) / column::REACH as f64);
-        let grid = Grid::new(domain, dimension, edge, margin, longest)?;
+        let mut grid = Grid::new(domain, dimension, edge, margin, longest)?;
+        grid.precision = pairs.precision;
         let mut wall_cells = Cells::default();
         wall_cells.sort(&grid, &wall.position);
         let mut scratch = Vec::new();
@@ -119,6 +131,7 @@ impl Flow {
             domain: domain.clone(),
             grid,
             lengths,
+            slack,
             particles,
             wall,
             records: Vec::new(),

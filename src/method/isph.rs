@@ -32,13 +32,14 @@ use super::projection::{Projection, Scheme, surface};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::scene::{Closure, Gradient, Isph as Settings, PoissonSource};
+use crate::space::grid::Scale;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
 use pass::{Around, Look, PressureSlope, Weights};
 use std::marker::PhantomData;
 
 /// A sweep of [`Around`] with the viscosity of the scene, which nothing else depends on.
-type Explicit = Box<dyn Fn(&Flow, [f32; 3], &mut [Sums<[f32; 3]>]) + Send + Sync>;
+type Explicit = Box<dyn Fn(&Flow, Scale, &mut [Sums<[f32; 3]>]) + Send + Sync>;
 
 /// `K`: kernel.
 pub(super) struct Isph<K> {

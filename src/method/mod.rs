@@ -248,11 +248,14 @@ fn flow_of(
         support,
         longest: case.widest,
         late,
+        // Spray crosses a spacing in a step of a projection.
+        farthest: if case.is_implicit { case.spacing } else { 0.0 },
     };
     Ok(Flow::new(
         case.dimension,
         &case.domain,
         lengths,
+        case.pairs,
         particles,
         wall,
     )?)

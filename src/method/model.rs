@@ -2,8 +2,8 @@
 
 use super::Phase;
 use crate::scene::{
-    Body, Density, Dimension, Domain, Effects, Method, Pressure, Scene, Shape, Side, Sph, Wcsph,
-    numbers,
+    Body, Density, Dimension, Domain, Effects, Method, Pairs, Pressure, Scene, Shape, Side, Sph,
+    Wcsph, numbers,
 };
 use std::ops::Deref;
 
@@ -11,6 +11,7 @@ use std::ops::Deref;
 #[derive(Clone, Debug)]
 pub struct Case {
     pub sph: Sph,
+    pub pairs: Pairs,
     pub dimension: Dimension,
     pub domain: Domain,
     pub effects: Effects,
@@ -95,6 +96,7 @@ impl Case {
         let sph = *scene.method.sph();
         Case {
             sph,
+            pairs: scene.pairs,
             dimension: scene.dimension,
             domain,
             effects,

@@ -48,6 +48,7 @@ use crate::effect::tension::Tension;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State};
 use crate::scene::{PoissonSource, Projection as Settings};
+use crate::space::grid::Scale;
 use crate::space::parallel::max;
 use look::{Local, Sums};
 use std::mem::size_of;
@@ -230,7 +231,7 @@ impl<S: Scheme> Projection<S> {
         solver
     }
 
-    pub fn scale(&self) -> [f32; 3] {
+    pub fn scale(&self) -> Scale {
         self.flow.grid.scale(self.case.h)
     }
 

@@ -27,6 +27,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
+use crate::space::grid::Scale;
 use crate::space::parallel::{Slots, max};
 use std::marker::PhantomData;
 
@@ -154,7 +155,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.flow.particles.mass * K::norm(d) / self.model.h.powi(d as i32 + 1)
     }
 
-    fn scale(&self) -> [f32; 3] {
+    fn scale(&self) -> Scale {
         self.flow.grid.scale(self.model.h)
     }
 

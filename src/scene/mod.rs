@@ -14,6 +14,7 @@ mod isph;
 pub mod key;
 mod mps;
 pub mod numbers;
+mod pairs;
 pub mod preset;
 mod projection;
 pub mod quantity;
@@ -27,6 +28,7 @@ mod wetting;
 
 pub use isph::{Closure, Gradient, Isph};
 pub use mps::{Mps, MpsClosure, MpsGradient};
+pub use pairs::{Pairs, Precision};
 pub use projection::{PoissonSource, Preconditioner, Projection};
 pub use sph::{Sph, TensionLevel};
 pub use wetting::Wetting;
@@ -381,4 +383,5 @@ pub struct Scene {
     pub frames: Frames,
     pub post: Post,
     pub method: Method,
+    pub pairs: Pairs,
 }

@@ -7,8 +7,8 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
-    Density, KernelName, Mass, Method, Pressure, SoundSpeed, Sph, TensionForm, TensionLevel,
-    TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
+    Density, KernelName, Mass, Method, Pairs, Precision, Pressure, SoundSpeed, Sph, TensionForm,
+    TensionLevel, TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
 pub use isph::{isph_corrected, isph_modern, isph_paper};
 pub use mps::{mps_corrected, mps_modern, mps_paper};
@@ -97,6 +97,18 @@ pub fn method(root: &Cursor<'_>) -> Result<Method, SceneError> {
         "isph" => Method::Isph(isph::isph(root)?),
         "mps" => Method::Mps(mps::mps(root)?),
         _ => Method::Wcsph(wcsph(root)?),
+    })
+}
+
+/// What `[method]` says whatever the method is.
+pub fn pairs(method: &Cursor<'_>) -> Result<Pairs, SceneError> {
+    Ok(Pairs {
+        precision: match method.text_at("precision")? {
+            "single" => Precision::Single,
+            "double" => Precision::Double,
+            _ => Precision::Mixed,
+        },
+        slack: method.number_at("slack")?,
     })
 }
 

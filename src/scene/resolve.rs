@@ -31,6 +31,7 @@ pub fn scene(root: &Cursor<'_>, name: &str) -> Result<Scene, SceneError> {
         frames: frames(&root.need("frames")?)?,
         post: post(&root.need("post")?)?,
         method: preset::method(root)?,
+        pairs: preset::pairs(&root.need("method")?)?,
         domain,
     };
     symmetry::cut(&mut scene, root)?;

@@ -22,41 +22,43 @@ pub fn dilate<T: Copy + PartialOrd + Default + Send + Sync>(
             continue;
         }
         let periodic = grid.periodic[axis];
-        // Of n + c: cells before the first and behind the last are others, or none.
-        let near = move |at: usize| {
-            (n + at - r..=n + at + r).filter_map(move |c| match periodic {
-                true => Some(c % n),
-                false => (n..2 * n).contains(&c).then(|| c - n),
-            })
-        };
         let stride: usize = count[axis + 1..].iter().product();
         if stride == 1 {
             let lines = scratch.par_chunks_mut(n).zip(values.par_chunks(n));
             lines.with_min_len(LINES).for_each(|(out, line)| {
-                for (at, most) in out.iter_mut().enumerate() {
-                    *most = line[at];
-                    near(at).for_each(|c| raise(most, line[c]));
+                out.copy_from_slice(line);
+                for away in 1..=r {
+                    raise(&mut out[away..], line);
+                    raise(out, &line[away..]);
+                    if periodic {
+                        raise(out, &line[n - away..]);
+                        raise(&mut out[n - away..], line);
+                    }
                 }
             });
         } else {
+            // Of n + c: cells before the first and behind the last are others, or none.
+            let near = move |at: usize| {
+                (n + at - r..=n + at + r).filter_map(move |c| match periodic {
+                    true => Some(c % n),
+                    false => (n..2 * n).contains(&c).then(|| c - n),
+                })
+            };
             let lines = scratch.par_chunks_mut(stride).enumerate();
             lines.with_min_len(LINES).for_each(|(k, out)| {
                 let at = k % n;
                 let line = |c: usize| &values[(k - at + c) * stride..][..stride];
                 out.copy_from_slice(line(at));
-                for c in near(at) {
-                    let pairs = out.iter_mut().zip(line(c));
-                    pairs.for_each(|(most, value)| raise(most, *value));
-                }
+                near(at).for_each(|c| raise(out, line(c)));
             });
         }
         std::mem::swap(values, scratch);
     }
 }
 
-#[inline(always)]
-fn raise<T: Copy + PartialOrd>(most: &mut T, value: T) {
-    if value > *most {
-        *most = value;
+/// The larger of each pair, as far as both go.
+fn raise<T: Copy + PartialOrd>(most: &mut [T], values: &[T]) {
+    for (most, value) in most.iter_mut().zip(values) {
+        *most = if *value > *most { *value } else { *most };
     }
 }

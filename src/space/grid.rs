@@ -6,7 +6,8 @@
 //! nearest image; differences are exact and are rounded once, when they become f32.
 //! Other axes have a range four times the covered length, so that nothing wraps by accident.
 
-use crate::scene::{Dimension, Domain, Side};
+use super::lane::Lanes;
+use crate::scene::{Dimension, Domain, Precision, Side};
 
 /// Where the cells are.
 #[derive(Clone, Debug)]
@@ -22,6 +23,25 @@ pub struct Grid {
     pub periodic: [bool; 3],
     /// Period, or four times the covered length, m.
     range: [f64; 3],
+    /// Of the pair sums.
+    pub precision: Precision,
+}
+
+/// What makes fixed-point differences multiples of a length, and how exactly pairs are summed.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    pub factor: [f64; 3],
+    pub precision: Precision,
+}
+
+impl Scale {
+    /// # Safety
+    /// The processor has the features of `L`.
+    #[inline(always)]
+    pub unsafe fn lanes<L: Lanes>(self) -> [L::F; 3] {
+        let [x, y, z] = self.factor;
+        unsafe { [L::constant(x), L::constant(y), L::constant(z)] }
+    }
 }
 
 /// A scene that the cells cannot hold.
@@ -53,6 +73,7 @@ impl Grid {
             count: [1; 3],
             periodic: [false; 3],
             range: [1.0; 3],
+            precision: Precision::Mixed,
         };
         for axis in 0..3 {
             if axis == 1 && dimension == Dimension::Two {
@@ -134,8 +155,11 @@ impl Grid {
     }
 
     /// Scale from fixed-point differences to multiples of `length`.
-    pub fn scale(&self, length: f64) -> [f32; 3] {
-        self.unit.map(|u| (u / length) as f32)
+    pub fn scale(&self, length: f64) -> Scale {
+        Scale {
+            factor: self.unit.map(|u| u / length),
+            precision: self.precision,
+        }
     }
 
     /// `wrap(x)` into the box on periodic axes.

@@ -1,10 +1,23 @@
-//! Eight f32 lanes: AVX2 + FMA where the processor has them, and a portable twin with the same
-//! bits.
+//! Eight lanes, of f32 or of f64: AVX2 + FMA where the processor has them, and portable twins with
+//! the same bits.
 //!
 //! Only exact IEEE operations (no reciprocal estimates), so both give the same result everywhere.
-//! Every function is inlined into a caller that enables the features: see [`super::sweep`]. Code
-//! over
+//! Every function is inlined into a caller that enables the features: see [`run`]. Code over
 //! lanes holds no closure, for a closure would be a function without the features.
+//!
+//! What the lanes of a [`Precision`] differ in: mixed takes the exact difference of fixed-point
+//! coordinates and goes on in f32; single rounds the coordinates themselves to f32; double takes
+//! the exact difference and goes on in f64. Payloads and results are f32 with all of them.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod portable;
+
+#[cfg(target_arch = "x86_64")]
+pub use avx2::{Avx2, Avx2Double};
+pub use portable::{Portable, Scalar};
+
+use crate::scene::Precision;
 
 /// One neighbour record: fixed-point x, y, z, then five f32 payloads, as bits. 32 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,13 +55,17 @@ impl Record {
 /// Number of lanes.
 pub const WIDTH: usize = 8;
 
-/// Eight lanes of f32.
+/// Eight lanes of f32 or f64.
 ///
 /// # Safety
 /// Every function requires the processor features of the implementation.
 pub trait Lanes: Copy + Send + Sync + 'static {
     type F: Copy;
+    /// Eight fixed-point coordinates.
+    type I: Copy;
     unsafe fn splat(x: f32) -> Self::F;
+    /// As exactly as the lanes can.
+    unsafe fn constant(x: f64) -> Self::F;
     /// Three splats.
     #[inline(always)]
     unsafe fn splat3(x: [f32; 3]) -> [Self::F; 3] {
@@ -75,20 +92,31 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     unsafe fn less_mask(a: Self::F, b: Self::F) -> u32;
     /// Sum of the lanes in a fixed order.
     unsafe fn sum(a: Self::F) -> f32;
-    /// Eight records, transposed: lane k of result c is word c of record k.
-    unsafe fn gather(records: *const Record, index: *const u32) -> [Self::F; 8];
-    /// Eight consecutive words (any 32-bit type).
-    unsafe fn load<T>(words: *const T) -> Self::F;
+    unsafe fn to_array(a: Self::F) -> [f32; WIDTH];
+    /// Eight records: their coordinates and payloads, lane k of record k.
+    unsafe fn gather(records: *const Record, index: *const u32) -> ([Self::I; 3], [Self::F; 5]);
+    /// Eight consecutive words.
+    unsafe fn load(words: *const f32) -> Self::F;
+    /// Eight consecutive coordinates.
+    unsafe fn load_fixed(words: *const i32) -> Self::I;
     /// Words `from .. from + 8` of some arrays.
     #[inline(always)]
-    unsafe fn load_at<T, const N: usize>(words: &[Vec<T>; N], from: usize) -> [Self::F; N] {
+    unsafe fn load_at<const N: usize>(words: &[Vec<f32>; N], from: usize) -> [Self::F; N] {
         std::array::from_fn(|a| {
             debug_assert!(from + WIDTH <= words[a].len());
             unsafe { Self::load(words[a].as_ptr().add(from)) }
         })
     }
-    /// (own - other) as f32, for fixed-point lanes `other`: exact difference, one rounding.
-    unsafe fn difference(own: i32, other: Self::F) -> Self::F;
+    /// Coordinates `from .. from + 8`.
+    #[inline(always)]
+    unsafe fn load_fixed_at(words: &[Vec<i32>; 3], from: usize) -> [Self::I; 3] {
+        std::array::from_fn(|a| {
+            debug_assert!(from + WIDTH <= words[a].len());
+            unsafe { Self::load_fixed(words[a].as_ptr().add(from)) }
+        })
+    }
+    /// Own minus other, wrapped.
+    unsafe fn difference(own: i32, other: Self::I) -> Self::F;
     /// `value` in the first `count` lanes, `other` in the rest.
     unsafe fn first(count: usize, value: Self::F, other: Self::F) -> Self::F;
     /// Writes `words[k]` for every set bit k of `mask` to `out` (room for 8); how many.
@@ -113,239 +141,49 @@ const COMPRESS: [[u8; 8]; 256] = {
     table
 };
 
-/// The scalar twin: same operations, one lane after the other.
-#[derive(Clone, Copy, Debug)]
-pub struct Portable;
+/// Something to do with lanes.
+pub trait Job {
+    /// # Safety
+    /// The processor has the features of `L`.
+    unsafe fn run<L: Lanes>(self);
+}
 
+/// Does `job` with the lanes of `precision`.
 #[inline(always)]
-fn each(f: impl Fn(usize) -> f32) -> [f32; 8] {
-    std::array::from_fn(f)
-}
-
-impl Lanes for Portable {
-    type F = [f32; 8];
-    #[inline(always)]
-    unsafe fn splat(x: f32) -> [f32; 8] {
-        [x; 8]
+pub fn run(precision: Precision, job: impl Job) {
+    #[cfg(target_arch = "x86_64")]
+    if wide() {
+        return unsafe {
+            match precision {
+                Precision::Single => with_features::<Avx2<true>>(job),
+                Precision::Mixed => with_features::<Avx2<false>>(job),
+                Precision::Double => with_features::<Avx2Double>(job),
+            }
+        };
     }
-    #[inline(always)]
-    unsafe fn add(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        each(|k| a[k] + b[k])
-    }
-    #[inline(always)]
-    unsafe fn sub(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        each(|k| a[k] - b[k])
-    }
-    #[inline(always)]
-    unsafe fn mul(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        each(|k| a[k] * b[k])
-    }
-    #[inline(always)]
-    unsafe fn div(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        each(|k| a[k] / b[k])
-    }
-    #[inline(always)]
-    unsafe fn fma(a: [f32; 8], b: [f32; 8], c: [f32; 8]) -> [f32; 8] {
-        each(|k| a[k].mul_add(b[k], c[k]))
-    }
-    #[inline(always)]
-    unsafe fn sqrt(a: [f32; 8]) -> [f32; 8] {
-        each(|k| a[k].sqrt())
-    }
-    #[inline(always)]
-    unsafe fn abs(a: [f32; 8]) -> [f32; 8] {
-        each(|k| a[k].abs())
-    }
-    #[inline(always)]
-    unsafe fn max(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        each(|k| if a[k] > b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    unsafe fn min(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
-        each(|k| if a[k] < b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    unsafe fn if_less(a: [f32; 8], b: [f32; 8], value: [f32; 8]) -> [f32; 8] {
-        each(|k| if a[k] < b[k] { value[k] } else { 0.0 })
-    }
-    #[inline(always)]
-    unsafe fn less_mask(a: [f32; 8], b: [f32; 8]) -> u32 {
-        (0..8).fold(0, |m, k| m | (((a[k] < b[k]) as u32) << k))
-    }
-    #[inline(always)]
-    unsafe fn sum(a: [f32; 8]) -> f32 {
-        let q = [a[0] + a[4], a[1] + a[5], a[2] + a[6], a[3] + a[7]];
-        (q[0] + q[2]) + (q[1] + q[3])
-    }
-    #[inline(always)]
-    unsafe fn gather(records: *const Record, index: *const u32) -> [[f32; 8]; 8] {
-        std::array::from_fn(|c| {
-            each(|k| f32::from_bits(unsafe { (*records.add(*index.add(k) as usize)).0[c] }))
-        })
-    }
-    #[inline(always)]
-    unsafe fn load<T>(words: *const T) -> [f32; 8] {
-        unsafe { std::ptr::read_unaligned(words as *const [f32; 8]) }
-    }
-    #[inline(always)]
-    unsafe fn difference(own: i32, other: [f32; 8]) -> [f32; 8] {
-        each(|k| own.wrapping_sub(other[k].to_bits() as i32) as f32)
-    }
-    #[inline(always)]
-    unsafe fn first(count: usize, value: [f32; 8], other: [f32; 8]) -> [f32; 8] {
-        each(|k| if k < count { value[k] } else { other[k] })
-    }
-    #[inline(always)]
-    unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize {
-        let count = mask.count_ones() as usize;
-        for k in 0..count {
-            unsafe { *out.add(k) = *words.add(COMPRESS[mask as usize][k] as usize) };
+    unsafe {
+        match precision {
+            Precision::Single => job.run::<Scalar<f32, true>>(),
+            Precision::Mixed => job.run::<Portable>(),
+            Precision::Double => job.run::<Scalar<f64, false>>(),
         }
-        count
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-pub use x86::Avx2;
-
-#[cfg(target_arch = "x86_64")]
-mod x86 {
-    use super::{Lanes, Record};
-    use std::arch::x86_64::*;
-
-    /// AVX2 + FMA.
-    #[derive(Clone, Copy, Debug)]
-    pub struct Avx2;
-
-    /// Rows of the two 4 x 4 blocks in the halves of `r` become columns.
-    #[inline(always)]
-    unsafe fn transpose(r: [__m256; 4]) -> [__m256; 4] {
-        unsafe {
-            let a = [
-                _mm256_unpacklo_ps(r[0], r[1]),
-                _mm256_unpackhi_ps(r[0], r[1]),
-                _mm256_unpacklo_ps(r[2], r[3]),
-                _mm256_unpackhi_ps(r[2], r[3]),
-            ];
-            [
-                _mm256_shuffle_ps::<0x44>(a[0], a[2]),
-                _mm256_shuffle_ps::<0xEE>(a[0], a[2]),
-                _mm256_shuffle_ps::<0x44>(a[1], a[3]),
-                _mm256_shuffle_ps::<0xEE>(a[1], a[3]),
-            ]
-        }
+/// The same where the precision is no matter of choice.
+#[inline(always)]
+pub fn run_mixed(job: impl Job) {
+    #[cfg(target_arch = "x86_64")]
+    if wide() {
+        return unsafe { with_features::<Avx2<false>>(job) };
     }
+    unsafe { job.run::<Portable>() }
+}
 
-    impl Lanes for Avx2 {
-        type F = __m256;
-        #[inline(always)]
-        unsafe fn splat(x: f32) -> __m256 {
-            unsafe { _mm256_set1_ps(x) }
-        }
-        #[inline(always)]
-        unsafe fn add(a: __m256, b: __m256) -> __m256 {
-            unsafe { _mm256_add_ps(a, b) }
-        }
-        #[inline(always)]
-        unsafe fn sub(a: __m256, b: __m256) -> __m256 {
-            unsafe { _mm256_sub_ps(a, b) }
-        }
-        #[inline(always)]
-        unsafe fn mul(a: __m256, b: __m256) -> __m256 {
-            unsafe { _mm256_mul_ps(a, b) }
-        }
-        #[inline(always)]
-        unsafe fn div(a: __m256, b: __m256) -> __m256 {
-            unsafe { _mm256_div_ps(a, b) }
-        }
-        #[inline(always)]
-        unsafe fn fma(a: __m256, b: __m256, c: __m256) -> __m256 {
-            unsafe { _mm256_fmadd_ps(a, b, c) }
-        }
-        #[inline(always)]
-        unsafe fn sqrt(a: __m256) -> __m256 {
-            unsafe { _mm256_sqrt_ps(a) }
-        }
-        #[inline(always)]
-        unsafe fn abs(a: __m256) -> __m256 {
-            unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), a) }
-        }
-        #[inline(always)]
-        unsafe fn max(a: __m256, b: __m256) -> __m256 {
-            unsafe { _mm256_max_ps(a, b) }
-        }
-        #[inline(always)]
-        unsafe fn min(a: __m256, b: __m256) -> __m256 {
-            unsafe { _mm256_min_ps(a, b) }
-        }
-        #[inline(always)]
-        unsafe fn if_less(a: __m256, b: __m256, value: __m256) -> __m256 {
-            unsafe { _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b), value) }
-        }
-        #[inline(always)]
-        unsafe fn less_mask(a: __m256, b: __m256) -> u32 {
-            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32 }
-        }
-        #[inline(always)]
-        unsafe fn sum(a: __m256) -> f32 {
-            unsafe {
-                let q = _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
-                let h = _mm_add_ps(q, _mm_movehl_ps(q, q));
-                _mm_cvtss_f32(_mm_add_ss(h, _mm_shuffle_ps::<1>(h, h)))
-            }
-        }
-        #[inline(always)]
-        unsafe fn gather(records: *const Record, index: *const u32) -> [__m256; 8] {
-            unsafe {
-                let mut half = [[_mm256_setzero_ps(); 4]; 2];
-                for k in 0..4 {
-                    let low = records.add(*index.add(k) as usize) as *const f32;
-                    let high = records.add(*index.add(k + 4) as usize) as *const f32;
-                    for (h, half) in half.iter_mut().enumerate() {
-                        // Joined as they are loaded: cheaper than to swap halves of registers, and
-                        // a pass that asks for no words of a half does not load it.
-                        half[k] = _mm256_insertf128_ps::<1>(
-                            _mm256_castps128_ps256(_mm_load_ps(low.add(4 * h))),
-                            _mm_load_ps(high.add(4 * h)),
-                        );
-                    }
-                }
-                let [a, b, c, d] = transpose(half[0]);
-                let [e, f, g, h] = transpose(half[1]);
-                [a, b, c, d, e, f, g, h]
-            }
-        }
-        #[inline(always)]
-        unsafe fn load<T>(words: *const T) -> __m256 {
-            unsafe { _mm256_loadu_ps(words as *const f32) }
-        }
-        #[inline(always)]
-        unsafe fn difference(own: i32, other: __m256) -> __m256 {
-            unsafe {
-                let d = _mm256_sub_epi32(_mm256_set1_epi32(own), _mm256_castps_si256(other));
-                _mm256_cvtepi32_ps(d)
-            }
-        }
-        #[inline(always)]
-        unsafe fn first(count: usize, value: __m256, other: __m256) -> __m256 {
-            unsafe {
-                let lane = _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
-                let mask = _mm256_cmp_ps::<_CMP_LT_OQ>(lane, _mm256_set1_ps(count as f32));
-                _mm256_blendv_ps(other, value, mask)
-            }
-        }
-        #[inline(always)]
-        unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize {
-            unsafe {
-                let bytes = super::COMPRESS[mask as usize].as_ptr() as *const __m128i;
-                let lane = _mm256_cvtepu8_epi32(_mm_loadl_epi64(bytes));
-                let words = _mm256_loadu_si256(words as *const __m256i);
-                let chosen = _mm256_permutevar8x32_epi32(words, lane);
-                _mm256_storeu_si256(out as *mut __m256i, chosen);
-            }
-            mask.count_ones() as usize
-        }
-    }
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,popcnt")]
+unsafe fn with_features<L: Lanes>(job: impl Job) {
+    unsafe { job.run::<L>() }
 }
 
 /// Whether the AVX2 + FMA path may run; `CORONET_LANES=portable` forces the twin.

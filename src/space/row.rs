@@ -4,7 +4,7 @@
 
 use super::column::{Columns, Place};
 use super::grid::Grid;
-use super::lane::{Lanes, Portable, WIDTH};
+use super::lane::{self, Job, Lanes, WIDTH};
 use rayon::prelude::*;
 
 /// Rows per chunk; fixed, so that nothing depends on the number of threads.
@@ -133,57 +133,53 @@ impl Rows {
             .enumerate()
             .for_each(|(c, chunk)| {
                 let range = c * CHUNK..((c + 1) * CHUNK).min(count);
-                #[cfg(target_arch = "x86_64")]
-                if super::lane::wide() {
-                    return unsafe { fill_avx2(search, first, position, range, chunk) };
-                }
-                unsafe { fill::<Portable>(search, first, position, range, chunk) }
+                lane::run_mixed(Filling {
+                    search,
+                    first,
+                    position,
+                    range,
+                    chunk,
+                });
             });
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,popcnt")]
-unsafe fn fill_avx2(
-    search: Search,
+/// Some rows of [`Rows::build`].
+struct Filling<'a> {
+    search: Search<'a>,
     first: usize,
-    position: &[Vec<f64>; 3],
+    position: &'a [Vec<f64>; 3],
     range: std::ops::Range<usize>,
-    chunk: &mut Chunk,
-) {
-    unsafe { fill::<super::lane::Avx2>(search, first, position, range, chunk) }
+    chunk: &'a mut Chunk,
 }
 
-#[inline(always)]
-unsafe fn fill<L: Lanes>(
-    search: Search,
-    first: usize,
-    position: &[Vec<f64>; 3],
-    range: std::ops::Range<usize>,
-    chunk: &mut Chunk,
-) {
-    chunk.start.clear();
-    chunk.index.clear();
-    let mut columns = Columns::new(search.grid, search.cutoff);
-    let mut k = range.start;
-    while k < range.end {
-        // Targets that lie together look at the same candidates.
-        let mut cutoff = search.cutoff_of(first + k);
-        let mut low = columns.place(point(position, k));
-        let (mut high, mut end) = (low, k + 1);
-        while end < range.end && extend(&mut low, &mut high, columns.place(point(position, end))) {
-            cutoff = cutoff.max(search.cutoff_of(first + end));
-            end += 1;
+impl Job for Filling<'_> {
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        let (search, first, position, chunk) = (self.search, self.first, self.position, self.chunk);
+        chunk.start.clear();
+        chunk.index.clear();
+        let mut columns = Columns::new(search.grid, search.cutoff);
+        let (mut k, stop) = (self.range.start, self.range.end);
+        while k < stop {
+            // Targets that lie together look at the same candidates.
+            let mut cutoff = search.cutoff_of(first + k);
+            let mut low = columns.place(point(position, k));
+            let (mut high, mut end) = (low, k + 1);
+            while end < stop && extend(&mut low, &mut high, columns.place(point(position, end))) {
+                cutoff = cutoff.max(search.cutoff_of(first + end));
+                end += 1;
+            }
+            let found = columns.about(&low, &high, cutoff);
+            let count = chunk.near.gather(search, found);
+            for k in k..end {
+                chunk.start.push(chunk.index.len() as u32);
+                unsafe { neighbours::<L>(search, first + k, &chunk.near, count, &mut chunk.index) };
+            }
+            k = end;
         }
-        let found = columns.about(&low, &high, cutoff);
-        let count = chunk.near.gather(search, found);
-        for k in k..end {
-            chunk.start.push(chunk.index.len() as u32);
-            unsafe { neighbours::<L>(search, first + k, &chunk.near, count, &mut chunk.index) };
-        }
-        k = end;
+        chunk.start.push(chunk.index.len() as u32);
     }
-    chunk.start.push(chunk.index.len() as u32);
 }
 
 #[inline(always)]
@@ -193,7 +189,7 @@ fn point(position: &[Vec<f64>; 3], k: usize) -> [f64; 3] {
 
 /// Makes `low..high` reach to `place` if that is in the same block of cells, which `low` begins.
 #[inline(always)]
-fn extend(low: &mut Place, high: &mut Place, mut place: Place) -> bool {
+pub(super) fn extend(low: &mut Place, high: &mut Place, mut place: Place) -> bool {
     let up = place.cell[2].wrapping_sub(low.cell[2]);
     if place.cell[..2] != low.cell[..2] || up >= BLOCK {
         return false;
@@ -271,7 +267,7 @@ unsafe fn neighbours<L: Lanes>(
     index: &mut Vec<u32>,
 ) {
     unsafe {
-        let scale = L::splat3(search.grid.scale(search.cutoff_of(own)));
+        let scale = search.grid.scale(search.cutoff_of(own)).lanes::<L>();
         let [x, y, z] = search.at;
         let at = [x[own], y[own], z[own]];
         let one = L::splat(1.0);
@@ -281,7 +277,11 @@ unsafe fn neighbours<L: Lanes>(
         let [x, y, z] = [0, 1, 2].map(|a| near.at[a].as_ptr());
         let mut j = 0;
         while j < count {
-            let other = [L::load(x.add(j)), L::load(y.add(j)), L::load(z.add(j))];
+            let other = [
+                L::load_fixed(x.add(j)),
+                L::load_fixed(y.add(j)),
+                L::load_fixed(z.add(j)),
+            ];
             let d = separation::<L>(at, other, scale);
             let mut mask = L::less_mask(L::dot(d, d), one);
             if count - j < WIDTH {
@@ -300,7 +300,7 @@ unsafe fn neighbours<L: Lanes>(
 #[inline(always)]
 pub(super) unsafe fn separation<L: Lanes>(
     at: [i32; 3],
-    other: [L::F; 3],
+    other: [L::I; 3],
     scale: [L::F; 3],
 ) -> [L::F; 3] {
     unsafe {

@@ -4,7 +4,8 @@
 //! product has the same bits for any number of threads. Weights are f32 (half the memory traffic,
 //! which is all that a product costs), sums are f64.
 
-use super::lane::{Lanes, Portable, Record, WIDTH};
+use super::grid::Scale;
+use super::lane::{self, Job, Lanes, Record, WIDTH};
 use super::row::{CHUNK, Rows, separation};
 use super::sweep::Pair;
 use rayon::prelude::*;
@@ -46,7 +47,7 @@ pub struct Layout<'a> {
     pub unknown: &'a [u32],
     /// First image record, and the record that each is an image of: it has no unknown of its own.
     pub images: (usize, &'a [u32]),
-    pub scale: [f32; 3],
+    pub scale: Scale,
 }
 
 impl Layout<'_> {
@@ -66,6 +67,20 @@ impl Layout<'_> {
         match j < first {
             true => j,
             false => source[j - first] as usize,
+        }
+    }
+}
+
+impl Chunk {
+    /// Room for `more` couplings. It grows by an eighth and not to the double, as a vector would:
+    /// this is the largest array there is.
+    #[inline(always)]
+    fn make_room(&mut self, more: usize) {
+        let room = self.index.len() + more;
+        if room > self.index.capacity().min(self.weight.capacity()) {
+            let more = more + room / 8;
+            self.index.reserve_exact(more);
+            self.weight.reserve_exact(more);
         }
     }
 }
@@ -139,59 +154,57 @@ impl Sparse {
             chunk.start.clear();
             chunk.index.clear();
             chunk.weight.clear();
-            let out = (chunk, degree, sums);
-            #[cfg(target_arch = "x86_64")]
-            if super::lane::wide() {
-                return unsafe { fill_avx2(layout, pass, c * CHUNK, out) };
-            }
-            unsafe { fill::<Portable, N, P>(layout, pass, c * CHUNK, out) }
+            let job = Filling {
+                layout,
+                pass,
+                from: c * CHUNK,
+                chunk,
+                degree,
+                sums,
+            };
+            lane::run(layout.scale.precision, job);
         });
     }
 }
 
-type Out<'a, const N: usize> = (&'a mut Chunk, &'a mut [f64], &'a mut [[f32; N]]);
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,popcnt")]
-unsafe fn fill_avx2<const N: usize, P: Couple<N>>(
-    layout: &Layout,
-    pass: &P,
+/// Some unknowns of [`Matrix::build`].
+struct Filling<'a, const N: usize, P> {
+    layout: &'a Layout<'a>,
+    pass: &'a P,
     from: usize,
-    out: Out<N>,
-) {
-    unsafe { fill::<super::lane::Avx2, N, P>(layout, pass, from, out) }
+    chunk: &'a mut Chunk,
+    degree: &'a mut [f64],
+    sums: &'a mut [[f32; N]],
 }
 
-#[inline(always)]
-unsafe fn fill<L: Lanes, const N: usize, P: Couple<N>>(
-    layout: &Layout,
-    pass: &P,
-    from: usize,
-    (chunk, degree, sums): Out<N>,
-) {
-    unsafe {
-        let n = layout.liquid.len();
-        for (k, (degree, sums)) in degree.iter_mut().zip(sums).enumerate() {
-            chunk.start.push(chunk.index.len() as u32);
-            let mut lanes = [L::splat(0.0); N];
-            *degree = 0.0;
-            let i = from + k;
-            if i < n {
-                let row = layout.liquid.row(i);
-                *degree += append::<L, N, P>(layout, pass, i, row, &mut lanes, chunk);
-            } else {
-                let g = i - n;
-                let members = layout.start[g] as usize..layout.start[g + 1] as usize;
-                for &j in &layout.member[members] {
-                    let (row, j) = (layout.wall.row(j as usize), n + j as usize);
-                    *degree += append::<L, N, P>(layout, pass, j, row, &mut lanes, chunk);
+impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        let (layout, pass, from, chunk) = (self.layout, self.pass, self.from, self.chunk);
+        unsafe {
+            let n = layout.liquid.len();
+            for (k, (degree, sums)) in self.degree.iter_mut().zip(self.sums).enumerate() {
+                chunk.start.push(chunk.index.len() as u32);
+                let mut lanes = [L::splat(0.0); N];
+                *degree = 0.0;
+                let i = from + k;
+                if i < n {
+                    let row = layout.liquid.row(i);
+                    *degree += append::<L, N, P>(layout, pass, i, row, &mut lanes, chunk);
+                } else {
+                    let g = i - n;
+                    let members = layout.start[g] as usize..layout.start[g + 1] as usize;
+                    for &j in &layout.member[members] {
+                        let (row, j) = (layout.wall.row(j as usize), n + j as usize);
+                        *degree += append::<L, N, P>(layout, pass, j, row, &mut lanes, chunk);
+                    }
+                }
+                for (sum, lanes) in sums.iter_mut().zip(lanes) {
+                    *sum = L::sum(lanes);
                 }
             }
-            for (sum, lanes) in sums.iter_mut().zip(lanes) {
-                *sum = L::sum(lanes);
-            }
+            chunk.start.push(chunk.index.len() as u32);
         }
-        chunk.start.push(chunk.index.len() as u32);
     }
 }
 
@@ -209,28 +222,25 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
         let n = layout.liquid.len();
         let record = &layout.records[target];
         let at = [record.at(0), record.at(1), record.at(2)];
-        let scale = L::splat3(layout.scale);
+        let scale = layout.scale.lanes::<L>();
         let mut own = [L::splat(0.0); 6];
         for (c, own) in own.iter_mut().enumerate().take(5) {
             *own = L::splat(record.payload(c));
         }
         let mut degree = 0.0;
-        chunk.index.reserve(row.len());
-        chunk.weight.reserve(row.len());
+        chunk.make_room(row.len());
         let mut kept = chunk.index.len();
         let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
         for group in row.chunks_exact(WIDTH) {
-            let r = L::gather(layout.records.as_ptr(), group.as_ptr());
-            let d = separation::<L>(at, [r[0], r[1], r[2]], scale);
+            let (other, [a, b, c, d, e]) = L::gather(layout.records.as_ptr(), group.as_ptr());
+            let separation = separation::<L>(at, other, scale);
             let pair = Pair {
-                d,
-                q2: L::dot(d, d),
+                d: separation,
+                q2: L::dot(separation, separation),
                 own,
-                other: [r[3], r[4], r[5], r[6], r[7], L::splat(0.0)],
+                other: [a, b, c, d, e, L::splat(0.0)],
             };
-            let lanes = pass.pair::<L>(&pair, sum);
-            let mut weight = [0.0f32; WIDTH];
-            std::ptr::write_unaligned(weight.as_mut_ptr() as *mut L::F, lanes);
+            let weight = L::to_array(pass.pair::<L>(&pair, sum));
             // All are written, and those that count are passed: no branch that cannot be foretold.
             for (w, &j) in weight.into_iter().zip(group) {
                 let j = layout.original(j as usize);

@@ -114,8 +114,9 @@ impl Cloud {
             support: 2.0 * h * S0,
             longest: 2.0 * h * S0,
             late: 0.0,
+            farthest: 0.0,
         };
-        let mut flow = Flow::new(dimension, &scene.domain, lengths, p, walls).unwrap();
+        let mut flow = Flow::new(dimension, &scene.domain, lengths, scene.pairs, p, walls).unwrap();
         flow.wall_sees_wall = true;
         flow.sort();
         flow.find();

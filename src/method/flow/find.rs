@@ -1,6 +1,6 @@
 //! Who is near whom: how far rows reach, images, sources, rows.
 
-use super::{Flow, HASTE, LEAST, MOST, SLACK};
+use super::{Flow, HASTE, LEAST};
 use crate::space::dilate::dilate;
 use crate::space::parallel::{Slots, each};
 use crate::space::row::{Search, Source, Sources};
@@ -34,15 +34,15 @@ impl Flow {
     /// Sets what each particle may move, and its reach: the support, that, and the most about it.
     fn allow(&mut self) -> f64 {
         let (n, support, late) = (self.liquid(), self.lengths.support, self.lengths.late);
-        let equal = 0.5 * (SLACK * support + late);
+        let equal = 0.5 * (self.slack * support + late);
         self.allowed.resize(n, 0.0);
         self.reach.clear();
         if self.lasting == 0.0 {
             self.allowed.fill(equal as f32);
-            return support * (1.0 + SLACK);
+            return support * (1.0 + self.slack);
         }
         let (p, haste) = (&self.particles, HASTE * self.lasting);
-        let (least, most) = (LEAST * equal, MOST * equal);
+        let (least, most) = (LEAST * equal, self.lengths.most(self.slack));
         let allowed = Slots::new(&mut self.allowed);
         each(n, |i| {
             *unsafe { allowed.at(i) } = (haste * p.speed(i)).max(least).min(most) as f32

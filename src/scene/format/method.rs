@@ -16,6 +16,18 @@ pub static METHOD: &[Field] = &[
         "As printed; the same with known errors removed; as a specialist would today.",
     ),
     default(
+        "precision",
+        Kind::Word(&["single", "mixed", "double"]),
+        "\"mixed\"",
+        "Of the pair sums: f32 throughout, f32 from the exact separations on, or f64.",
+    ),
+    default(
+        "slack",
+        Kind::Number(Range::Between(0.0, 0.5)),
+        "0.1",
+        "Extra reach of neighbour rows over the support: more is longer rows, found more seldom.",
+    ),
+    default(
         "wcsph",
         Kind::Table(WCSPH, &[]),
         "{}",

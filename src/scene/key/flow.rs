@@ -2,8 +2,8 @@
 
 use super::super::resolve::{AXES, ENDS};
 use super::super::{
-    Colour, Density, KernelName, Mass, Method, Pressure, Scene, Side, SoundSpeed, TensionForm,
-    TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
+    Colour, Density, KernelName, Mass, Method, Pairs, Precision, Pressure, Scene, Side, SoundSpeed,
+    TensionForm, TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
 };
 use super::body::{form, motion, place};
 use super::{List, Unit};
@@ -175,11 +175,28 @@ pub(super) fn wetting(list: &mut List, scene: &Scene, walled: bool) {
 /// Settings of the solver. `walled`: the body can meet walls.
 pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
     list.word("method.name", scene.method.name());
+    pairs(list, scene);
     kernel(list, scene);
     match &scene.method {
         Method::Wcsph(settings) => wcsph(list, settings, walled && has_wall(scene)),
         Method::Isph(settings) => isph::settings(list, settings),
         Method::Mps(settings) => mps::settings(list, settings),
+    }
+}
+
+/// The defaults are not named: results that are older than these settings stay fresh.
+pub(super) fn pairs(list: &mut List, scene: &Scene) {
+    let (pairs, usual) = (scene.pairs, Pairs::default());
+    if pairs.precision != usual.precision {
+        let word = match pairs.precision {
+            Precision::Single => "single",
+            Precision::Mixed => "mixed",
+            Precision::Double => "double",
+        };
+        list.word("method.precision", word);
+    }
+    if pairs.slack != usual.slack {
+        list.number("method.slack", pairs.slack, Unit::One);
     }
 }
 

@@ -16,7 +16,7 @@ use std::path::Path;
 use super::quantity::{Unit, human};
 use super::{Arrangement, Colour, Mass, Scene, TensionStrength};
 use body::{body_colour, size};
-use flow::{colour, effects, flow, kernel, particle, physics, tension, walls, wetting};
+use flow::{colour, effects, flow, kernel, pairs, particle, physics, tension, walls, wetting};
 
 /// What a change of a setting means for a result that is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -189,6 +189,7 @@ pub fn calibrate(scene: &Scene) -> Result<Option<Vec<Setting>>, KeyError> {
     }
     let mut list = List::new();
     particle(&mut list, scene);
+    pairs(&mut list, scene);
     kernel(&mut list, scene);
     tension(&mut list, scene);
     if scene.bodies.iter().any(|body| !body.shape.is_free()) {

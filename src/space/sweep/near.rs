@@ -1,0 +1,304 @@
+//! Sums of few targets or over long supports: no list is kept. Targets that lie together look at
+//! the same candidates, which are found and copied together once.
+
+use super::{Pair, Pass, splat, total};
+use crate::space::column::{Columns, Place};
+use crate::space::grid::{Grid, Scale};
+use crate::space::lane::{self, Job, Lanes, WIDTH};
+use crate::space::row::{CHUNK, Source, extend, separation};
+use rayon::prelude::*;
+
+/// Most targets of a block.
+const MEMBERS: usize = 16;
+
+/// Candidates that are looked at together.
+const ROOM: usize = 1024;
+
+/// Room for the rounding of what decides who is a candidate.
+const MARGIN: f64 = 1.0001;
+
+/// Where the pairs of [`runs`] are.
+#[derive(Clone, Copy)]
+pub struct Field<'a, const W: usize = 3, const O: usize = 3> {
+    pub grid: &'a Grid,
+    /// Fixed-point coordinates and payloads of all points, with at least eight spare
+    /// at the end.
+    pub at: &'a [Vec<i32>; 3],
+    pub payload: &'a [Vec<f32>; W],
+    pub sources: &'a [Source<'a>],
+    /// Positions, m, and payloads of the targets, indexed by target.
+    pub position: &'a [Vec<f64>; 3],
+    pub own: &'a [Vec<f32>; O],
+    /// Search radius: support + what particles have moved since the sort, m.
+    pub cutoff: f64,
+    pub scale: Scale,
+}
+
+impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
+    /// The same targets among other points.
+    pub fn among<const V: usize>(
+        self,
+        at: &'a [Vec<i32>; 3],
+        payload: &'a [Vec<f32>; V],
+        sources: &'a [Source<'a>],
+    ) -> Field<'a, V, O> {
+        Field {
+            grid: self.grid,
+            at,
+            payload,
+            sources,
+            position: self.position,
+            own: self.own,
+            cutoff: self.cutoff,
+            scale: self.scale,
+        }
+    }
+
+    /// The same with other payloads of the targets.
+    pub fn owning<const P: usize>(self, own: &'a [Vec<f32>; P]) -> Field<'a, W, P> {
+        Field {
+            grid: self.grid,
+            at: self.at,
+            payload: self.payload,
+            sources: self.sources,
+            position: self.position,
+            own,
+            cutoff: self.cutoff,
+            scale: self.scale,
+        }
+    }
+}
+
+/// Sums over whole cell columns. `out[k]` belongs to `targets[k]`, which are best in the order of
+/// cells. Lanes beyond the support must add nothing.
+pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+    field: Field<W, O>,
+    targets: &[u32],
+    pass: &P,
+    out: &mut [P::Out],
+) {
+    assert_eq!(out.len(), targets.len());
+    out.par_chunks_mut(CHUNK)
+        .zip(targets.par_chunks(CHUNK))
+        .for_each(|(out, targets)| {
+            let job = InRuns {
+                field,
+                targets,
+                pass,
+                out,
+            };
+            lane::run(field.scale.precision, job);
+        });
+}
+
+/// Some targets of [`runs`].
+struct InRuns<'a, const N: usize, const W: usize, const O: usize, P: Pass<N>> {
+    field: Field<'a, W, O>,
+    targets: &'a [u32],
+    pass: &'a P,
+    out: &'a mut [P::Out],
+}
+
+impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<'_, N, W, O, P> {
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        let (field, pass, targets) = (self.field, self.pass, self.targets);
+        let mut columns = Columns::new(field.grid, field.cutoff);
+        let mut near = Near::<W>::new();
+        let mut begin = 0;
+        while begin < targets.len() {
+            let (block, [low, high]) = Block::of(&field, pass, &columns, &targets[begin..]);
+            let (centre, reach) = block.ball(&field);
+            unsafe {
+                let reach = reach.lanes::<L>();
+                let mut sums = [[L::splat(0.0); N]; MEMBERS];
+                for &column in columns.about(&low, &high, field.cutoff) {
+                    for source in field.sources {
+                        let (mut j, end) = source.run(column);
+                        while j < end {
+                            if near.count + WIDTH > ROOM {
+                                block.add::<L, N, W, P>(&near, field.scale, pass, &mut sums);
+                                near.count = 0;
+                            }
+                            near.take::<L, O>(&field, j, end - j, centre, reach);
+                            j += WIDTH;
+                        }
+                    }
+                }
+                block.add::<L, N, W, P>(&near, field.scale, pass, &mut sums);
+                near.count = 0;
+                for (k, sum) in sums.iter().enumerate().take(block.count) {
+                    let target = targets[begin + k] as usize;
+                    pass.finish(target, total::<L, N>(sum), &mut self.out[begin + k]);
+                }
+            }
+            begin += block.count;
+        }
+    }
+}
+
+/// Targets that look at the same candidates.
+struct Block {
+    count: usize,
+    at: [[i32; 3]; MEMBERS],
+    own: [[f32; 6]; MEMBERS],
+}
+
+impl Block {
+    /// The first of `targets`, and those after it that lie with it; where they are.
+    #[inline(always)]
+    fn of<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+        field: &Field<W, O>,
+        pass: &P,
+        columns: &Columns,
+        targets: &[u32],
+    ) -> (Block, [Place; 2]) {
+        let [x, y, z] = field.position;
+        let position = |i: usize| [x[i], y[i], z[i]];
+        let mut low = columns.place(position(targets[0] as usize));
+        let mut high = low;
+        let mut block = Block {
+            count: 0,
+            at: [[0; 3]; MEMBERS],
+            own: [[0.0; 6]; MEMBERS],
+        };
+        for &target in targets.iter().take(MEMBERS) {
+            let i = target as usize;
+            let place = columns.place(position(i));
+            if !extend(&mut low, &mut high, place) {
+                break;
+            }
+            block.at[block.count] = field.grid.fix3(position(i));
+            let own = std::array::from_fn(|c| field.own.get(c).map_or(0.0, |own| own[i]));
+            block.own[block.count] = pass.own(i, own);
+            block.count += 1;
+        }
+        (block, [low, high])
+    }
+
+    /// Centre of the targets, and what makes distances from it multiples of the radius within which
+    /// all that counts is.
+    #[inline(always)]
+    fn ball<const W: usize, const O: usize>(&self, field: &Field<W, O>) -> ([i32; 3], Scale) {
+        let (mut centre, mut square) = (self.at[0], 0.0);
+        for a in 0..3 {
+            let (mut low, mut high) = (0, 0);
+            for at in &self.at[..self.count] {
+                let away = at[a].wrapping_sub(self.at[0][a]);
+                (low, high) = (away.min(low), away.max(high));
+            }
+            let middle = ((low as i64 + high as i64) / 2) as i32;
+            centre[a] = centre[a].wrapping_add(middle);
+            let half = 0.5 * (high as f64 - low as f64) * field.grid.unit[a];
+            square += half * half;
+        }
+        let radius = MARGIN * (field.cutoff + square.sqrt());
+        (centre, field.grid.scale(radius))
+    }
+
+    /// Adds what the candidates give each target.
+    #[inline(always)]
+    unsafe fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N>>(
+        &self,
+        near: &Near<W>,
+        scale: Scale,
+        pass: &P,
+        sums: &mut [[L::F; N]; MEMBERS],
+    ) {
+        unsafe {
+            let scale = scale.lanes::<L>();
+            let whole = near.count / WIDTH * WIDTH;
+            for (k, sums) in sums.iter_mut().enumerate().take(self.count) {
+                let (at, own) = (self.at[k], splat::<L>(self.own[k]));
+                let mut sum = *sums;
+                for j in (0..whole).step_by(WIDTH) {
+                    let pair = near.pair::<L>(j, at, own, scale);
+                    pass.pair::<L>(&pair, &mut sum);
+                }
+                if whole < near.count {
+                    let mut pair = near.pair::<L>(whole, at, own, scale);
+                    pair.q2 = L::first(near.count - whole, pair.q2, L::splat(FAR));
+                    pass.pair::<L>(&pair, &mut sum);
+                }
+                *sums = sum;
+            }
+        }
+    }
+}
+
+/// Candidates, copied together.
+struct Near<const W: usize> {
+    count: usize,
+    at: [[i32; ROOM + WIDTH]; 3],
+    payload: [[f32; ROOM + WIDTH]; W],
+}
+
+impl<const W: usize> Near<W> {
+    #[inline(always)]
+    fn new() -> Self {
+        Near {
+            count: 0,
+            at: [[0; ROOM + WIDTH]; 3],
+            payload: [[0.0; ROOM + WIDTH]; W],
+        }
+    }
+
+    /// Copies who of the points from `j` on, at most `left`, is within reach.
+    #[inline(always)]
+    unsafe fn take<L: Lanes, const O: usize>(
+        &mut self,
+        field: &Field<W, O>,
+        j: usize,
+        left: usize,
+        centre: [i32; 3],
+        reach: [L::F; 3],
+    ) {
+        unsafe {
+            let d = separation::<L>(centre, L::load_fixed_at(field.at, j), reach);
+            let mut mask = L::less_mask(L::dot(d, d), L::splat(1.0));
+            if left < WIDTH {
+                mask &= (1 << left) - 1;
+            }
+            let (from, to) = (j, self.count);
+            for (near, at) in self.at.iter_mut().zip(field.at) {
+                let (at, near) = (at.as_ptr().add(from), near.as_mut_ptr().add(to));
+                L::compress(mask, at as *const u32, near as *mut u32);
+            }
+            for (near, words) in self.payload.iter_mut().zip(field.payload) {
+                let (words, near) = (words.as_ptr().add(from), near.as_mut_ptr().add(to));
+                L::compress(mask, words as *const u32, near as *mut u32);
+            }
+            self.count += mask.count_ones() as usize;
+        }
+    }
+
+    /// Eight candidates from `j` on.
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(
+        &self,
+        j: usize,
+        at: [i32; 3],
+        own: [L::F; 6],
+        scale: [L::F; 3],
+    ) -> Pair<L> {
+        unsafe {
+            let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr().add(j));
+            let other = [L::load_fixed(x), L::load_fixed(y), L::load_fixed(z)];
+            let d = separation::<L>(at, other, scale);
+            let zero = L::splat(0.0);
+            let mut words = [zero; 6];
+            for (word, payload) in words.iter_mut().zip(&self.payload) {
+                *word = L::load(payload.as_ptr().add(j));
+            }
+            Pair {
+                d,
+                q2: L::dot(d, d),
+                own,
+                other: words,
+            }
+        }
+    }
+}
+
+/// A squared distance beyond every support, in units of h^2.
+const FAR: f32 = 1e12;

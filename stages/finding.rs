@@ -3,10 +3,10 @@
 use anyhow::Result;
 use coronet::measure::plot::PALETTE;
 use coronet::measure::scatter::{Cloud, Scatter};
-use coronet::measure::summary::digits;
 use coronet::measure::tradeoff::{Sample, growth};
 use coronet::scene::quantity::{Unit, human};
 
+use crate::cost::Cost;
 use crate::fault;
 use crate::points::Study;
 use crate::target::Target;
@@ -15,7 +15,7 @@ use crate::trial::{Outcome, Trial};
 /// Below this order an error does not fall with the spacing, to speak of.
 const LEVEL: f64 = 0.2;
 
-/// Names of the groups: the labels of a point without that of its spacing.
+/// Names of the groups: the labels of a point without that of its spacing, and of what repeats.
 fn group(trial: &Trial, trials: &[Trial]) -> String {
     let varies = |axis: usize| {
         // An axis belongs to the spacing if points that differ in it alone differ in spacing.
@@ -25,7 +25,7 @@ fn group(trial: &Trial, trials: &[Trial]) -> String {
                 && other.spacing != trial.spacing
         })
     };
-    let kept = (0..trial.labels.len()).filter(|axis| !varies(*axis));
+    let kept = (0..trial.labels.len()).filter(|axis| !trial.repeats[*axis] && !varies(*axis));
     kept.map(|axis| trial.labels[axis].as_str())
         .collect::<Vec<_>>()
         .join(", ")
@@ -44,7 +44,7 @@ pub fn groups(trials: &[Trial]) -> Vec<String> {
 }
 
 /// The points as samples.
-pub fn samples(trials: &[Trial], outcomes: &[Outcome], errors: &[f64]) -> Vec<Sample> {
+pub fn samples(cost: Cost, trials: &[Trial], outcomes: &[Outcome], errors: &[f64]) -> Vec<Sample> {
     let names = groups(trials);
     let own = |trial: &Trial| names.iter().position(|name| *name == group(trial, trials));
     trials
@@ -56,10 +56,7 @@ pub fn samples(trials: &[Trial], outcomes: &[Outcome], errors: &[f64]) -> Vec<Sa
             spacing: trial.spacing,
             count: trial.count,
             error: *error,
-            seconds: match outcome {
-                Outcome::Done { cpu_seconds, .. } => *cpu_seconds,
-                Outcome::Failed { .. } => f64::NAN,
-            },
+            cost: cost.of(outcome),
         })
         .collect()
 }
@@ -82,16 +79,17 @@ pub fn table(
         "pareto",
         "cpu_s",
         "wall_s",
+        "memory_MB",
     ];
     file.write_record(["point"].into_iter().chain(axes).chain(rest))?;
     for (k, trial) in trials.iter().enumerate() {
-        let (status, wall) = match &outcomes[k] {
-            Outcome::Done { wall_seconds, .. } => ("done", *wall_seconds),
+        let status = match &outcomes[k] {
+            Outcome::Done { .. } => "done",
             Outcome::Failed {
                 code: fault::DIVERGED,
                 ..
-            } => ("diverged", f64::NAN),
-            Outcome::Failed { .. } => ("failed", f64::NAN),
+            } => "diverged",
+            Outcome::Failed { .. } => "failed",
         };
         let number = |value: f64| match value.is_finite() {
             true => format!("{value}"),
@@ -105,7 +103,8 @@ pub fn table(
             status.to_string(),
         ]);
         row.extend([number(samples[k].error), on_front[k].to_string()]);
-        row.extend([number(samples[k].seconds), number(wall)]);
+        let costs = [Cost::Cpu, Cost::Wall, Cost::Memory];
+        row.extend(costs.map(|cost| number(cost.of(&outcomes[k]))));
         file.write_record(row)?;
     }
     Ok(file.into_inner()?)
@@ -119,8 +118,8 @@ pub fn figure(
     samples: &[Sample],
     on_front: &[bool],
 ) -> Scatter {
-    let place = |s: &Sample| [s.seconds, 100.0 * s.error];
-    let shown = |s: &&Sample| s.error > 0.0 && s.seconds > 0.0;
+    let place = |s: &Sample| [s.cost, 100.0 * s.error];
+    let shown = |s: &&Sample| s.error > 0.0 && s.cost > 0.0;
     let clouds = groups(trials)
         .into_iter()
         .enumerate()
@@ -147,7 +146,11 @@ pub fn figure(
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     Scatter {
         title: study.title.clone(),
-        x: "CPU time of the impact (s)".to_string(),
+        x: format!(
+            "{} of the impact ({})",
+            study.cost.name(),
+            study.cost.unit()
+        ),
         y: format!("error of {} (%)", target.column),
         clouds,
         front,
@@ -174,9 +177,10 @@ pub fn page(
     spacings.dedup();
     let heads: Vec<&str> = groups.iter().map(|group| named(group)).collect();
     let mut page = format!(
-        "# {}\n\nError of `{}`, CPU time of the impact.\n\n| s0 | {} |\n|---|{}\n",
+        "# {}\n\nError of `{}`, {} of the impact.\n\n| s0 | {} |\n|---|{}\n",
         study.title,
         target.column,
+        study.cost.name(),
         heads.join(" | "),
         "---|".repeat(groups.len())
     );
@@ -184,7 +188,7 @@ pub fn page(
         let cells = (0..groups.len()).map(|group| {
             let own = |k: &usize| samples[*k].group == group && trials[*k].spacing == spacing;
             let cells = (0..trials.len()).filter(own);
-            let cells = cells.map(|k| cell(&outcomes[k], samples[k].error));
+            let cells = cells.map(|k| cell(study.cost, &outcomes[k], &samples[k]));
             cells.collect::<Vec<_>>().join("; ")
         });
         let cells: Vec<String> = cells.collect();
@@ -193,20 +197,20 @@ pub fn page(
     }
     page += "\n";
     for (group, name) in groups.iter().enumerate() {
-        if let Some(sentence) = sentence(name, samples, group) {
+        if let Some(sentence) = sentence(study.cost, name, samples, group) {
             page += &format!("* {sentence}\n");
         }
     }
     page
 }
 
-fn cell(outcome: &Outcome, error: f64) -> String {
+fn cell(cost: Cost, outcome: &Outcome, sample: &Sample) -> String {
     match outcome {
-        Outcome::Done { cpu_seconds, .. } => {
-            let seconds = digits(*cpu_seconds);
-            match error.is_finite() {
-                true => format!("{:.1} %, {seconds} s", 100.0 * error),
-                false => format!("reference, {seconds} s"),
+        Outcome::Done { .. } => {
+            let cost = cost.short(sample.cost);
+            match sample.error.is_finite() {
+                true => format!("{:.1} %, {cost}", 100.0 * sample.error),
+                false => format!("reference, {cost}"),
             }
         }
         Outcome::Failed { code, .. } if *code == fault::DIVERGED => "diverged".to_string(),
@@ -220,7 +224,7 @@ pub fn named(group: &str) -> &str {
 }
 
 /// What a group's accuracy costs, in words.
-pub fn sentence(name: &str, samples: &[Sample], group: usize) -> Option<String> {
+pub fn sentence(cost: Cost, name: &str, samples: &[Sample], group: usize) -> Option<String> {
     let growth = growth(samples, group);
     let mut parts = Vec::new();
     if let Some(order) = growth.order {
@@ -230,11 +234,12 @@ pub fn sentence(name: &str, samples: &[Sample], group: usize) -> Option<String> 
         }
     }
     if let Some(work) = growth.work {
-        parts.push(format!("time ~ N^{work:.2}"));
+        parts.push(format!("{} ~ N^{work:.2}", cost.word()));
     }
     if let Some(halving) = growth.halving.filter(|_| growth.order > Some(LEVEL)) {
         parts.push(format!(
-            "each halving of the error costs {halving:.1} times the CPU time"
+            "each halving of the error costs {halving:.1} times the {}",
+            cost.name()
         ));
     }
     let name = named(name);

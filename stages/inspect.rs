@@ -177,6 +177,7 @@ fn result_facts(folder: &Path) -> Result<Facts> {
         ("resumptions", json!(stamp.resumptions)),
         ("wall_seconds", json!(stamp.wall_seconds)),
         ("cpu_seconds", json!(stamp.cpu_seconds)),
+        ("memory_bytes", json!(stamp.memory_bytes)),
     ])
 }
 

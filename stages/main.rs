@@ -2,6 +2,7 @@
 
 mod arguments;
 mod calibrate;
+mod cost;
 mod fault;
 mod finding;
 mod flight;

@@ -8,6 +8,7 @@ use coronet::scene::file;
 use coronet::scene::numbers::count;
 use serde::Deserialize;
 
+use crate::cost::Cost;
 use crate::fault::Usage;
 use crate::promise::{Case, Ending};
 use crate::target::Target;
@@ -25,6 +26,8 @@ pub struct Study {
     set: Vec<String>,
     #[serde(default)]
     pub axis: Vec<Axis>,
+    #[serde(default)]
+    pub cost: Cost,
     /// Points to leave out, by their labels: `"0.5 mm, corrected"`.
     #[serde(default)]
     except: Vec<String>,
@@ -43,6 +46,9 @@ pub struct Axis {
     values: Vec<toml::Value>,
     #[serde(default)]
     points: Vec<Choice>,
+    /// Its points are the same thing done again, as with other seeds: what counts is the worst.
+    #[serde(default)]
+    repeat: bool,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -152,6 +158,7 @@ impl Study {
             sets: all,
             case,
             labels: labels.to_vec(),
+            repeats: self.axis.iter().map(|axis| axis.repeat).collect(),
             spacing: f64::NAN,
             count: f64::NAN,
         };

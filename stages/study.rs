@@ -11,7 +11,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context as _, Result, bail};
-use coronet::measure::tradeoff::{front, growth};
+use coronet::measure::tradeoff::{Sample, front, growth, worst};
 use coronet::pipeline::{Store, latest};
 use coronet::record::atomic::write_file;
 use serde_json::json;
@@ -63,8 +63,8 @@ fn tell_costs(
     let outcomes = run(trials, &arguments.store.artifacts, arguments.jobs)?;
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
     let errors = target.measure(trials, &outcomes, folder, window)?;
-    let samples = samples(trials, &outcomes, &errors);
-    let on_front = front(&samples);
+    let samples = samples(study.cost, trials, &outcomes, &errors);
+    let on_front = on_front(&samples);
     make(out)?;
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
     write_file(&out.join(TABLE), &table)?;
@@ -90,7 +90,7 @@ fn tell_costs(
         return Ok(());
     }
     for (g, name) in groups.iter().enumerate() {
-        if let Some(sentence) = sentence(name, &samples, g) {
+        if let Some(sentence) = sentence(study.cost, name, &samples, g) {
             println!("{sentence}");
         }
     }
@@ -99,6 +99,17 @@ fn tell_costs(
         println!("figure   {}", out.join(FIGURE).display());
     }
     Ok(())
+}
+
+/// Who is on the front: of repeats the worst, if it is.
+fn on_front(samples: &[Sample]) -> Vec<bool> {
+    let worst = worst(samples);
+    let some: Vec<Sample> = worst.iter().map(|k| samples[*k]).collect();
+    let mut on_front = vec![false; samples.len()];
+    for (k, on) in worst.into_iter().zip(front(&some)) {
+        on_front[k] = on;
+    }
+    on_front
 }
 
 /// Fails if a promise is broken that the study does not know to be, or kept that it says is broken.

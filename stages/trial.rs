@@ -24,6 +24,8 @@ pub struct Trial {
     pub case: Option<usize>,
     /// Label on each axis.
     pub labels: Vec<String>,
+    /// Which axes only repeat a point.
+    pub repeats: Vec<bool>,
     /// Particle spacing, m, and number of particles; NaN for a scene that is to be refused.
     pub spacing: f64,
     pub count: f64,
@@ -38,6 +40,7 @@ pub enum Outcome {
         /// Of the impact, all attempts, s.
         cpu_seconds: f64,
         wall_seconds: f64,
+        memory_bytes: Option<u64>,
         /// Whether nothing had to run.
         fresh: bool,
     },
@@ -107,6 +110,7 @@ impl Trial {
             frames: PathBuf::from(log),
             cpu_seconds: stamp.cpu_seconds,
             wall_seconds: stamp.wall_seconds,
+            memory_bytes: stamp.memory_bytes,
             fresh: stages().all(|line| line["status"] == "fresh"),
         })
     }

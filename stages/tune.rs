@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use coronet::measure::tradeoff::{Choice, Sample, meeting, predict};
+use coronet::measure::tradeoff::{Choice, Sample, meeting, predict, worst};
 use coronet::record::atomic::write_file;
 use coronet::scene::file;
 use coronet::scene::quantity::{Unit, human};
@@ -15,22 +15,22 @@ use coronet::scene::{Scene, Side};
 use serde_json::json;
 
 use crate::arguments::TuneArguments;
+use crate::cost::Cost;
 use crate::fault::Usage;
 use crate::finding::{groups, named, samples};
 use crate::points::load;
 use crate::study::run;
 use crate::target::Target;
 use crate::trial::{Outcome, Trial};
-use crate::watch::duration;
 
 const SPACING: &str = "pack.spacing=";
 
 /// Settings with what is to be expected of them.
 struct Tuned {
     trial: Trial,
-    /// Relative error and CPU time, s.
+    /// Relative error and cost.
     error: f64,
-    seconds: f64,
+    cost: f64,
     group: String,
 }
 
@@ -45,16 +45,21 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         .into());
     };
     let outcomes = run(&trials, &arguments.store.artifacts, arguments.jobs)?;
-    let mut points = Points { trials, outcomes };
+    let cost = study.cost;
+    let mut points = Points {
+        cost,
+        trials,
+        outcomes,
+    };
     let mut misses = Vec::new();
     let (tuned, checked) = loop {
         let tuned = cheapest(&points, target, arguments, wanted, misses.len() < TRIES)?;
         if !arguments.check {
             break (tuned, None);
         }
-        let (error, seconds) = check(&tuned, &mut points, target, arguments)?;
+        let (error, cost) = check(&tuned, &mut points, target, arguments)?;
         if error <= wanted {
-            break (tuned, Some((error, seconds)));
+            break (tuned, Some((error, cost)));
         }
         misses.push((tuned.trial.spacing, error));
     };
@@ -63,7 +68,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         write_file(path, loaded.text.as_bytes())
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
-    tell(&tuned, target, checked, &misses, arguments);
+    tell(&tuned, (target, cost), checked, &misses, arguments);
     Ok(())
 }
 
@@ -72,6 +77,7 @@ const TRIES: usize = 3;
 
 /// What has been run: the study, and what was checked.
 struct Points {
+    cost: Cost,
     trials: Vec<Trial>,
     outcomes: Vec<Outcome>,
 }
@@ -92,8 +98,15 @@ fn cheapest(
     between: bool,
 ) -> Result<Tuned> {
     let errors = points.errors(target, arguments)?;
-    let samples = samples(&points.trials, &points.outcomes, &errors);
-    let mut choices = meeting(&samples, wanted);
+    let samples = samples(points.cost, &points.trials, &points.outcomes, &errors);
+    // What repeats meets the error if all of it does.
+    let worst = worst(&samples);
+    let some: Vec<Sample> = worst.iter().map(|k| samples[*k]).collect();
+    let mut choices = meeting(&some, wanted);
+    for choice in &mut choices {
+        choice.sample = worst[choice.sample];
+        choice.coarser = choice.coarser.map(|k| worst[k]);
+    }
     if !between {
         choices.iter_mut().for_each(|choice| {
             choice.coarser = None;
@@ -104,9 +117,7 @@ fn cheapest(
         .iter()
         .map(|choice| settle(&points.trials, &samples, choice))
         .collect::<Result<Vec<Tuned>>>()?;
-    let cheapest = tuned
-        .into_iter()
-        .min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let cheapest = tuned.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
     cheapest.ok_or_else(|| anyhow!(miss(&points.trials, &samples, target, wanted)))
 }
 
@@ -149,7 +160,7 @@ fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned
         Some(spacing) => (spacing, with_spacing(&base.sets, spacing)),
         None => (finest, base.sets.clone()),
     };
-    let (error, seconds) = predict(samples, choice, spacing);
+    let (error, cost) = predict(samples, choice, spacing);
     let stem = base.name.rsplit_once('-').map_or("study", |(stem, _)| stem);
     let trial = Trial {
         name: format!("{stem}-tuned"),
@@ -158,6 +169,7 @@ fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned
         sets,
         case: None,
         labels: base.labels.clone(),
+        repeats: base.repeats.clone(),
         spacing,
         count: base.count * (finest / spacing).powi(scene.dimension.count() as i32),
     };
@@ -165,7 +177,7 @@ fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned
     Ok(Tuned {
         trial,
         error,
-        seconds,
+        cost,
         group,
     })
 }
@@ -205,7 +217,7 @@ fn candidates(scene: &Scene, wanted: f64, finest: f64) -> Vec<f64> {
     }
 }
 
-/// Runs the settings and adds them to the points: error and CPU time, s.
+/// Runs the settings and adds them to the points: error and cost.
 fn check(
     tuned: &Tuned,
     points: &mut Points,
@@ -214,20 +226,20 @@ fn check(
 ) -> Result<(f64, f64)> {
     let trial = tuned.trial.clone();
     let mut own = run(std::slice::from_ref(&trial), &arguments.store.artifacts, 1)?;
-    let seconds = match &own[0] {
-        Outcome::Done { cpu_seconds, .. } => *cpu_seconds,
-        Outcome::Failed { why, .. } => bail!("the chosen settings fail: {why}"),
-    };
+    if let Outcome::Failed { why, .. } = &own[0] {
+        bail!("the chosen settings fail: {why}");
+    }
+    let cost = points.cost.of(&own[0]);
     points.trials.push(trial);
     points.outcomes.append(&mut own);
     let errors = points.errors(target, arguments)?;
-    Ok((errors[errors.len() - 1], seconds))
+    Ok((errors[errors.len() - 1], cost))
 }
 
 /// `misses`: spacings that were predicted to meet the error and did not, with theirs.
 fn tell(
     tuned: &Tuned,
-    target: &Target,
+    (target, cost): (&Target, Cost),
     checked: Option<(f64, f64)>,
     misses: &[(f64, f64)],
     arguments: &TuneArguments,
@@ -244,8 +256,9 @@ fn tell(
         let object = json!({
             "column": target.column, "group": tuned.group, "spacing_m": trial.spacing,
             "pipeline": trial.pipeline, "set": trial.sets, "command": command,
-            "error": tuned.error, "cpu_s": tuned.seconds, "file": arguments.output,
-            "checked": checked.map(|(error, seconds)| json!({"error": error, "cpu_s": seconds})),
+            "error": tuned.error, "cost": tuned.cost, "cost_in": cost.unit(),
+            "file": arguments.output,
+            "checked": checked.map(|(error, cost)| json!({"error": error, "cost": cost})),
             "missed": misses.iter().map(|(spacing, error)| {
                 json!({"spacing_m": spacing, "error": error})
             }).collect::<Vec<_>>(),
@@ -258,20 +271,19 @@ fn tell(
         println!("missed   s0 = {spacing}: error {}", percent(*error));
     }
     println!(
-        "cheapest {}, s0 = {}: error of {} {}, {} of CPU",
+        "cheapest {}, s0 = {}: error of {} {}, {}",
         named(&tuned.group),
         human(rounded(trial.spacing), Unit::Length),
         target.column,
         percent(tuned.error),
-        duration(tuned.seconds)
+        cost.long(tuned.cost)
     );
     println!("{command}");
     if let Some(path) = &arguments.output {
         println!("file     {}", path.display());
     }
-    if let Some((error, seconds)) = checked {
-        let (error, seconds) = (percent(error), duration(seconds));
-        println!("checked  error {error}, {seconds} of CPU");
+    if let Some((error, found)) = checked {
+        println!("checked  error {}, {}", percent(error), cost.long(found));
     }
 }
 

@@ -1,4 +1,4 @@
-//! What accuracy costs: which of several runs nobody beats, and the powers by which error and time
+//! What accuracy costs: which of several runs nobody beats, and the powers by which error and cost
 //! grow.
 
 use nalgebra::{DMatrix, DVector};
@@ -14,27 +14,27 @@ pub struct Sample {
     pub count: f64,
     /// Relative error; `NaN` if unknown.
     pub error: f64,
-    /// Time of the run, s.
-    pub seconds: f64,
+    /// What the run cost: seconds, or memory.
+    pub cost: f64,
 }
 
-/// How error and time of a group grow.
+/// How error and cost of a group grow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     /// p of error ~ s0^p.
     pub order: Option<f64>,
-    /// q of time ~ N^q.
+    /// q of cost ~ N^q.
     pub work: Option<f64>,
-    /// Time after over time before the error is halved.
+    /// Cost after over cost before the error is halved.
     pub halving: Option<f64>,
 }
 
-/// Marks the samples that no other beats: none has at most the same error and time, and less of
+/// Marks the samples that no other beats: none has at most the same error and cost, and less of
 /// one (the Pareto front). Samples of unknown error are on no front.
 pub fn front(samples: &[Sample]) -> Vec<bool> {
     let beats = |a: &Sample, b: &Sample| {
-        let no_worse = a.error <= b.error && a.seconds <= b.seconds;
-        no_worse && (a.error < b.error || a.seconds < b.seconds)
+        let no_worse = a.error <= b.error && a.cost <= b.cost;
+        no_worse && (a.error < b.error || a.cost < b.cost)
     };
     let on = |s: &Sample| s.error.is_finite() && !samples.iter().any(|other| beats(other, s));
     samples.iter().map(on).collect()
@@ -57,13 +57,41 @@ pub fn exponent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     Some(fit[1])
 }
 
+/// Of samples of one group and spacing, which repeat each other, the one with the largest error:
+/// indices, in order. Of what repeats a failure, none.
+pub fn worst(samples: &[Sample]) -> Vec<usize> {
+    let beats = |a: usize, b: usize| {
+        let (first, second) = (&samples[a], &samples[b]);
+        let same = first.group == second.group && first.spacing == second.spacing;
+        let error = |s: &Sample| {
+            if s.error.is_nan() {
+                f64::INFINITY
+            } else {
+                s.error
+            }
+        };
+        let order = error(first).total_cmp(&error(second));
+        same && (order.is_gt() || (order.is_eq() && a < b))
+    };
+    let all = 0..samples.len();
+    all.clone()
+        .filter(|k| !all.clone().any(|other| other != *k && beats(other, *k)))
+        .collect()
+}
+
 /// The powers of one group.
 pub fn growth(samples: &[Sample], group: usize) -> Growth {
-    let own = || samples.iter().filter(move |s| s.group == group);
-    let slope = exponent(own().map(|s| (s.error, s.seconds)));
+    let worst = worst(samples);
+    let own = || {
+        worst
+            .iter()
+            .map(|k| &samples[*k])
+            .filter(move |s| s.group == group)
+    };
+    let slope = exponent(own().map(|s| (s.error, s.cost)));
     Growth {
         order: exponent(own().map(|s| (s.spacing, s.error))),
-        work: exponent(own().map(|s| (s.count, s.seconds))),
+        work: exponent(own().map(|s| (s.count, s.cost))),
         halving: slope.filter(|k| *k < 0.0).map(|k| 0.5f64.powf(k)),
     }
 }
@@ -107,17 +135,17 @@ pub fn meeting(samples: &[Sample], error: f64) -> Vec<Choice> {
     (0..groups).filter_map(choose).collect()
 }
 
-/// Error and time at `spacing`, m, between the samples of a choice, by powers of it.
+/// Error and cost at `spacing`, m, between the samples of a choice, by powers of it.
 pub fn predict(samples: &[Sample], choice: &Choice, spacing: f64) -> (f64, f64) {
     let fine = &samples[choice.sample];
     let Some(coarse) = choice.coarser.map(|k| &samples[k]) else {
-        return (fine.error, fine.seconds);
+        return (fine.error, fine.cost);
     };
     let part = ratio(spacing, fine.spacing, coarse.spacing);
     let between = |a: f64, b: f64| if a > 0.0 { a * (b / a).powf(part) } else { b };
     (
         between(fine.error, coarse.error),
-        between(fine.seconds, coarse.seconds),
+        between(fine.cost, coarse.cost),
     )
 }
 

@@ -57,15 +57,30 @@ fn processor() -> String {
 /// CPU time of this process, all threads, s; 0 where the system does not tell.
 pub fn cpu_seconds() -> f64 {
     #[cfg(unix)]
-    {
+    if let Some(usage) = usage() {
         let seconds = |time: libc::timeval| time.tv_sec as f64 + time.tv_usec as f64 * 1e-6;
-        // SAFETY: all zeros are a valid `rusage`, and `getrusage` only fills it.
-        let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
-        if unsafe { libc::getrusage(libc::RUSAGE_SELF, &mut usage) } == 0 {
-            return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-        }
+        return seconds(usage.ru_utime) + seconds(usage.ru_stime);
     }
     0.0
+}
+
+/// The most memory that this process has held, bytes.
+pub fn peak_memory() -> Option<u64> {
+    #[cfg(unix)]
+    return usage().map(|usage| {
+        // In KiB, but for one system.
+        let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
+        usage.ru_maxrss as u64 * unit
+    });
+    #[cfg(not(unix))]
+    None
+}
+
+#[cfg(unix)]
+fn usage() -> Option<libc::rusage> {
+    // SAFETY: all zeros are a valid `rusage`, and `getrusage` only fills it.
+    let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
+    (unsafe { libc::getrusage(libc::RUSAGE_SELF, &mut usage) } == 0).then_some(usage)
 }
 
 /// Now, UTC, as `2026-11-21T04:05:06Z`.

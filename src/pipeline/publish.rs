@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::path::Path;
 
 use super::context::Context;
-use super::machine::Machine;
+use super::machine::{Machine, peak_memory};
 use super::run::Run;
 use super::stamp::{self, InputStamp, OutputStamp, SettingStamp, Stamp};
 use super::store::{WORK, content, free_name, rename_aside};
@@ -119,6 +119,7 @@ fn stamp_of(made: &Made, outputs: Vec<OutputStamp>) -> Stamp {
         resumptions: spent.attempts - 1,
         wall_seconds: milliseconds(spent.wall_seconds),
         cpu_seconds: milliseconds(spent.cpu_seconds),
+        memory_bytes: peak_memory(),
         work: made.stage.work().map(|work| work.amount),
     }
 }

@@ -95,6 +95,9 @@ pub struct Stamp {
     /// Over all attempts, as far as they were recorded.
     pub wall_seconds: f64,
     pub cpu_seconds: f64,
+    /// The most memory that the process had held when it ended the stage, bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory_bytes: Option<u64>,
     /// Size of the work in the stage's unit, for estimates.
     pub work: Option<f64>,
 }

@@ -1,6 +1,6 @@
 //! What accuracy costs.
 
-use coronet::measure::tradeoff::{Sample, exponent, front, growth, meeting, predict};
+use coronet::measure::tradeoff::{Sample, exponent, front, growth, meeting, predict, worst};
 
 fn sample(group: usize, spacing: f64, error: f64, seconds: f64) -> Sample {
     let count = spacing.powi(-3);
@@ -9,7 +9,7 @@ fn sample(group: usize, spacing: f64, error: f64, seconds: f64) -> Sample {
         spacing,
         count,
         error,
-        seconds,
+        cost: seconds,
     }
 }
 
@@ -43,6 +43,21 @@ fn the_front_is_whom_nobody_beats() {
     ];
     let samples: Vec<Sample> = runs.map(|(e, t)| sample(0, 1.0, e, t)).to_vec();
     assert_eq!(front(&samples), [true, true, false, true, false, false]);
+}
+
+#[test]
+fn of_what_repeats_the_worst_counts() {
+    let runs = [(0.10, 1.0), (0.30, 1.1), (0.20, 1.2)];
+    let mut samples: Vec<Sample> = runs.map(|(e, t)| sample(0, 0.2, e, t)).to_vec();
+    samples.push(sample(0, 0.1, 0.1, 9.0));
+    samples.push(sample(1, 0.2, 0.05, 2.0));
+    assert_eq!(worst(&samples), [1, 3, 4]);
+    let order = growth(&samples, 0).order.unwrap();
+    assert!((order - 3f64.log2()).abs() < 1e-9, "{order}");
+    // A failure is worse than any error, and of equals the first counts.
+    samples.push(sample(1, 0.2, f64::NAN, 2.0));
+    samples.push(sample(0, 0.1, 0.1, 8.0));
+    assert_eq!(worst(&samples), [1, 3, 5]);
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn results(program: &Program) -> Vec<Vec<String>> {
     let text = fs::read_to_string(path).unwrap();
     let rows = text.lines().map(|line| line.split(',').map(str::to_string));
     let rows = rows.map(Iterator::collect::<Vec<String>>);
-    rows.map(|row| row[..row.len() - 3].to_vec()).collect()
+    rows.map(|row| row[..row.len() - 4].to_vec()).collect()
 }
 
 /// A column of the table.
@@ -126,4 +126,57 @@ fn a_point_may_fail() {
     program.call(&["study", "study.toml"]).well();
     let states = column(&results(&program), "status");
     assert_eq!(states, ["done", "diverged", "done", "diverged"]);
+}
+
+/// Seeds that only repeat are one group, of which the worst counts; what it costs is a choice.
+#[test]
+fn what_repeats_and_what_costs_is_said_in_the_study() {
+    let program = program();
+    let seeds = "[[axis]]\nname = \"seed\"\nkey = \"pack.seed\"\nvalues = [1, 2]\nrepeat = true\n";
+    let start = STUDY.find("[[axis]]\nname = \"speed of sound\"").unwrap();
+    let end = STUDY.find("[error]").unwrap();
+    let study = format!("{}{seeds}\n{}", &STUDY[..start], &STUDY[end..]);
+    let study = study.replace("finest = true", "value = 1e-6");
+    let text = study.replacen("title", "cost = \"memory\"\ntitle", 1);
+    fs::write(program.path("study.toml"), text).unwrap();
+    let said = program.call(&["study", "study.toml"]).well();
+    assert!(said.out.contains("all: error"), "{}", said.out);
+    assert!(said.out.contains("memory ~ N^"), "{}", said.out);
+    let found = program.path("artifacts/latest/study/study.csv");
+    let found = fs::read_to_string(found).unwrap();
+    let memory = found
+        .lines()
+        .skip(1)
+        .map(|line| line.rsplit(',').next().unwrap());
+    let memory: Vec<f64> = memory.map(|cell| cell.parse().unwrap()).collect();
+    assert_eq!(memory.len(), 6);
+    assert!(
+        memory.iter().all(|m| (5.0..500.0).contains(m)),
+        "{memory:?}"
+    );
+    let on_front = found
+        .lines()
+        .skip(1)
+        .map(|line| line.rsplit(',').nth(3).unwrap());
+    let on_front: Vec<&str> = on_front.collect();
+    let front = |pair: &[&str]| pair.iter().filter(|on| **on == "true").count();
+    assert!(on_front.contains(&"true"), "{on_front:?}");
+    assert!(
+        on_front.chunks(2).all(|pair| front(pair) <= 1),
+        "{on_front:?}"
+    );
+    let plot = program.path("artifacts/latest/study/error-against-time.svg");
+    assert!(
+        fs::read_to_string(plot)
+            .unwrap()
+            .contains("memory of the impact (MB)")
+    );
+    fs::write(
+        program.path("study.toml"),
+        study.replacen("title", "cost = \"money\"\ntitle", 1),
+    )
+    .unwrap();
+    program
+        .call(&["study", "study.toml"])
+        .badly(2, &["study.toml", "money"]);
 }

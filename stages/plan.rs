@@ -33,7 +33,7 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
         for decision in &decisions {
             writeln!(out, "{}", object(decision))?;
         }
-        return Ok(());
+        return fits(&decisions);
     }
     write!(out, "{}", text(&decisions))?;
     let stale = decisions.iter().filter(|decision| decision.fresh.is_none());

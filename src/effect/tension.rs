@@ -99,8 +99,11 @@ pub struct Tension {
     /// Per particle and wall particle: V and c, then u = sqrt(|T|) n / |n| / rho or zero.
     payload: [Vec<f32>; 3],
     stressed: Stressed,
-    /// Per stressed particle: how the surface bends.
+    /// Per stressed particle, or per particle at a contact line: how the surface bends.
     bends: Vec<level::Bend>,
+    /// The particles at contact lines, and which of `near` they are.
+    lines: Vec<u32>,
+    feet: Vec<u32>,
     /// Acceleration of `reached`, m/s^2.
     force: Vec<[f32; 3]>,
 }
@@ -138,6 +141,8 @@ impl Tension {
             payload: Default::default(),
             stressed: Stressed::default(),
             bends: Vec::new(),
+            lines: Vec::new(),
+            feet: Vec::new(),
             force: Vec::new(),
         }
     }
@@ -208,6 +213,7 @@ impl Tension {
         if self.lifted {
             self.lift::<K>(flow);
         }
+        self.pull_lines::<K>(flow);
         self.band.mark_filled(&self.stressed.start);
         self.band
             .grow(flow.grid, 2.0 * self.force_length + flow.slack);
@@ -320,9 +326,8 @@ impl Tension {
         };
         let own_factor = self.force_factor::<K>(flow.mass);
         let volumes = &self.payload[0];
-        let wetting = self.wetting.as_ref();
-        let near = self.near.par_iter().zip(&mut self.normals).enumerate();
-        near.for_each(|(k, (&i, (v, own)))| {
+        let near = self.near.par_iter().zip(&mut self.normals);
+        near.for_each(|(&i, (v, own))| {
             let i = i as usize;
             let (volume, rho) = if printed {
                 (flow.mass / self.density, flow.density[i])
@@ -349,10 +354,6 @@ impl Tension {
                 (0..3).map(|a| u[a] * g[a]).sum::<f64>(),
             );
             *own = [0, 1, 2].map(|a| (own_factor * (u2 * g[a] - ug * u[a])) as f32);
-            if let Some(wetting) = wetting {
-                let young = wetting.young(u, wetting.walls[k].1.map(f64::from));
-                *own = young.map(|y| (own_factor * y) as f32);
-            }
             *v = u.map(|u| u as f32);
         });
         self.clear(flow);

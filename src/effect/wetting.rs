@@ -16,7 +16,10 @@
 //! of the wall, for INT 2 W1 dz = 1:
 //! (4) a = 2 |T| |SUM m grad W over the wall| sin theta_d (cos theta - cos theta_d) nu / rho0^2
 //! with theta_d from the particle's own n; sin theta_d, because the surface crosses a layer of
-//! height dz over the length dz / sin theta_d.
+//! height dz over the length dz / sin theta_d. A surface that bends is steeper or flatter there
+//! than at its foot, so theta is that at the height z of what the stress belongs to:
+//! (5) cos theta + z d cos / dz,  d cos / dz = t . B t, t the tangent towards the wall and B the
+//!     curvature of [`super::tension::level`]; for a circle z / R.
 //!
 //! Measured angles: docs/validation.md, "Contact angle". Fails where the wedge of liquid at the
 //! contact line is thinner than H over many H (theta below 30 degrees); beside a corner of two
@@ -27,7 +30,7 @@ mod pass;
 mod survey;
 
 use super::band::Band;
-use super::tension::{Gradient, Surface};
+use super::tension::{Gradient, Surface, level};
 use crate::kernel::Kernel;
 use crate::scene::{Domain, KernelName, Wetting as Angle};
 use crate::space::sweep::{self, Field};
@@ -35,6 +38,9 @@ use pass::Sheared;
 pub(super) use pass::Walls;
 use std::marker::PhantomData;
 use survey::{Place, survey};
+
+/// The most that (5) adds: more is no curvature but a corner.
+const MOST_RISE: f64 = 0.3;
 
 /// Lengths, m, and what else is fixed.
 #[derive(Clone, Debug)]
@@ -203,8 +209,15 @@ impl Wetting {
         gradient
     }
 
-    /// (4) as a multiple of 1 / (m norm / H^(d+1)), from u and SUM slope d over the wall.
-    pub fn young(&self, u: [f64; 3], wall: [f64; 3]) -> [f64; 3] {
+    /// (4) as a multiple of 1 / (m norm / H^(d+1)), from u, SUM slope d over the wall, and (5):
+    /// `rise` gives d cos / dz from n and the unit vector into the wall. `at`: where, m.
+    pub fn young(
+        &self,
+        u: [f64; 3],
+        wall: [f64; 3],
+        at: [f64; 3],
+        rise: impl Fn([f64; 3], [f64; 3]) -> f64,
+    ) -> [f64; 3] {
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (size, root) = (dot(wall, wall).sqrt(), dot(u, u).sqrt());
         if size == 0.0 || root == 0.0 {
@@ -214,8 +227,29 @@ impl Wetting {
         // grad c and the wall's point the same way where the angle is zero.
         let cosine = dot(n, inward);
         let along = [0, 1, 2].map(|a| cosine * inward[a] - n[a]);
+        let rise = rise(n, inward) * self.height(at, inward);
+        let wanted = self.cosine + rise.clamp(-MOST_RISE, MOST_RISE);
         // |along| is sin theta_d.
-        let strength = 2.0 * root * root * size * (self.cosine - cosine);
+        let strength = 2.0 * root * root * size * (wanted - cosine);
         along.map(|a| strength * a)
+    }
+
+    /// Height of the surface that belongs to the stress at `at` over the wall in the direction
+    /// `inward`, m.
+    fn height(&self, at: [f64; 3], inward: [f64; 3]) -> f64 {
+        let axis = (0..3).fold(0, |most, a| {
+            if inward[a].abs() > inward[most].abs() {
+                a
+            } else {
+                most
+            }
+        });
+        let height = match inward[axis] < 0.0 {
+            true => at[axis],
+            false => self.setting.domain.size[axis] - at[axis],
+        };
+        let setting = &self.setting;
+        let depth = level::depths(setting.kernel, setting.dimension)[0] * setting.length;
+        height.max(0.0) + depth * self.cosine
     }
 }

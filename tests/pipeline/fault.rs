@@ -249,8 +249,8 @@ fn what_no_memory_holds_is_refused_before_it_starts() {
     let program = Program::new();
     // 1e9 particles of more than a kilobyte each.
     let fine = ["tiny.toml", "--set", "pack.spacing=0.2 um"];
-    for command in ["plan", "run"] {
-        let ended = program.call(&[&[command], &fine[..]].concat());
+    for command in [&["plan"][..], &["plan", "--json"], &["run"]] {
+        let ended = program.call(&[command, &fine[..]].concat());
         ended.badly(2, &["pack pool", "TB of memory", "pack.spacing"]);
     }
     assert!(!program.path("artifacts/pack").exists());

@@ -59,12 +59,7 @@ impl Tension {
     /// The stress (2) of every stressed particle, in place of that of its root.
     pub(super) fn lift<K: Kernel>(&mut self, flow: &Surface) {
         let mut bends = std::mem::take(&mut self.bends);
-        bends.resize(self.stressed.index.len(), [0.0; 7]);
-        let sources = self.stressed.sources();
-        let field = self.field(flow, self.length);
-        let field = self.stressed.field(field, &sources, &self.stressed.u);
-        let pass = Curvature::<K>(PhantomData);
-        sweep::runs(field, &self.stressed.index, &pass, &mut bends);
+        self.bend::<K>(flow, &self.stressed.index, &mut bends);
         let Stressed { u, stress, .. } = &mut self.stressed;
         stress.iter_mut().for_each(|s| s.resize(u[0].len(), 0.0));
         let stress = stress.each_mut().map(|s| Slots::new(s));
@@ -77,6 +72,21 @@ impl Tension {
         self.stressed.turn_stress();
         self.bends = bends;
     }
+
+    /// The sums of (3) of some particles, over those with a stress.
+    pub(super) fn bend<K: Kernel>(&self, flow: &Surface, targets: &[u32], bends: &mut Vec<Bend>) {
+        bends.resize(targets.len(), [0.0; 7]);
+        let sources = self.stressed.sources();
+        let field = self.field(flow, self.length);
+        let field = self.stressed.field(field, &sources, &self.stressed.u);
+        sweep::runs(field, targets, &Curvature::<K>(PhantomData), bends);
+    }
+}
+
+/// H B from the sums of (3): xx, yy, zz, yz, xz, xy.
+pub(super) fn curvature(bend: &Bend, dimension: usize) -> [f64; 6] {
+    let scale = (dimension as f64 - 1.0) / (bend[6] as f64).max(f64::MIN_POSITIVE);
+    std::array::from_fn(|c| scale * bend[c] as f64)
 }
 
 /// (2) over rho^2, from the root of |T| / rho^2 and the sums of (3).
@@ -86,9 +96,7 @@ fn lifted(root: [f64; 3], bend: &Bend, [z, b]: [f64; 2], dimension: usize) -> [f
     let unit = PAIRS.map(|(a, b)| f64::from(u8::from(a == b)));
     let tangent: [f64; 6] = std::array::from_fn(|c| unit[c] - n[PAIRS[c].0] * n[PAIRS[c].1]);
     let planar = dimension == 2;
-    // H B.
-    let scale = (dimension as f64 - 1.0) / (bend[6] as f64).max(f64::MIN_POSITIVE);
-    let bend: [f64; 6] = std::array::from_fn(|c| scale * bend[c] as f64);
+    let bend = curvature(bend, dimension);
     let trace = bend[0] + bend[1] + bend[2];
     if planar {
         // Across the plane there is no stress.

@@ -6,8 +6,10 @@ impl Tension {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let [volumes, colours] = &self.wider;
+        let lines = [&self.lines, &self.feet];
         let indices = [&self.near, &self.reached, volumes, colours];
-        4 * indices.iter().map(|list| list.capacity()).sum::<usize>()
+        let indices = indices.iter().chain(&lines);
+        4 * indices.map(|list| list.capacity()).sum::<usize>()
             + std::mem::size_of::<super::level::Bend>() * self.bends.capacity()
             + 24 * self.stressed.stress[0].capacity()
             + 12 * self.force.capacity()

@@ -1,9 +1,11 @@
 //! The tension of liquid on walls with a contact angle: numbers as in [`crate::effect::wetting`].
 
+use super::level::{Bend, curvature};
 use super::pass::{Gradient, Summed};
 use super::{FAINT, Surface, Tension};
 use crate::effect::wetting::{Walls, Wetting};
 use crate::kernel::Kernel;
+use crate::space::mirror::PAIRS;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Field};
 use std::marker::PhantomData;
@@ -80,6 +82,41 @@ impl Tension {
         }
     }
 
+    /// Young's force on contact lines, (4) and (5), in place of the own part of the stress's.
+    pub(super) fn pull_lines<K: Kernel>(&mut self, flow: &Surface) {
+        let Some(wetting) = self.wetting.take() else {
+            return;
+        };
+        let mut lines = std::mem::take(&mut self.lines);
+        let mut feet = std::mem::take(&mut self.feet);
+        lines.clear();
+        feet.clear();
+        for (k, (u, own)) in self.normals.iter_mut().enumerate() {
+            *own = [0.0; 3];
+            if *u != [0.0; 3] && wetting.walls[k].1 != [0.0; 3] {
+                lines.push(self.near[k]);
+                feet.push(k as u32);
+            }
+        }
+        let mut bends = std::mem::take(&mut self.bends);
+        self.bend::<K>(flow, &lines, &mut bends);
+        let factor = self.force_factor::<K>(flow.mass);
+        let normals = Slots::new(&mut self.normals);
+        let (length, dimension) = (self.length, self.dimension);
+        each(feet.len(), |line| {
+            let k = feet[line] as usize;
+            let (u, own) = unsafe { normals.at(k) };
+            let i = lines[line] as usize;
+            let at = [0, 1, 2].map(|a| flow.position[a][i]);
+            let rise = |n, inward| rise(&bends[line], n, inward, dimension) / length;
+            let wall = wetting.walls[k].1.map(f64::from);
+            let young = wetting.young(u.map(f64::from), wall, at, rise);
+            *own = young.map(|y| (factor * y) as f32);
+        });
+        (self.bends, self.lines, self.feet) = (bends, lines, feet);
+        self.wetting = Some(wetting);
+    }
+
     /// Adds what the stress on wall particles does to the liquid in reach, (3).
     pub(super) fn add_walls<K: Kernel>(
         &mut self,
@@ -108,4 +145,17 @@ impl Tension {
         });
         self.wetting = Some(wetting);
     }
+}
+
+/// H t . B t along the surface towards the wall.
+fn rise(bend: &Bend, n: [f64; 3], inward: [f64; 3], dimension: usize) -> f64 {
+    let cosine: f64 = (0..3).map(|a| n[a] * inward[a]).sum();
+    let t = [0, 1, 2].map(|a| inward[a] - cosine * n[a]);
+    let square: f64 = t.iter().map(|t| t * t).sum();
+    let b = curvature(bend, dimension);
+    let along = PAIRS.iter().zip(b).map(|(&(i, j), b)| {
+        let times = if i == j { 1.0 } else { 2.0 };
+        times * b * t[i] * t[j]
+    });
+    along.sum::<f64>() / square.max(f64::MIN_POSITIVE)
 }

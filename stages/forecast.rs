@@ -15,10 +15,10 @@ const ISPH: f64 = 3.4e-6;
 const MPS: f64 = 2.3e-6;
 const WCSPH_SUMMED: f64 = 0.4e-6;
 const WCSPH_CONTINUOUS: f64 = 0.6e-6;
-/// What tension adds to a step of WCSPH; the normalised colour reaches 8 H under a surface, at this
+/// What tension adds to a step of WCSPH; the normalised colour reaches 6 H under a surface, at this
 /// for each particle within.
 const TENSION: f64 = 0.1e-6;
-const NORMALISED: f64 = 3.1e-6;
+const NORMALISED: f64 = 1.6e-6;
 /// Neighbours in two dimensions over those in three, about.
 const FLAT: f64 = 0.5;
 /// CPU seconds of a step whatever the number of particles.
@@ -30,7 +30,7 @@ const REST: f64 = 250e-6;
 const MEASURE: f64 = 1e-6;
 /// Bytes of a particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// checkpoints that stay.
-const MEMORY: [f64; 2] = [1300.0, 2900.0];
+const MEMORY: [f64; 2] = [1300.0, 2500.0];
 const FRAME: f64 = 35.0;
 /// Bytes of memory of the program itself, and of a particle of the whole that is drawn.
 const BASE: f64 = 2e7;
@@ -77,12 +77,12 @@ fn particle_step(scene: &Scene) -> f64 {
     flat * (plain + tension)
 }
 
-/// Part of the deepest layer that is within 8 H of its surface.
+/// Part of the deepest layer that is within 6 H of its surface.
 fn near_surface(scene: &Scene) -> f64 {
     let long = scene.method.sph().tension_smoothing * numbers::smoothing_length(scene);
     let depth = coronet::measure::gauge::pool_depth(scene);
     if depth > 0.0 {
-        (8.0 * long / depth).min(1.0)
+        (6.0 * long / depth).min(1.0)
     } else {
         1.0
     }

@@ -19,6 +19,14 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     /// # Safety
     /// The processor has the features of `L`.
     unsafe fn w_lanes<L: Lanes>(q: L::F) -> L::F;
+    /// The same of others alone: zero at q = 0, where the particle itself and padding are.
+    ///
+    /// # Safety
+    /// The processor has the features of `L`.
+    #[inline(always)]
+    unsafe fn w_apart<L: Lanes>(q: L::F, q2: L::F) -> L::F {
+        unsafe { L::if_less(L::splat(0.0), q2, Self::w_lanes::<L>(q)) }
+    }
     /// w'(q) / q, eight at once; zero for q >= 2, finite for q = 0.
     ///
     /// # Safety

@@ -28,9 +28,8 @@ impl<K: Kernel> Pass<1> for Summation<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
-            // Padding pairs sit at q = 0: only what is farther counts.
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+            let w = K::w_apart::<L>(L::sqrt(pair.q2), pair.q2);
+            sum[0] = L::add(sum[0], w);
         }
     }
     #[inline(always)]
@@ -204,7 +203,7 @@ impl<K: Kernel, V: PairViscosity> Pass<5> for Neighbourhood<K, V> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
         unsafe {
             let q = L::sqrt(pair.q2);
-            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            let w = K::w_apart::<L>(q, pair.q2);
             if V::PRESENT {
                 let slope = K::slope_lanes::<L>(q);
                 let v = difference::<L>(&pair.own, &pair.other);
@@ -278,8 +277,7 @@ impl<K: Kernel> Pass<8> for Extrapolation<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 8]) {
         unsafe {
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            let w = L::if_less(L::splat(0.0), pair.q2, w);
+            let w = K::w_apart::<L>(L::sqrt(pair.q2), pair.q2);
             sum[0] = L::add(sum[0], w);
             sum[1] = L::fma(w, L::div(pair.other[3], L::abs(pair.other[4])), sum[1]);
             for a in 0..3 {

@@ -85,7 +85,7 @@ impl<K: Kernel> Pass<4> for Sum<K> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
         unsafe {
             let q = L::sqrt(pair.q2);
-            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            let w = K::w_apart::<L>(q, pair.q2);
             sum[3] = L::add(sum[3], w);
             let slope = K::slope_lanes::<L>(q);
             for k in 0..3 {

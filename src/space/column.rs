@@ -49,15 +49,8 @@ impl<'a> Columns<'a> {
     }
 
     /// (First, last) cells of the columns that may hold anything within `cutoff` m (at most that of
-    /// [`Columns::new`]) of `x` m, in a fixed order; no cell is in two of them.
-    #[inline(always)]
-    pub fn around(&mut self, x: [f64; 3], cutoff: f64) -> &[(u32, u32)] {
-        let place = self.place(x);
-        self.about(&place, &place, cutoff)
-    }
-
-    /// The same for all points between two places, `high` counted from the cell of `low`. The order
-    /// is that of each point's own columns.
+    /// [`Columns::new`]) of any point between two places, `high` counted from the cell of `low`, in
+    /// a fixed order, which is that of each point's own columns; no cell is in two of them.
     #[inline(always)]
     pub fn about(&mut self, low: &Place, high: &Place, cutoff: f64) -> &[(u32, u32)] {
         let grid = self.grid;

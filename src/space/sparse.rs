@@ -6,7 +6,7 @@
 
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Record, WIDTH};
-use super::row::{CHUNK, Rows, separation};
+use super::row::{CHUNK, Rows};
 use super::sweep::Pair;
 use rayon::prelude::*;
 
@@ -232,14 +232,7 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
         let mut kept = chunk.index.len();
         let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
         for group in row.chunks_exact(WIDTH) {
-            let (other, [a, b, c, d, e]) = L::gather(layout.records.as_ptr(), group.as_ptr());
-            let separation = separation::<L>(at, other, scale);
-            let pair = Pair {
-                d: separation,
-                q2: L::dot(separation, separation),
-                own,
-                other: [a, b, c, d, e, L::splat(0.0)],
-            };
+            let pair = Pair::gathered(layout.records, group, at, own, scale);
             let weight = L::to_array(pass.pair::<L>(&pair, sum));
             // All are written, and those that count are passed: no branch that cannot be foretold.
             for (w, &j) in weight.into_iter().zip(group) {

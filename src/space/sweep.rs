@@ -26,6 +26,32 @@ pub struct Pair<L: Lanes> {
     pub other: [L::F; 6],
 }
 
+impl<L: Lanes> Pair<L> {
+    /// Of a target and the eight records of `group`.
+    ///
+    /// # Safety
+    /// The processor has the features of `L`, and `group` has eight indices of records.
+    #[inline(always)]
+    pub(super) unsafe fn gathered(
+        records: &[Record],
+        group: &[u32],
+        at: [i32; 3],
+        own: [L::F; 6],
+        scale: [L::F; 3],
+    ) -> Self {
+        unsafe {
+            let (other, [a, b, c, d, e]) = L::gather(records.as_ptr(), group.as_ptr());
+            let separation = separation::<L>(at, other, scale);
+            Pair {
+                d: separation,
+                q2: L::dot(separation, separation),
+                own,
+                other: [a, b, c, d, e, L::splat(0.0)],
+            }
+        }
+    }
+}
+
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
     type Out: Send;
@@ -100,14 +126,7 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
                 let own = splat::<L>(pass.own(target, own));
                 let mut sum = [L::splat(0.0); N];
                 for group in rows.row(from + k).chunks_exact(WIDTH) {
-                    let (other, [a, b, c, d, e]) = L::gather(records.as_ptr(), group.as_ptr());
-                    let separation = separation::<L>(at, other, scale);
-                    let pair = Pair {
-                        d: separation,
-                        q2: L::dot(separation, separation),
-                        own,
-                        other: [a, b, c, d, e, L::splat(0.0)],
-                    };
+                    let pair = Pair::gathered(records, group, at, own, scale);
                     pass.pair::<L>(&pair, &mut sum);
                 }
                 pass.finish(target, total::<L, N>(&sum), out);

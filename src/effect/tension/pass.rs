@@ -33,8 +33,8 @@ impl<K: Kernel> Pass<1> for Volume<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+            let w = K::w_apart::<L>(L::sqrt(pair.q2), pair.q2);
+            sum[0] = L::add(sum[0], w);
         }
     }
     #[inline(always)]
@@ -51,8 +51,8 @@ impl<K: Kernel> Pass<1> for Colour<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
-            let w = L::mul(pair.other[0], K::w_lanes::<L>(L::sqrt(pair.q2)));
-            sum[0] = L::add(sum[0], L::if_less(L::splat(0.0), pair.q2, w));
+            let w = K::w_apart::<L>(L::sqrt(pair.q2), pair.q2);
+            sum[0] = L::add(sum[0], L::mul(pair.other[0], w));
         }
     }
     #[inline(always)]

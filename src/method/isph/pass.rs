@@ -65,7 +65,7 @@ impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 20]) {
         unsafe {
             let q = L::sqrt(pair.q2);
-            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            let w = K::w_apart::<L>(q, pair.q2);
             sum[0] = L::add(sum[0], w);
             let slope = K::slope_lanes::<L>(q);
             let (mut g, mut v) = (pair.d, pair.d);
@@ -144,7 +144,7 @@ impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) {
         unsafe {
             let q = L::sqrt(pair.q2);
-            let w = L::if_less(L::splat(0.0), pair.q2, K::w_lanes::<L>(q));
+            let w = K::w_apart::<L>(q, pair.q2);
             sum[3] = L::add(sum[3], w);
             let slope = K::slope_lanes::<L>(q);
             let mut v = pair.d;

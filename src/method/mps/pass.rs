@@ -100,7 +100,7 @@ impl<const CORRECTED: bool> Pass<20> for Look<'_, CORRECTED> {
         unsafe {
             let q = L::sqrt(pair.q2);
             sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach));
-            let smooth = L::if_less(L::splat(0.0), pair.q2, Smooth::w_lanes::<L>(q));
+            let smooth = Smooth::w_apart::<L>(q, pair.q2);
             sum[1] = L::add(sum[1], smooth);
             let slope = Smooth::slope_lanes::<L>(q);
             let f = steep::<L>(pair.q2, self.reach);
@@ -223,7 +223,7 @@ impl Pass<5> for Around {
         unsafe {
             let q = L::sqrt(pair.q2);
             sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach));
-            let w = L::if_less(L::splat(0.0), pair.q2, Smooth::w_lanes::<L>(q));
+            let w = Smooth::w_apart::<L>(q, pair.q2);
             sum[1] = L::add(sum[1], w);
             let slope = Smooth::slope_lanes::<L>(q);
             for a in 0..3 {

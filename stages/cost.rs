@@ -1,6 +1,5 @@
 //! What a study counts as the cost of a point.
 
-use coronet::measure::summary::digits;
 use serde::Deserialize;
 
 use crate::trial::Outcome;
@@ -61,9 +60,10 @@ impl Cost {
         }
     }
 
-    /// For a table: "76 s".
+    /// For a table, to two digits or whole units: "76 s".
     pub fn short(self, value: f64) -> String {
-        format!("{} {}", digits(value), self.unit())
+        let after = (1.0 - value.log10().floor()).clamp(0.0, 4.0) as usize;
+        format!("{value:.after$} {}", self.unit())
     }
 
     /// For a sentence: "2 min of CPU".

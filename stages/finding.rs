@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use coronet::measure::plot::PALETTE;
-use coronet::measure::scatter::{Cloud, Scatter};
-use coronet::measure::tradeoff::{Sample, growth};
+use coronet::measure::scatter::{Cloud, Mark, Scatter};
+use coronet::measure::tradeoff::{Sample, growth, worst};
 use coronet::scene::quantity::{Unit, human};
 
 use crate::cost::Cost;
@@ -15,44 +15,59 @@ use crate::trial::{Outcome, Trial};
 /// Below this order an error does not fall with the spacing, to speak of.
 const LEVEL: f64 = 0.2;
 
-/// Names of the groups: the labels of a point without that of its spacing, and of what repeats.
-fn group(trial: &Trial, trials: &[Trial]) -> String {
-    let varies = |axis: usize| {
-        // An axis belongs to the spacing if points that differ in it alone differ in spacing.
-        trials.iter().any(|other| {
-            let differ = |k: usize| other.labels[k] != trial.labels[k];
-            (0..trial.labels.len()).all(|k| differ(k) == (k == axis))
-                && other.spacing != trial.spacing
-        })
+/// Which axes name groups: not that of the spacing, nor those that repeat. An axis is the spacing's
+/// if points that differ in it alone differ in spacing.
+fn naming(trials: &[Trial]) -> Vec<bool> {
+    let Some(first) = trials.first() else {
+        return Vec::new();
     };
-    let kept = (0..trial.labels.len()).filter(|axis| !trial.repeats[*axis] && !varies(*axis));
-    kept.map(|axis| trial.labels[axis].as_str())
-        .collect::<Vec<_>>()
-        .join(", ")
+    let along = |axis: usize, a: &Trial, b: &Trial| {
+        let differ = |k: usize| a.labels[k] != b.labels[k];
+        a.spacing != b.spacing && (0..a.labels.len()).all(|k| differ(k) == (k == axis))
+    };
+    let spaces = |axis: usize| {
+        trials
+            .iter()
+            .any(|a| trials.iter().any(|b| along(axis, a, b)))
+    };
+    let names = |axis: usize| !first.repeats[axis] && !spaces(axis);
+    (0..first.labels.len()).map(names).collect()
+}
+
+/// Name of the group of each point: its labels without that of its spacing, and of what repeats.
+fn names(trials: &[Trial]) -> Vec<String> {
+    let naming = naming(trials);
+    let name = |trial: &Trial| {
+        let labels = trial.labels.iter().zip(&naming);
+        let kept: Vec<&str> = labels
+            .filter(|(_, is)| **is)
+            .map(|(l, _)| l.as_str())
+            .collect();
+        kept.join(", ")
+    };
+    trials.iter().map(name).collect()
 }
 
 /// All groups, in the order of their first points.
 pub fn groups(trials: &[Trial]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for trial in trials {
-        let name = group(trial, trials);
-        if !names.contains(&name) {
-            names.push(name);
+    let mut groups: Vec<String> = Vec::new();
+    for name in names(trials) {
+        if !groups.contains(&name) {
+            groups.push(name);
         }
     }
-    names
+    groups
 }
 
 /// The points as samples.
 pub fn samples(cost: Cost, trials: &[Trial], outcomes: &[Outcome], errors: &[f64]) -> Vec<Sample> {
-    let names = groups(trials);
-    let own = |trial: &Trial| names.iter().position(|name| *name == group(trial, trials));
-    trials
-        .iter()
-        .zip(outcomes)
+    let (groups, names) = (groups(trials), names(trials));
+    let own = |name: &String| groups.iter().position(|group| group == name);
+    let points = trials.iter().zip(&names).zip(outcomes);
+    points
         .zip(errors)
-        .map(|((trial, outcome), error)| Sample {
-            group: own(trial).unwrap_or(0),
+        .map(|(((trial, name), outcome), error)| Sample {
+            group: own(name).unwrap_or(0),
             spacing: trial.spacing,
             count: trial.count,
             error: *error,
@@ -110,7 +125,7 @@ pub fn table(
     Ok(file.into_inner()?)
 }
 
-/// Error against time, one colour a group.
+/// Error against time. Of repeats the worst is joined to the next spacing's.
 pub fn figure(
     study: &Study,
     target: &Target,
@@ -120,20 +135,20 @@ pub fn figure(
 ) -> Scatter {
     let place = |s: &Sample| [s.cost, 100.0 * s.error];
     let shown = |s: &&Sample| s.error > 0.0 && s.cost > 0.0;
-    let clouds = groups(trials)
-        .into_iter()
-        .enumerate()
-        .map(|(g, label)| {
-            let own = samples
-                .iter()
-                .zip(trials)
-                .filter(|(s, _)| s.group == g && shown(s));
-            let mark = |(s, trial): (&Sample, &Trial)| (place(s), short(trial.spacing));
-            let points = own.map(mark).collect();
+    let worst = worst(samples);
+    let looks = looks(trials);
+    let clouds = groups(trials).into_iter().zip(looks).enumerate();
+    let clouds = clouds
+        .map(|(g, (label, (colour, mark)))| {
+            let own = (0..samples.len()).filter(|k| samples[*k].group == g && shown(&&samples[*k]));
+            let (main, repeats): (Vec<usize>, Vec<usize>) = own.partition(|k| worst.contains(k));
+            let named = |k: usize| (place(&samples[k]), short(trials[k].spacing));
             Cloud {
                 label,
-                colour: PALETTE[g % PALETTE.len()],
-                points,
+                colour,
+                mark,
+                points: main.into_iter().map(named).collect(),
+                repeats: repeats.into_iter().map(|k| place(&samples[k])).collect(),
             }
         })
         .collect();
@@ -155,6 +170,31 @@ pub fn figure(
         clouds,
         front,
     }
+}
+
+/// Colour and mark of each group: one colour a group; of more groups than colours, one a method.
+fn looks(trials: &[Trial]) -> Vec<([u8; 3], Mark)> {
+    let (groups, names) = (groups(trials), names(trials));
+    let method = |group: &String| {
+        let first = names.iter().position(|name| name == group);
+        first.map_or("", |k| trials[k].method)
+    };
+    let mut methods: Vec<(&str, usize)> = Vec::new();
+    let look = |(g, name): (usize, &String)| {
+        if groups.len() <= PALETTE.len() {
+            return (PALETTE[g], Mark::Disc);
+        }
+        let method = method(name);
+        let place = methods.iter().position(|(other, _)| *other == method);
+        let place = place.unwrap_or_else(|| {
+            methods.push((method, 0));
+            methods.len() - 1
+        });
+        methods[place].1 += 1;
+        let mark = Mark::ALL[(methods[place].1 - 1) % Mark::ALL.len()];
+        (PALETTE[place % PALETTE.len()], mark)
+    };
+    groups.iter().enumerate().map(look).collect()
 }
 
 /// A spacing to four digits: "0.5556 mm".
@@ -188,7 +228,7 @@ pub fn page(
         let cells = (0..groups.len()).map(|group| {
             let own = |k: &usize| samples[*k].group == group && trials[*k].spacing == spacing;
             let cells = (0..trials.len()).filter(own);
-            let cells = cells.map(|k| cell(study.cost, &outcomes[k], &samples[k]));
+            let cells = cells.map(|k| cell(study, target, &outcomes[k], &samples[k]));
             cells.collect::<Vec<_>>().join("; ")
         });
         let cells: Vec<String> = cells.collect();
@@ -204,13 +244,14 @@ pub fn page(
     page
 }
 
-fn cell(cost: Cost, outcome: &Outcome, sample: &Sample) -> String {
+fn cell(study: &Study, target: &Target, outcome: &Outcome, sample: &Sample) -> String {
     match outcome {
         Outcome::Done { .. } => {
-            let cost = cost.short(sample.cost);
+            let cost = study.cost.short(sample.cost);
             match sample.error.is_finite() {
                 true => format!("{:.1} %, {cost}", 100.0 * sample.error),
-                false => format!("reference, {cost}"),
+                false if target.finest => format!("reference, {cost}"),
+                false => format!("unknown, {cost}"),
             }
         }
         Outcome::Failed { code, .. } if *code == fault::DIVERGED => "diverged".to_string(),

@@ -21,7 +21,7 @@ pub mod version {
     pub const RELAX: u32 = 15;
     pub const CALIBRATE: u32 = 6;
     pub const IMPACT: u32 = 15;
-    pub const POST: u32 = 4;
+    pub const POST: u32 = 5;
 }
 
 fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {

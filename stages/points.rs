@@ -159,6 +159,7 @@ impl Study {
             case,
             labels: labels.to_vec(),
             repeats: self.axis.iter().map(|axis| axis.repeat).collect(),
+            method: "",
             spacing: f64::NAN,
             count: f64::NAN,
         };
@@ -169,6 +170,7 @@ impl Study {
         let scene = file::load(&trial.pipeline, &trial.sets)
             .with_context(point)?
             .scene;
+        trial.method = scene.method.name();
         trial.spacing = scene.pack.spacing;
         let particles = (0..scene.bodies.len()).map(|body| count(&scene, body) as f64);
         trial.count = particles.sum();

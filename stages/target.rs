@@ -27,7 +27,7 @@ pub struct Target {
     reference: Option<PathBuf>,
     /// The point with the smallest spacing.
     #[serde(default)]
-    finest: bool,
+    pub finest: bool,
     from: Option<String>,
     to: Option<String>,
 }

@@ -26,7 +26,9 @@ pub struct Trial {
     pub labels: Vec<String>,
     /// Which axes only repeat a point.
     pub repeats: Vec<bool>,
-    /// Particle spacing, m, and number of particles; NaN for a scene that is to be refused.
+    /// Word of its method; empty for a scene that is to be refused.
+    pub method: &'static str,
+    /// Particle spacing, m, and number of particles; NaN for such a scene.
     pub spacing: f64,
     pub count: f64,
 }

@@ -170,6 +170,7 @@ fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned
         case: None,
         labels: base.labels.clone(),
         repeats: base.repeats.clone(),
+        method: base.method,
         spacing,
         count: base.count * (finest / spacing).powi(scene.dimension.count() as i32),
     };

@@ -21,11 +21,15 @@
 //! (5) cos theta + z d cos / dz,  d cos / dz = t . B t, t the tangent towards the wall and B the
 //!     curvature of [`super::tension::level`]; for a circle z / R.
 //!
+//! With an advancing and a receding angle theta is that of their mean cosine, and friction resists
+//! the motion of the line ([`friction`]).
+//!
 //! Measured angles: docs/validation.md, "Contact angle". Fails where the wedge of liquid at the
 //! contact line is thinner than H over many H (theta below 30 degrees); beside a corner of two
-//! walls, which counts as wet; it has no hysteresis. Costs nothing far from contact lines.
+//! walls, which counts as wet. Costs nothing far from contact lines.
 //! Time step: that of the tension. Tests: tests/engine/effect_wetting.rs.
 
+pub mod friction;
 mod pass;
 mod survey;
 
@@ -34,6 +38,7 @@ use super::tension::{Gradient, Surface, level};
 use crate::kernel::Kernel;
 use crate::scene::{Domain, KernelName, Wetting as Angle};
 use crate::space::sweep::{self, Field};
+use friction::Friction;
 use pass::Sheared;
 pub(super) use pass::Walls;
 use std::marker::PhantomData;
@@ -78,6 +83,7 @@ pub struct Wetting {
     pub walls: Vec<([f32; 3], [f32; 3])>,
     /// What wall particles add to the force.
     pub force: Vec<[f32; 3]>,
+    pub friction: Friction,
 }
 
 impl Wetting {
@@ -96,6 +102,7 @@ impl Wetting {
             normals: Vec::new(),
             walls: Vec::new(),
             force: Vec::new(),
+            friction: Friction::default(),
         }
     }
 
@@ -108,6 +115,7 @@ impl Wetting {
             + 12 * (self.shear[0].capacity() + self.force.capacity())
             + 24 * pairs
             + self.band.memory()
+            + self.friction.memory()
     }
 
     /// (1): colours of the wall particles near a surface; the others are wet or far from liquid.
@@ -209,19 +217,20 @@ impl Wetting {
         gradient
     }
 
-    /// (4) as a multiple of 1 / (m norm / H^(d+1)), from u, SUM slope d over the wall, and (5):
-    /// `rise` gives d cos / dz from n and the unit vector into the wall. `at`: where, m.
+    /// (4) and the part f y of [`friction`] as multiples of 1 / (m norm / H^(d+1)), from u, SUM
+    /// slope d over the wall, and (5): `rise` gives d cos / dz from n and the unit vector into the
+    /// wall. `at`: where, m.
     pub fn young(
         &self,
         u: [f64; 3],
         wall: [f64; 3],
         at: [f64; 3],
         rise: impl Fn([f64; 3], [f64; 3]) -> f64,
-    ) -> [f64; 3] {
+    ) -> [[f64; 3]; 2] {
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (size, root) = (dot(wall, wall).sqrt(), dot(u, u).sqrt());
         if size == 0.0 || root == 0.0 {
-            return [0.0; 3];
+            return [[0.0; 3]; 2];
         }
         let (inward, n) = (wall.map(|w| w / size), u.map(|u| u / root));
         // grad c and the wall's point the same way where the angle is zero.
@@ -230,20 +239,17 @@ impl Wetting {
         let rise = rise(n, inward) * self.height(at, inward);
         let wanted = self.cosine + rise.clamp(-MOST_RISE, MOST_RISE);
         // |along| is sin theta_d.
-        let strength = 2.0 * root * root * size * (wanted - cosine);
-        along.map(|a| strength * a)
+        let strength = 2.0 * root * root * size;
+        let most = strength * dot(along, along).sqrt() * self.setting.angle.friction();
+        let mut friction = [most; 3];
+        friction[normal_axis(inward)] = 0.0;
+        [along.map(|a| strength * (wanted - cosine) * a), friction]
     }
 
     /// Height of the surface that belongs to the stress at `at` over the wall in the direction
     /// `inward`, m.
     fn height(&self, at: [f64; 3], inward: [f64; 3]) -> f64 {
-        let axis = (0..3).fold(0, |most, a| {
-            if inward[a].abs() > inward[most].abs() {
-                a
-            } else {
-                most
-            }
-        });
+        let axis = normal_axis(inward);
         let height = match inward[axis] < 0.0 {
             true => at[axis],
             false => self.setting.domain.size[axis] - at[axis],
@@ -252,4 +258,15 @@ impl Wetting {
         let depth = level::depths(setting.kernel, setting.dimension)[0] * setting.length;
         height.max(0.0) + depth * self.cosine
     }
+}
+
+/// The axis that a wall in the direction `inward` is across.
+fn normal_axis(inward: [f64; 3]) -> usize {
+    (0..3).fold(0, |most, a| {
+        if inward[a].abs() > inward[most].abs() {
+            a
+        } else {
+            most
+        }
+    })
 }

@@ -198,6 +198,7 @@ impl Gauge {
                 let spread = Spread::new(region, axis.at, axis.diameter, scene.dimension);
                 row.put("spread_factor", spread.wetted);
                 row.put("max_diameter_factor", spread.largest);
+                row.put("detached_part", region.detached(&frame.position));
                 row.put_some("apex_height_m", spread.apex);
                 row.put("highest_particle_m", highest(frame));
                 if scene.effects.wetting.is_some() {

@@ -12,6 +12,7 @@ pub mod drop;
 pub mod field;
 pub mod figure;
 pub mod gauge;
+pub mod lamella;
 pub mod letter;
 pub mod plot;
 pub mod pool;

@@ -46,6 +46,8 @@ pub(super) const SIZE: (u32, u32) = (640, 400);
 pub(super) const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', Helvetica, Arial, sans-serif";
 pub(super) const TEXT: RGBColor = RGBColor(45, 50, 58);
 
+pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
 /// A plot that cannot be drawn.
 pub type Failure = DrawingAreaErrorKind<std::io::Error>;
 
@@ -142,34 +144,44 @@ impl Plot {
     }
 
     /// Rows of samples with labels under the title; where they end.
-    fn draw_legend(
-        &self,
-        root: &DrawingArea<SVGBackend, plotters::coord::Shift>,
-    ) -> Result<i32, Failure> {
-        let font = (FONT, 15).into_font().color(&TEXT);
-        let (mut x, mut y) = (18, 50);
-        for curve in self.curves.iter().filter(|c| !pieces(&c.points).is_empty()) {
-            let dashes: &[(i32, i32)] = match curve.line {
+    fn draw_legend(&self, root: &Area) -> Result<i32, Failure> {
+        let shown = |c: &&Curve| !pieces(&c.points).is_empty();
+        let curves: Vec<&Curve> = self.curves.iter().filter(shown).collect();
+        let labels = curves.iter().map(|c| c.label.as_str());
+        legend(root, 32, labels, |k, (x, y)| {
+            let dashes: &[(i32, i32)] = match curves[k].line {
                 Line::Solid => &[(0, 26)],
                 Line::Dashed => &[(0, 7), (11, 18), (22, 26)],
             };
-            let width = 54 + (7.8 * curve.label.chars().count() as f64) as i32;
-            if x > 18 && x + width > SIZE.0 as i32 {
-                (x, y) = (18, y + 20);
-            }
             for (from, to) in dashes {
                 let sample = vec![(x + from, y), (x + to, y)];
-                root.draw(&PathElement::new(sample, style(curve)))?;
+                root.draw(&PathElement::new(sample, style(curves[k])))?;
             }
-            root.draw(&Text::new(
-                curve.label.clone(),
-                (x + 32, y - 8),
-                font.clone(),
-            ))?;
-            x += width;
-        }
-        Ok(y + 16)
+            Ok(())
+        })
     }
+}
+
+/// Labels in rows under the title, each right of a sample of `width` pixels that `draw` draws,
+/// given which one and its left end; where the rows end.
+pub(super) fn legend<'a>(
+    root: &Area,
+    width: i32,
+    labels: impl Iterator<Item = &'a str>,
+    mut draw: impl FnMut(usize, (i32, i32)) -> Result<(), Failure>,
+) -> Result<i32, Failure> {
+    let font = (FONT, 15).into_font().color(&TEXT);
+    let (mut x, mut y) = (18, 50);
+    for (k, label) in labels.enumerate() {
+        let next = width + 22 + (7.8 * label.chars().count() as f64) as i32;
+        if x > 18 && x + next > SIZE.0 as i32 {
+            (x, y) = (18, y + 20);
+        }
+        draw(k, (x, y))?;
+        root.draw(&Text::new(label, (x + width, y - 8), font.clone()))?;
+        x += next;
+    }
+    Ok(y + 16)
 }
 
 fn style(curve: &Curve) -> ShapeStyle {

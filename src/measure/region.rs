@@ -66,6 +66,19 @@ impl<'a> Region<'a> {
         None
     }
 
+    /// Part of some particles (positions in m) that is not in the main body.
+    pub fn detached(&self, position: &[Vec<f32>; 3]) -> f64 {
+        let raster = self.raster;
+        let node = |a: usize, i: usize| {
+            let index = (position[a][i] as f64 / raster.spacing[a]).max(0.0) as usize;
+            index.min(raster.count[a] - 1)
+        };
+        let count = position[0].len();
+        let is_main = |i: &usize| self.class([0, 1, 2].map(|a| node(a, *i))) == Class::Main;
+        let main = (0..count).filter(is_main).count();
+        (count - main) as f64 / count.max(1) as f64
+    }
+
     fn skip_up(&self, i: usize, j: usize, k: usize) -> usize {
         let (block, _) = self.raster.locate([i, j, k]);
         if self.raster.is_summed(block) {

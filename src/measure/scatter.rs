@@ -1,19 +1,49 @@
 //! Error against time, both on logarithmic axes, as SVG.
 
-use super::plot::{FONT, Failure, SIZE, TEXT};
+use super::plot::{Area, FONT, Failure, SIZE, TEXT, legend};
 use plotters::prelude::*;
 
-/// Runs of one colour.
+/// What a point is drawn as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    Disc,
+    Ring,
+    Triangle,
+    Cross,
+}
+
+impl Mark {
+    pub const ALL: [Mark; 4] = [Mark::Disc, Mark::Ring, Mark::Triangle, Mark::Cross];
+}
+
+/// Runs of one colour and mark.
 #[derive(Clone, Debug)]
 pub struct Cloud {
     pub label: String,
     pub colour: [u8; 3],
-    /// x, y and what stands beside the point; all above zero.
+    pub mark: Mark,
+    /// x, y and what stands beside the point; all above zero. Joined by a line.
     pub points: Vec<([f64; 2], String)>,
+    /// Runs that say the same again, drawn small and not joined.
+    pub repeats: Vec<[f64; 2]>,
 }
 
-/// A plot with its clouds, each joined by a line, and beneath a broad grey one through the points
-/// that nothing beats.
+impl Cloud {
+    /// Its mark at a place.
+    fn sample<'a, C: Clone + 'static>(&self, at: C) -> DynElement<'static, SVGBackend<'a>, C> {
+        let [r, g, b] = self.colour;
+        let colour = RGBColor(r, g, b);
+        let line = colour.stroke_width(2);
+        match self.mark {
+            Mark::Disc => Circle::new(at, 5, colour.filled()).into_dyn(),
+            Mark::Ring => Circle::new(at, 5, line).into_dyn(),
+            Mark::Triangle => TriangleMarker::new(at, 7, colour.filled()).into_dyn(),
+            Mark::Cross => plotters::element::Cross::new(at, 5, line).into_dyn(),
+        }
+    }
+}
+
+/// A plot with its clouds, and beneath a broad grey line through the points that nothing beats.
 #[derive(Clone, Debug)]
 pub struct Scatter {
     pub title: String,
@@ -26,10 +56,17 @@ pub struct Scatter {
 impl Scatter {
     /// The range of an axis, widened on both sides by a factor of 1.5 or more.
     fn range(&self, axis: usize) -> std::ops::Range<f64> {
-        let points = self.clouds.iter().flat_map(|c| c.points.iter());
-        let (low, high) = points.fold((f64::INFINITY, 0.0f64), |(low, high), (p, _)| {
-            (low.min(p[axis]), high.max(p[axis]))
-        });
+        let all = |c: &'_ Cloud| -> Vec<f64> {
+            let points = c.points.iter().map(|(p, _)| p[axis]);
+            points.chain(c.repeats.iter().map(|p| p[axis])).collect()
+        };
+        let (low, high) = self
+            .clouds
+            .iter()
+            .flat_map(all)
+            .fold((f64::INFINITY, 0.0f64), |(low, high), p| {
+                (low.min(p), high.max(p))
+            });
         let room = (high / low).powf(0.12).max(1.5);
         low / room..high * room
     }
@@ -46,8 +83,9 @@ impl Scatter {
             let title = (FONT, 19).into_font().style(FontStyle::Bold).color(&TEXT);
             root.draw(&Text::new(self.title.clone(), (14, 10), title))?;
             let font = (FONT, 15).into_font().color(&TEXT);
+            let below = self.draw_legend(&root)?;
             let mut chart = ChartBuilder::on(&root)
-                .margin_top(66)
+                .margin_top(below)
                 .margin_right(24)
                 .margin_bottom(8)
                 .margin_left(8)
@@ -69,29 +107,35 @@ impl Scatter {
             let front = self.front.iter().map(|p| (p[0], p[1]));
             let wide = RGBColor(226, 229, 233).stroke_width(7);
             chart.draw_series(LineSeries::new(front, wide))?;
-            let mut x = 18;
             for (k, cloud) in self.clouds.iter().enumerate() {
-                if cloud.points.is_empty() {
-                    continue;
-                }
                 let [r, g, b] = cloud.colour;
                 let colour = RGBColor(r, g, b);
                 let line = cloud.points.iter().map(|(p, _)| (p[0], p[1]));
                 chart.draw_series(LineSeries::new(line, colour))?;
-                // Beside each other's, where two clouds meet.
-                let place = (8, 11 * k as i32 - 12);
-                chart.draw_series(cloud.points.iter().map(|(p, label)| {
-                    EmptyElement::at((p[0], p[1]))
-                        + Circle::new((0, 0), 5, colour.filled())
-                        + Text::new(label.clone(), place, (FONT, 13).into_font().color(&colour))
-                }))?;
-                root.draw(&Circle::new((x, 50), 5, colour.filled()))?;
-                root.draw(&Text::new(cloud.label.clone(), (x + 12, 42), font.clone()))?;
-                x += 34 + (7.8 * cloud.label.chars().count() as f64) as i32;
+                let small = cloud.repeats.iter().map(|p| (p[0], p[1]));
+                chart.draw_series(small.map(|p| Circle::new(p, 3, colour.stroke_width(1))))?;
+                chart.draw_series(cloud.points.iter().map(|(p, _)| cloud.sample((p[0], p[1]))))?;
+                if cloud.mark == Mark::Disc {
+                    // Beside each other's, where two clouds meet.
+                    let place = (8, 11 * (k as i32 % 6) - 12);
+                    let font = (FONT, 13).into_font().color(&colour);
+                    chart.draw_series(cloud.points.iter().map(|(p, label)| {
+                        EmptyElement::at((p[0], p[1]))
+                            + Text::new(label.clone(), place, font.clone())
+                    }))?;
+                }
             }
             root.present()?;
         }
         Ok(Some(text))
+    }
+
+    /// Where the rows of it end.
+    fn draw_legend(&self, root: &Area) -> Result<i32, Failure> {
+        let shown = |c: &&Cloud| !c.points.is_empty();
+        let clouds: Vec<&Cloud> = self.clouds.iter().filter(shown).collect();
+        let labels = clouds.iter().map(|c| c.label.as_str());
+        legend(root, 12, labels, |k, at| root.draw(&clouds[k].sample(at)))
     }
 }
 

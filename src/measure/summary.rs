@@ -1,8 +1,9 @@
 //! The few numbers that a run comes down to.
 
 use super::gauge::Kind;
+use super::lamella::Lamella;
 use super::series::Series;
-use crate::scene::{Dimension, Scene, Shape};
+use crate::scene::{Dimension, Scene, Shape, numbers};
 
 /// Name and value of a result, for a table.
 pub type Line = (String, String);
@@ -13,6 +14,7 @@ pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
     match kind {
         Kind::Pool(_) => pool(series, shift, &mut lines),
         Kind::Wall(_) => {
+            lamella(scene, series, shift, &mut lines);
             extreme(
                 series,
                 "spread_factor",
@@ -32,6 +34,7 @@ pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
                 shift,
                 &mut lines,
             );
+            rebound(series, shift, &mut lines);
         }
         Kind::Shape => shape(scene, series, &mut lines),
         Kind::Front => {
@@ -131,6 +134,49 @@ fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
             shift,
             lines,
         );
+    }
+}
+
+/// How far it has spread at t = D0 / U0, and what [`Lamella`] says.
+fn lamella(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
+    let numbers = numbers::of(scene);
+    let (speed, diameter) = (numbers::impact_speed(scene), numbers::drop_diameter(scene));
+    let (Some(diameter), Some(wetting)) = (diameter, scene.effects.wetting) else {
+        return;
+    };
+    let (Some(we), Some(re)) = (numbers.get("We"), numbers.get("Re")) else {
+        return;
+    };
+    let Some(spread) = series.at("spread_factor", shift + diameter / speed) else {
+        return;
+    };
+    let name = "spread factor a diameter after contact (t = D0 / U0)".to_owned();
+    lines.push((name, digits(spread)));
+    let angle = wetting
+        .hysteresis
+        .map_or(wetting.angle, |[advancing, _]| advancing);
+    let theory = Lamella::new(scene.dimension, we, re, angle);
+    let name = "the same by Roisman's lamella, as printed and corrected".to_owned();
+    let text = format!("{}, {}", digits(theory.printed), digits(theory.corrected));
+    lines.push((name, text));
+}
+
+/// Whether the main body leaves the wall after it has spread, and how much is thrown off.
+fn rebound(series: &Series, shift: f64, lines: &mut Vec<Line>) {
+    let (Some(spread), Some((_, widest))) = (
+        series.column("spread_factor"),
+        series.maximum("spread_factor"),
+    ) else {
+        return;
+    };
+    let mut rows = series.time().iter().zip(spread);
+    let off = rows.find(|(t, spread)| **t > widest && **spread == 0.0);
+    let never = || "not within the run".to_owned();
+    let text = off.map_or_else(never, |(t, _)| format!("at {:.1} ms", 1e3 * (t - shift)));
+    lines.push(("leaves the wall".to_owned(), text));
+    if let Some((part, time)) = series.maximum("detached_part") {
+        let text = format!("{:.1} % at {:.1} ms", 100.0 * part, 1e3 * (time - shift));
+        lines.push(("most liquid off the main body".to_owned(), text));
     }
 }
 

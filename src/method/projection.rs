@@ -10,9 +10,8 @@
 //! an impact is all pressure: a crater came out 9 % narrow. Below, it takes 2 theta - 1 of that; at
 //! 1/2 what divergence (2) and (3) leave would change its sign forever.
 //!
-//! Particles at a free surface with less than 0.9 of their support ask for no negative pressure: a
-//! sheet of one or two particles cannot get thinner while it is stretched, and to be held together
-//! would cost its kinetic energy (a drop of eight spacings on a pool lost 37 % in 3 ms, so 20 %).
+//! Particles at a free surface with less than 0.9 of their support ask for no negative pressure: to
+//! hold a sheet of one or two together would cost its kinetic energy (37 % in 3 ms, so 20 %).
 //!
 //! What [`super::isph`] and [`super::mps`] do each in their own way is a [`Scheme`]: sums, weights,
 //! gradients. The rest is here: walls are [`walls`], free surfaces [`surface`], the equation and
@@ -164,6 +163,7 @@ struct Scratch<T> {
     band: Band,
     /// Whether a particle of the surface may be in the support.
     near: Vec<bool>,
+    friction: Vec<[f32; 3]>,
 }
 
 impl<S: Scheme> Projection<S> {
@@ -384,6 +384,7 @@ impl<S: Scheme> Solver for Projection<S> {
             + size_of::<S::Row>() * self.sums.capacity()
             + self.scheme.memory()
             + self.scratch.near.capacity()
+            + 12 * self.scratch.friction.capacity()
             + self.scratch.band.memory()
             + self.solver.memory()
             + self.tension.as_ref().map_or(0, Tension::memory);

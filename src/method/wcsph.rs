@@ -24,11 +24,12 @@ use super::pass::Surroundings;
 use super::{Diverged, Solver, frame};
 use crate::effect::tension::Tension;
 use crate::effect::viscosity::PairViscosity;
+use crate::effect::wetting::friction::slowed;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
 use crate::space::grid::Scale;
-use crate::space::parallel::{Slots, max};
+use crate::space::parallel::{Slots, each, max, slots3};
 use std::marker::PhantomData;
 
 /// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
@@ -61,6 +62,8 @@ pub struct Wcsph<K, V> {
     /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
     driven: Vec<([f32; 3], [f32; 3])>,
     around: Vec<Surroundings>,
+    /// Of contact lines; empty without hysteresis.
+    friction: Vec<[f32; 3]>,
     walls: walls::WallState,
     pool: bool,
     scratch: Scratch,
@@ -114,6 +117,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             force: vec![[0.0; 3]; n],
             driven: Vec::new(),
             around: vec![Surroundings::default(); n],
+            friction: Vec::new(),
             walls: walls::WallState::default(),
             pool,
             scratch: Scratch::default(),
@@ -208,6 +212,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             super::flow::retain(&mut self.force, &keep);
             super::flow::retain(&mut self.around, &keep);
         }
+        self.friction.clear();
         self.sort();
         self.look();
     }
@@ -218,6 +223,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let cells = &self.flow.liquid_cells;
         if !self.rate.is_empty() {
             cells.permute(&mut self.rate, &mut self.scratch.rate);
+        }
+        if !self.friction.is_empty() {
+            cells.permute(&mut self.friction, &mut self.force);
         }
         cells.permute(&mut self.held, &mut self.force);
         // Held over a sort inside an advective step: flags and shifting need them at its end.
@@ -239,9 +247,21 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let sources = self.flow.sources();
         let flow = super::surface_of(&self.flow, &sources);
         tension.update(&flow, |i| around[i].kernel_sum(scale) < SURFACE);
+        let velocity = &self.flow.particles.velocity;
+        tension.friction(&flow, velocity, &mut self.friction);
         drop(sources);
         tension.add(into(self));
         self.tension = Some(tension);
+    }
+
+    /// Lets friction act on contact lines for `dt` s.
+    fn rub(&mut self, dt: f64) {
+        let friction = &self.friction;
+        let v = slots3(&mut self.flow.particles.velocity);
+        each(friction.len(), |i| {
+            let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
+            [*x, *y, *z] = slowed([*x, *y, *z], friction[i], dt);
+        });
     }
 }
 
@@ -339,7 +359,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
         let s = &self.scratch;
         let (rate, around) = (self.rate.capacity(), self.around.capacity());
         let bytes = 4 * (rate + s.rate.capacity())
-            + 12 * (self.held.capacity() + self.force.capacity())
+            + 12 * (self.held.capacity() + self.force.capacity() + self.friction.capacity())
             + std::mem::size_of::<Surroundings>() * (around + s.around.capacity())
             + s.mist.capacity()
             + 24 * self.driven.capacity()

@@ -123,8 +123,24 @@ fn effects(table: &Cursor<'_>, dimension: Dimension) -> Result<Effects, SceneErr
 }
 
 fn wetting(table: &Cursor<'_>) -> Result<Wetting, SceneError> {
-    let angle = table.quantity_at("angle", Unit::Angle)?;
-    Ok(Wetting { angle })
+    let angle = |key: &str| {
+        let given = table.get(key);
+        given.map(|angle| angle.quantity(Unit::Angle)).transpose()
+    };
+    match (angle("angle")?, angle("advancing")?, angle("receding")?) {
+        (Some(angle), None, None) => Ok(Wetting::of(angle)),
+        (None, Some(advancing), Some(receding)) if receding <= advancing => {
+            Ok(Wetting::between([advancing, receding]))
+        }
+        (None, Some(_), Some(_)) => {
+            let receding = table.need("receding")?;
+            Err(receding.fault("is above the advancing angle", "exchange the two angles"))
+        }
+        _ => {
+            let remedy = "give `angle` alone, or `advancing` and `receding`";
+            Err(table.fault("needs one contact angle or two", remedy))
+        }
+    }
 }
 
 fn gravity(table: &Cursor<'_>, dimension: Dimension) -> Result<[f64; 3], SceneError> {

@@ -3,11 +3,39 @@
 /// How the liquid wets every wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wetting {
-    /// Contact angle through the liquid, degrees.
+    /// Contact angle through the liquid, degrees; with hysteresis the one of the mean cosine.
     pub angle: f64,
+    /// Advancing and receding angle, degrees: between them a contact line rests.
+    pub hysteresis: Option<[f64; 2]>,
 }
 
 impl Wetting {
+    /// The same angle whichever way the contact line goes, degrees.
+    pub fn of(angle: f64) -> Self {
+        Wetting {
+            angle,
+            hysteresis: None,
+        }
+    }
+
+    /// Advancing and receding angle, degrees.
+    pub fn between(angles: [f64; 2]) -> Self {
+        let [advancing, receding] = angles.map(|angle| angle.to_radians().cos());
+        Wetting {
+            angle: (0.5 * (advancing + receding)).acos().to_degrees(),
+            hysteresis: Some(angles),
+        }
+    }
+
+    /// Half of what the cosines of receding and advancing angle differ by: the friction of a
+    /// contact line over the tension.
+    pub fn friction(&self) -> f64 {
+        self.hysteresis.map_or(0.0, |angles| {
+            let [advancing, receding] = angles.map(|angle| angle.to_radians().cos());
+            0.5 * (receding - advancing)
+        })
+    }
+
     /// How much longer a distance can be than its image under a shear by cot(angle): the shear's
     /// larger principal stretch, (|k| + sqrt(k^2 + 4)) / 2.
     pub fn stretch(&self) -> f64 {

@@ -13,6 +13,7 @@ mod kernel_shape;
 mod measure_conservation;
 mod measure_contact;
 mod measure_drop;
+mod measure_lamella;
 mod measure_pool;
 mod measure_post;
 mod measure_series;

@@ -14,7 +14,7 @@ fn value(row: &Row, name: &str) -> f64 {
 fn dry(dimension: Dimension, spacing: f64) -> Scene {
     let mut scene = pool_scene(dimension, spacing);
     scene.bodies.remove(0);
-    scene.effects.wetting = Some(Wetting { angle: 60.0 });
+    scene.effects.wetting = Some(Wetting::of(60.0));
     scene
 }
 

@@ -166,11 +166,11 @@ fn what_repeats_and_what_costs_is_said_in_the_study() {
         "{on_front:?}"
     );
     let plot = program.path("artifacts/latest/study/error-against-time.svg");
-    assert!(
-        fs::read_to_string(plot)
-            .unwrap()
-            .contains("memory of the impact (MB)")
-    );
+    let plot = fs::read_to_string(plot).unwrap();
+    assert!(plot.contains("memory of the impact (MB)"));
+    // The worst of each spacing is joined to the next, the other is a small ring.
+    assert_eq!(plot.matches("r=\"5\"").count(), 3 + 1, "{plot}");
+    assert_eq!(plot.matches("r=\"3\"").count(), 3, "{plot}");
     fs::write(
         program.path("study.toml"),
         study.replacen("title", "cost = \"money\"\ntitle", 1),

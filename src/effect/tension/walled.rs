@@ -4,7 +4,8 @@ use super::level::{Bend, curvature};
 use super::pass::{Gradient, Summed};
 use super::{FAINT, Surface, Tension};
 use crate::effect::wetting::{Walls, Wetting};
-use crate::kernel::Kernel;
+use crate::kernel::{CubicSpline, Kernel, WendlandC2};
+use crate::scene::KernelName;
 use crate::space::mirror::PAIRS;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Field};
@@ -84,7 +85,7 @@ impl Tension {
 
     /// Young's force on contact lines, (4) and (5), in place of the own part of the stress's.
     pub(super) fn pull_lines<K: Kernel>(&mut self, flow: &Surface) {
-        let Some(wetting) = self.wetting.take() else {
+        let Some(mut wetting) = self.wetting.take() else {
             return;
         };
         let mut lines = std::mem::take(&mut self.lines);
@@ -101,6 +102,10 @@ impl Tension {
         let mut bends = std::mem::take(&mut self.bends);
         self.bend::<K>(flow, &lines, &mut bends);
         let factor = self.force_factor::<K>(flow.mass);
+        let rubs = wetting.setting.angle.hysteresis.is_some();
+        let mut most = std::mem::take(&mut wetting.friction.most);
+        most.resize(if rubs { feet.len() } else { 0 }, [0.0; 3]);
+        let rubbed = Slots::new(&mut most);
         let normals = Slots::new(&mut self.normals);
         let (length, dimension) = (self.length, self.dimension);
         each(feet.len(), |line| {
@@ -110,11 +115,35 @@ impl Tension {
             let at = [0, 1, 2].map(|a| flow.position[a][i]);
             let rise = |n, inward| rise(&bends[line], n, inward, dimension) / length;
             let wall = wetting.walls[k].1.map(f64::from);
-            let young = wetting.young(u.map(f64::from), wall, at, rise);
+            let [young, friction] = wetting.young(u.map(f64::from), wall, at, rise);
             *own = young.map(|y| (factor * y) as f32);
+            if rubs {
+                *unsafe { rubbed.at(line) } = friction.map(|f| (factor * f) as f32);
+            }
         });
+        wetting.friction.most = most;
         (self.bends, self.lines, self.feet) = (bends, lines, feet);
         self.wetting = Some(wetting);
+    }
+
+    /// Fills `into`, by liquid particle, with the friction of contact lines as of the last update
+    /// (empty without hysteresis); velocity in m/s.
+    pub fn friction(&mut self, flow: &Surface, velocity: &[Vec<f64>; 3], into: &mut Vec<[f32; 3]>) {
+        into.clear();
+        let (lines, length) = (self.lines.as_slice(), self.length);
+        let wetting = self.wetting.as_mut();
+        if let Some(wetting) = wetting.filter(|w| w.setting.angle.hysteresis.is_some()) {
+            into.resize(flow.density.len(), [0.0; 3]);
+            let (friction, lines) = (&mut wetting.friction, (lines, length));
+            match self.kernel {
+                KernelName::CubicSpline => {
+                    friction.share::<CubicSpline>(flow, lines, velocity, into);
+                }
+                KernelName::WendlandC2 => {
+                    friction.share::<WendlandC2>(flow, lines, velocity, into);
+                }
+            }
+        }
     }
 
     /// Adds what the stress on wall particles does to the liquid in reach, (3).

@@ -2,6 +2,7 @@
 
 use super::{MIST, Projection, Scheme, Scratch};
 use crate::effect::gravity;
+use crate::effect::wetting::friction::slowed;
 use crate::method::Diverged;
 use crate::method::flow::retain;
 use crate::method::limit::Limits;
@@ -252,6 +253,8 @@ impl<S: Scheme> Projection<S> {
         let sources = self.flow.sources();
         let flow = crate::method::surface_of(&self.flow, &sources);
         tension.update(&flow, |i| self.is_surface(i));
+        let velocity = &self.flow.particles.velocity;
+        tension.friction(&flow, velocity, &mut self.scratch.friction);
         drop(sources);
         tension.add(&mut self.held);
         self.tension = Some(tension);
@@ -305,7 +308,7 @@ impl<S: Scheme> Projection<S> {
         let theta = self.settings.theta;
         let n = self.flow.liquid();
         let damp = 1.0 / (1.0 + self.damping(dt) * dt);
-        let (push, before) = (&self.push, &self.before);
+        let (push, before, friction) = (&self.push, &self.before, &self.scratch.friction);
         let p = &mut self.flow.particles;
         let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
         each(n, |i| {
@@ -314,6 +317,14 @@ impl<S: Scheme> Projection<S> {
                 let old = before[1][a][i];
                 let ahead = *v + theta * dt * push[i][a] as f64;
                 *v = damp * (old + (ahead - old) / theta);
+            }
+            if !friction.is_empty() {
+                let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
+                [*x, *y, *z] = slowed([*x, *y, *z], friction[i], dt);
+            }
+            for a in 0..3 {
+                let v = unsafe { v[a].at(i) };
+                let old = before[1][a][i];
                 let mean = match S::TRAPEZOIDAL {
                     true => 0.5 * (old + *v),
                     false => *v,

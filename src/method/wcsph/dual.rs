@@ -106,6 +106,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.pair_force(());
         }
         self.kick(dt, shifts);
+        self.rub(dt);
         self.fastest = self.speed();
         self.check()?;
         self.drift_position(0.5 * dt);

@@ -77,6 +77,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 }
             });
         }
+        self.rub(dt);
         self.fastest = self.speed();
         self.connected = self.fastest;
         self.time += dt;

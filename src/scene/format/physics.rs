@@ -85,11 +85,21 @@ pub static EFFECTS: &[Field] = &[
     ),
 ];
 
-pub static WETTING: &[Field] = &[required(
-    "angle",
-    Kind::Quantity(Unit::Angle, Range::Between(15.0, 165.0)),
-    "Contact angle, through the liquid.",
-)];
+pub static WETTING: &[Field] = &[
+    optional("angle", CONTACT, "Contact angle, through the liquid."),
+    optional(
+        "advancing",
+        CONTACT,
+        "In place of `angle`: that at which a contact line begins to advance.",
+    ),
+    optional(
+        "receding",
+        CONTACT,
+        "With `advancing`: that at which a contact line begins to recede.",
+    ),
+];
+
+const CONTACT: Kind = Kind::Quantity(Unit::Angle, Range::Between(15.0, 165.0));
 
 pub static GRAVITY: &[Field] = &[
     required(

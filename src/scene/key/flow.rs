@@ -168,7 +168,13 @@ pub(super) fn tension(list: &mut List, scene: &Scene) {
 /// The contact angles, if the scene has them and the body meets walls.
 pub(super) fn wetting(list: &mut List, scene: &Scene, walled: bool) {
     if let (Some(wetting), true) = (scene.effects.wetting, walled) {
-        list.number("effects.wetting.angle", wetting.angle, Unit::Angle);
+        match wetting.hysteresis {
+            None => list.number("effects.wetting.angle", wetting.angle, Unit::Angle),
+            Some([advancing, receding]) => {
+                list.number("effects.wetting.advancing", advancing, Unit::Angle);
+                list.number("effects.wetting.receding", receding, Unit::Angle);
+            }
+        }
     }
 }
 

@@ -203,7 +203,7 @@ fn short(spacing: f64) -> String {
     human(rounded.unwrap_or(spacing), Unit::Length)
 }
 
-/// A page: one row a spacing, one column a group, with error and CPU time; below, the sentences.
+/// A page: one row a group, one column a spacing, with error and cost; below, the sentences.
 pub fn page(
     study: &Study,
     target: &Target,
@@ -215,25 +215,24 @@ pub fn page(
     let mut spacings: Vec<f64> = trials.iter().map(|trial| trial.spacing).collect();
     spacings.sort_by(|a, b| b.total_cmp(a));
     spacings.dedup();
-    let heads: Vec<&str> = groups.iter().map(|group| named(group)).collect();
+    let heads: Vec<String> = spacings.iter().map(|spacing| short(*spacing)).collect();
     let mut page = format!(
-        "# {}\n\nError of `{}`, {} of the impact.\n\n| s0 | {} |\n|---|{}\n",
+        "# {}\n\nError of `{}`, {} of the impact.\n\n| | {} |\n|---|{}\n",
         study.title,
         target.column,
         study.cost.name(),
         heads.join(" | "),
-        "---|".repeat(groups.len())
+        "---|".repeat(heads.len())
     );
-    for spacing in spacings {
-        let cells = (0..groups.len()).map(|group| {
-            let own = |k: &usize| samples[*k].group == group && trials[*k].spacing == spacing;
+    for (group, name) in groups.iter().enumerate() {
+        let cells = spacings.iter().map(|spacing| {
+            let own = |k: &usize| samples[*k].group == group && trials[*k].spacing == *spacing;
             let cells = (0..trials.len()).filter(own);
             let cells = cells.map(|k| cell(study, target, &outcomes[k], &samples[k]));
             cells.collect::<Vec<_>>().join("; ")
         });
         let cells: Vec<String> = cells.collect();
-        let spacing = short(spacing);
-        page += &format!("| {spacing} | {} |\n", cells.join(" | "));
+        page += &format!("| {} | {} |\n", named(name), cells.join(" | "));
     }
     page += "\n";
     for (group, name) in groups.iter().enumerate() {

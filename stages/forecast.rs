@@ -118,7 +118,7 @@ fn speed(scene: &Scene, time: f64) -> f64 {
     // follow its fastest particles, those of the projections leave spray out.
     let crossings = time * impact / diameter;
     let (most, [slow, fast]) = match is_projected(scene) {
-        true => (2.0, [0.27, 1.0]),
+        true => (2.5, [0.33, 1.2]),
         false => (4.0, [0.35, 1.2]),
     };
     impact * (most / crossings).clamp(slow, fast)

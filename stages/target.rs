@@ -4,23 +4,26 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use coronet::measure::gauge::contact_time;
+use coronet::measure::lamella::Lamella;
 use coronet::measure::series::{Series, compare_column};
 use coronet::measure::summary::{mean, period};
-use coronet::scene::file;
 use coronet::scene::quantity::{Unit, parse};
+use coronet::scene::{Scene, file};
 use serde::Deserialize;
 
 use crate::fault::Usage;
 use crate::trial::{Outcome, Trial};
 
-/// What the error is measured against: exactly one of `value`, `reference` and `finest`.
+/// What the error is measured against: exactly one of `value`, `theory`, `reference` and `finest`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
     pub column: String,
     /// An exact value, SI.
     value: Option<f64>,
-    /// What of the column is compared with the value.
+    /// What follows from the scene of each point.
+    theory: Option<Theory>,
+    /// What of the column is compared with value or theory.
     #[serde(default)]
     of: Feature,
     /// A table with the column, from the study file.
@@ -30,6 +33,28 @@ pub struct Target {
     pub finest: bool,
     from: Option<String>,
     to: Option<String>,
+}
+
+/// What theory says of a scene: a value, or the range that its forms leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Theory {
+    /// The contact angle that is set, degrees.
+    Angle,
+    /// [`Lamella`], printed and corrected.
+    Lamella,
+}
+
+impl Theory {
+    fn range(self, scene: &Scene) -> Option<[f64; 2]> {
+        match self {
+            Theory::Angle => scene.effects.wetting.map(|wetting| [wetting.angle; 2]),
+            Theory::Lamella => {
+                let Lamella { printed, corrected } = Lamella::of(scene)?;
+                Some([printed.min(corrected), printed.max(corrected)])
+            }
+        }
+    }
 }
 
 /// A number that a column comes down to.
@@ -57,10 +82,15 @@ impl Feature {
 
 impl Target {
     pub fn check(&self) -> Result<(), &'static str> {
-        let given = [self.value.is_some(), self.reference.is_some(), self.finest];
+        let given = [
+            self.value.is_some(),
+            self.theory.is_some(),
+            self.reference.is_some(),
+            self.finest,
+        ];
         match given.iter().filter(|given| **given).count() {
             1 => Ok(()),
-            _ => Err("[error] needs exactly one of value, reference and finest = true"),
+            _ => Err("[error] needs exactly one of value, theory, reference and finest = true"),
         }
     }
 
@@ -90,13 +120,22 @@ impl Target {
             Outcome::Done { measures, .. } => Some(measures),
             Outcome::Failed { .. } => None,
         };
-        if let Some(value) = self.value {
-            return Ok((0..trials.len())
+        let scene = |k: usize| file::load(&trials[k].pipeline, &trials[k].sets);
+        if self.value.is_some() || self.theory.is_some() {
+            return (0..trials.len())
                 .map(|k| {
+                    let range = match self.theory {
+                        None => self.value.map(|value| [value; 2]),
+                        Some(theory) => theory.range(&scene(k)?.scene),
+                    };
                     let found = known(k).and_then(|m| self.of.of(&m.window(from, to), column));
-                    found.map_or(f64::NAN, |found| (found / value - 1.0).abs())
+                    let error = found.zip(range).map(|(found, [low, high])| {
+                        let nearest = found.clamp(low, high);
+                        (found / nearest - 1.0).abs()
+                    });
+                    Ok(error.unwrap_or(f64::NAN))
                 })
-                .collect());
+                .collect();
         }
         let finest = (0..trials.len())
             .filter(|k| known(*k).is_some())
@@ -113,7 +152,7 @@ impl Target {
                 };
                 let shift = match self.finest {
                     true => 0.0,
-                    false => contact_time(&file::load(&trials[k].pipeline, &trials[k].sets)?.scene),
+                    false => contact_time(&scene(k)?.scene),
                 };
                 let norm = compare_column(measures, &table, "", column, shift);
                 Ok(norm.map_or(f64::NAN, |norm| norm.l2))

@@ -12,7 +12,7 @@
 //!
 //! Holds while there is a film, h1 well below 1/2. Test: tests/engine/measure_lamella.rs.
 
-use crate::scene::Dimension;
+use crate::scene::{Dimension, Scene, numbers};
 
 /// d1: diameter over that of the drop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +24,18 @@ pub struct Lamella {
 }
 
 impl Lamella {
+    /// Of a drop that falls on a wall with a contact angle; `None` if the scene has none. With
+    /// hysteresis the advancing angle counts.
+    pub fn of(scene: &Scene) -> Option<Lamella> {
+        let wetting = scene.effects.wetting?;
+        let angle = wetting
+            .hysteresis
+            .map_or(wetting.angle, |[advancing, _]| advancing);
+        let numbers = numbers::of(scene);
+        let (weber, reynolds) = (numbers.get("We")?, numbers.get("Re")?);
+        Some(Lamella::new(scene.dimension, weber, reynolds, angle))
+    }
+
     /// We and Re of the drop's diameter; `angle`: contact angle, degrees.
     pub fn new(dimension: Dimension, weber: f64, reynolds: f64, angle: f64) -> Lamella {
         let (cubic, linear) = match dimension {

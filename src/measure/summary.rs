@@ -13,29 +13,7 @@ pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
     let mut lines = Vec::new();
     match kind {
         Kind::Pool(_) => pool(series, shift, &mut lines),
-        Kind::Wall(_) => {
-            lamella(scene, series, shift, &mut lines);
-            extreme(
-                series,
-                "spread_factor",
-                "largest spread factor",
-                1.0,
-                "",
-                shift,
-                &mut lines,
-            );
-            let name = "max_diameter_factor";
-            extreme(
-                series,
-                name,
-                "largest diameter factor",
-                1.0,
-                "",
-                shift,
-                &mut lines,
-            );
-            rebound(series, shift, &mut lines);
-        }
+        Kind::Wall(_) => wall(scene, series, shift, &mut lines),
         Kind::Shape => shape(scene, series, &mut lines),
         Kind::Front => {
             extreme(
@@ -137,25 +115,28 @@ fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
     }
 }
 
+fn wall(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
+    lamella(scene, series, shift, lines);
+    for (column, name) in [
+        ("spread_factor", "largest spread factor"),
+        ("max_diameter_factor", "largest diameter factor"),
+    ] {
+        extreme(series, column, name, 1.0, "", shift, lines);
+    }
+    rebound(series, shift, lines);
+}
+
 /// How far it has spread at t = D0 / U0, and what [`Lamella`] says.
 fn lamella(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
-    let numbers = numbers::of(scene);
     let (speed, diameter) = (numbers::impact_speed(scene), numbers::drop_diameter(scene));
-    let (Some(diameter), Some(wetting)) = (diameter, scene.effects.wetting) else {
+    let (Some(theory), Some(diameter)) = (Lamella::of(scene), diameter) else {
         return;
     };
-    let (Some(we), Some(re)) = (numbers.get("We"), numbers.get("Re")) else {
+    let Some(spread) = series.at("max_diameter_factor", shift + diameter / speed) else {
         return;
     };
-    let Some(spread) = series.at("spread_factor", shift + diameter / speed) else {
-        return;
-    };
-    let name = "spread factor a diameter after contact (t = D0 / U0)".to_owned();
+    let name = "diameter factor a diameter after contact (t = D0 / U0)".to_owned();
     lines.push((name, digits(spread)));
-    let angle = wetting
-        .hysteresis
-        .map_or(wetting.angle, |[advancing, _]| advancing);
-    let theory = Lamella::new(scene.dimension, we, re, angle);
     let name = "the same by Roisman's lamella, as printed and corrected".to_owned();
     let text = format!("{}, {}", digits(theory.printed), digits(theory.corrected));
     lines.push((name, text));

@@ -251,7 +251,7 @@ fn methods_of_one_kernel_share_what_they_pack() {
 #[test]
 fn every_shipped_scene_loads_and_its_numbers_are_sane() {
     let files = shipped();
-    assert_eq!(files.len(), 26, "a scene file came or went: {files:?}");
+    assert_eq!(files.len(), 28, "a scene file came or went: {files:?}");
     for path in files {
         let loaded = file::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
         let scene = &loaded.scene;
@@ -331,7 +331,15 @@ fn the_reference_manual_shows_the_true_defaults() {
             let is_key = key
                 .bytes()
                 .all(|byte| byte.is_ascii_lowercase() || byte == b'_');
-            let examples = ["", "symmetry", "wall_velocity", "references", "angle"];
+            let examples = [
+                "",
+                "symmetry",
+                "wall_velocity",
+                "references",
+                "angle",
+                "advancing",
+                "receding",
+            ];
             let example = examples.contains(&key);
             if example || !is_key || key.len() == setting.len() {
                 return line.to_string();

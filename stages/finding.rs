@@ -15,6 +15,9 @@ use crate::trial::{Outcome, Trial};
 /// Below this order an error does not fall with the spacing, to speak of.
 const LEVEL: f64 = 0.2;
 
+/// Relative errors from this on are in the table only: on a plot they would leave no room.
+const HOPELESS: f64 = 10.0;
+
 /// Which axes name groups: not that of the spacing, nor those that repeat. An axis is the spacing's
 /// if points that differ in it alone differ in spacing.
 fn naming(trials: &[Trial]) -> Vec<bool> {
@@ -134,7 +137,7 @@ pub fn figure(
     on_front: &[bool],
 ) -> Scatter {
     let place = |s: &Sample| [s.cost, 100.0 * s.error];
-    let shown = |s: &&Sample| s.error > 0.0 && s.cost > 0.0;
+    let shown = |s: &&Sample| s.error > 0.0 && s.error < HOPELESS && s.cost > 0.0;
     let worst = worst(samples);
     let looks = looks(trials);
     let clouds = groups(trials).into_iter().zip(looks).enumerate();

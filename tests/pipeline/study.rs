@@ -136,7 +136,7 @@ fn what_repeats_and_what_costs_is_said_in_the_study() {
     let start = STUDY.find("[[axis]]\nname = \"speed of sound\"").unwrap();
     let end = STUDY.find("[error]").unwrap();
     let study = format!("{}{seeds}\n{}", &STUDY[..start], &STUDY[end..]);
-    let study = study.replace("finest = true", "value = 1e-6");
+    let study = study.replace("finest = true", "value = 1.0");
     let text = study.replacen("title", "cost = \"memory\"\ntitle", 1);
     fs::write(program.path("study.toml"), text).unwrap();
     let said = program.call(&["study", "study.toml"]).well();

@@ -115,14 +115,19 @@ fn speed(scene: &Scene, time: f64) -> f64 {
         return numbers::reference_speed(scene);
     };
     // Fitted to the time steps of splashes at d/8 and d/16, 2.42 and 3.13 m/s: those of WCSPH
-    // follow its fastest particles, those of the projections leave spray out.
+    // follow its fastest particles, those of the projections leave spray out and are longest
+    // between splash and jet.
     let crossings = time * impact / diameter;
-    let (most, [slow, fast]) = match is_projected(scene) {
-        true => (2.5, [0.33, 1.2]),
+    let (splash, [slow, fast]) = match is_projected(scene) {
+        true if crossings < JET => (2.0, [0.2, 1.1]),
+        true => (2.0, [0.33, 1.1]),
         false => (4.0, [0.35, 1.2]),
     };
-    impact * (most / crossings).clamp(slow, fast)
+    impact * (splash / crossings).clamp(slow, fast)
 }
+
+/// Diameters over the impact's speed until a jet rises.
+const JET: f64 = 30.0;
 
 /// Time step at a speed, s.
 fn step(scene: &Scene, speed: f64) -> f64 {

@@ -107,7 +107,8 @@ impl Scatter {
             let front = self.front.iter().map(|p| (p[0], p[1]));
             let wide = RGBColor(226, 229, 233).stroke_width(7);
             chart.draw_series(LineSeries::new(front, wide))?;
-            for (k, cloud) in self.clouds.iter().enumerate() {
+            let mut labelled = 0;
+            for cloud in &self.clouds {
                 let [r, g, b] = cloud.colour;
                 let colour = RGBColor(r, g, b);
                 let line = cloud.points.iter().map(|(p, _)| (p[0], p[1]));
@@ -117,7 +118,8 @@ impl Scatter {
                 chart.draw_series(cloud.points.iter().map(|(p, _)| cloud.sample((p[0], p[1]))))?;
                 if cloud.mark == Mark::Disc {
                     // Beside each other's, where two clouds meet.
-                    let place = (8, 11 * (k as i32 % 6) - 12);
+                    let place = (8, 11 * labelled - 12);
+                    labelled += i32::from(!cloud.points.is_empty());
                     let font = (FONT, 13).into_font().color(&colour);
                     chart.draw_series(cloud.points.iter().map(|(p, label)| {
                         EmptyElement::at((p[0], p[1]))

@@ -77,7 +77,7 @@ fn particle_step(scene: &Scene) -> f64 {
     let tension = match scene.method.sph().tension_form {
         _ if scene.effects.tension.is_none() => 0.0,
         TensionForm::NormalisedColour => NORMALISED * near_surface(scene),
-        TensionForm::RawColour | TensionForm::CahnHilliard => TENSION,
+        _ => TENSION,
     };
     flat * (plain + tension)
 }

@@ -2,9 +2,10 @@
 
 use super::tension::Tension;
 use super::viscosity::{Cleary, Morris, PairViscosity, TwoTerm};
+use super::wetting::typed::Typed;
 use super::wetting::{Setting, Wetting};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
-use crate::scene::{Domain, Effects, KernelName, Sph, ViscosityForm};
+use crate::scene::{Domain, Effects, KernelName, Sph, ViscosityForm, WettingForm};
 
 /// What is done with the chosen types.
 pub trait Visitor {
@@ -99,6 +100,9 @@ pub fn wetting(
     [spacing, length]: [f64; 2],
     density: f64,
 ) -> Option<Wetting> {
+    if settings.wetting_form != WettingForm::Young {
+        return None;
+    }
     let setting = Setting {
         angle: effects.wetting?,
         domain: domain.clone(),
@@ -109,4 +113,16 @@ pub fn wetting(
         density,
     };
     Some(Wetting::new(setting))
+}
+
+/// The same by types of particles. `spacing` in m.
+pub fn typed(effects: &Effects, settings: &Sph, domain: &Domain, spacing: f64) -> Option<Typed> {
+    match settings.wetting_form {
+        WettingForm::Young => None,
+        WettingForm::ParticleTypes(lengths) => Some(Typed {
+            angle: effects.wetting?,
+            domain: domain.clone(),
+            lengths: lengths.map(|length| length * spacing),
+        }),
+    }
 }

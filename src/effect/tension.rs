@@ -33,10 +33,11 @@
 //! is not much larger than H (the stress acts at a depth of 0.46 H); and where H is below 2.6 s0:
 //! the stress derives from no energy, its pull along the surface bunches the particles, and a drop
 //! at rest stirs by itself (docs/validation.md).
-//! With [`super::wetting`] walls have a contact angle.
+//! With [`super::wetting`] walls have a contact angle. Curvature times normal: [`counted`].
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
 mod colour;
+pub mod counted;
 pub mod level;
 mod memory;
 mod pass;
@@ -47,10 +48,12 @@ mod walled;
 
 use super::band::Band;
 use super::wetting::Wetting;
+use super::wetting::typed::Typed;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
 use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sweep::{self, Field, Pass};
+use counted::Counted;
 pub(super) use pass::Gradient;
 use pass::{Summed, Tensor, Whole};
 use rayon::prelude::*;
@@ -88,6 +91,8 @@ pub struct Tension {
     pub lifted: bool,
     /// With it walls have a contact angle (raw colour only).
     pub wetting: Option<Wetting>,
+    /// The same by types of particles (number-density forms only).
+    pub typed: Option<Typed>,
     band: Band,
     near: Vec<u32>,
     reached: Vec<u32>,
@@ -106,6 +111,7 @@ pub struct Tension {
     feet: Vec<u32>,
     /// Acceleration of `reached`, m/s^2.
     force: Vec<[f32; 3]>,
+    counted: Counted,
 }
 
 impl Tension {
@@ -132,6 +138,7 @@ impl Tension {
             density,
             lifted: false,
             wetting: None,
+            typed: None,
             band: Band::default(),
             near: Vec::new(),
             reached: Vec::new(),
@@ -144,6 +151,7 @@ impl Tension {
             lines: Vec::new(),
             feet: Vec::new(),
             force: Vec::new(),
+            counted: Counted::default(),
         }
     }
 
@@ -204,6 +212,8 @@ impl Tension {
                 self.sum_normals(flow, &[], &Gradient::<K>(PhantomData));
             }
             TensionForm::NormalisedColour => self.colour::<K>(flow),
+            TensionForm::NumberDensity => return self.count::<K, true>(flow, is_surface),
+            TensionForm::NumberDensityExact => return self.count::<K, false>(flow, is_surface),
         }
         self.root::<K>(flow);
         if !self.pulls() {
@@ -322,7 +332,7 @@ impl Tension {
         let epsilon = match self.form {
             TensionForm::RawColour => FAINT / self.length,
             TensionForm::CahnHilliard => 0.0,
-            TensionForm::NormalisedColour => EPSILON / self.length,
+            _ => EPSILON / self.length,
         };
         let own_factor = self.force_factor::<K>(flow.mass);
         let volumes = &self.payload[0];

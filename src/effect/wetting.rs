@@ -32,6 +32,7 @@
 pub mod friction;
 mod pass;
 mod survey;
+pub mod typed;
 
 use super::band::Band;
 use super::tension::{Gradient, Surface, level};

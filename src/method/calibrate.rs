@@ -10,6 +10,8 @@
 //! tension is carried to the surface ([`crate::effect::tension::level`]): the pressure of Young and
 //! Laplace that the forces leave inside. Drops from R = 8 s0 on and flat surfaces then agree on
 //! alpha within 1.5 %.
+//! That of [`crate::effect::tension`]'s counted forms acts on one layer, which is taken to be what
+//! lies within a spacing of the surface; where that is flat they need no alpha.
 //! A block has edges, where neither holds: its alpha is that of a flat continuous liquid.
 //! Test: tests/validation/drop.rs.
 
@@ -83,19 +85,27 @@ fn ratio_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, M
     if tension.lifted && matches!(body.shape, Shape::Block { .. }) {
         return Ok(level::flat(tension.kernel, tension.dimension));
     }
+    let counted = tension.form.is_counted();
+    if counted && !radius(body).is_finite() {
+        return Ok(1.0);
+    }
     let sources = flow.sources();
     let surface = super::surface_of(&flow, &sources);
-    // Every particle may be at the surface: no flags are needed for one evaluation.
-    tension.update(&surface, |_| true);
     let origin = super::start::home(scene, index);
     let round = radius(body);
-    let place = |i: usize| {
+    let home = |i: usize| {
         let x = flow.position(i);
-        let (z, normal) = under(scene, body, [0, 1, 2].map(|a| x[a] - origin[a]));
+        [0, 1, 2].map(|a| x[a] - origin[a])
+    };
+    // Every particle may be at the surface: a stress needs no flags for one evaluation.
+    let top = |i: usize| !counted || depth(scene, body, home(i)) < scene.pack.spacing;
+    tension.update(&surface, top);
+    let place = |i: usize| {
+        let (z, normal) = under(scene, body, home(i));
         let area = free_area(scene, body, z.min(DEEPEST * round));
         (normal, if area > 0.0 { 1.0 / area } else { 0.0 })
     };
-    let sum = if tension.lifted && round.is_finite() {
+    let sum = if (tension.lifted || counted) && round.is_finite() {
         let mut a = vec![[0.0; 3]; flow.liquid()];
         tension.add(&mut a);
         let pull = |i: usize| {

@@ -181,6 +181,7 @@ fn tension_of(case: &Case, alpha: f64) -> Option<Tension> {
         case.density,
     );
     tension.wetting = wetting;
+    tension.typed = select::typed(&case.effects, &case.sph, &case.domain, case.spacing);
     Some(tension)
 }
 

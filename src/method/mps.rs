@@ -24,7 +24,7 @@
 //! Fails with `courant` 0.25 (vortices), and with `threshold` and `source.divergence` in a splash:
 //! what is flagged for a moment is let go at p = 0, and no source brings it back; (6) as printed
 //! turns noise of n into pressure.
-//! The tension of Eqs. 10-16 and the wetting of Eq. 18 are not here: `effect::tension` serves.
+//! The tension of Eqs. 10-16 and the wetting of Eq. 18 are effects: `effect::tension`.
 //! Tests: tests/engine/{mps,projection}_*.rs, tests/validation.
 
 mod least;

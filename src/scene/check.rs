@@ -7,7 +7,8 @@ use super::error::SceneError;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
 use super::{
-    Dimension, Method, Motion, Projection, Scene, Shape, Side, TensionForm, TimeStepping, numbers,
+    Dimension, Method, Motion, Projection, Scene, Shape, Side, TensionForm, TimeStepping,
+    WettingForm, numbers,
 };
 
 /// Bodies are numbered by a byte.
@@ -255,6 +256,8 @@ fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     } else if !sides.any(|side| *side == Side::Wall) {
         let remedy = "make a side of the box a wall, as in `box.z = [\"wall\", \"open\"]`";
         ("needs a wall", remedy)
+    } else if scene.method.sph().wetting_form != WettingForm::Young {
+        return typed(scene, &place);
     } else if scene.method.sph().tension_form != TensionForm::RawColour {
         let remedy = "set `effects.tension.form = \"raw-colour\"`, as preset `modern` does";
         ("needs the raw-colour form of the tension", remedy)
@@ -262,6 +265,19 @@ fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         return Ok(());
     };
     Err(place.fault(problem, remedy))
+}
+
+/// Types of particles know a plane and a curvature.
+fn typed(scene: &Scene, place: &Cursor<'_>) -> Result<(), SceneError> {
+    let remedy = "set `effects.wetting.form = \"young\"`, as preset `modern` does";
+    if scene.dimension == Dimension::Three {
+        return Err(place.fault("by types of particles is for two dimensions", remedy));
+    }
+    if !scene.method.sph().tension_form.is_counted() {
+        let problem = "by types of particles needs a number-density form of the tension";
+        return Err(place.fault(problem, remedy));
+    }
+    Ok(())
 }
 
 fn vortices(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {

@@ -31,7 +31,7 @@ pub use mps::{Mps, MpsClosure, MpsGradient};
 pub use pairs::{Pairs, Precision};
 pub use projection::{PoissonSource, Preconditioner, Projection};
 pub use sph::{Sph, TensionLevel};
-pub use wetting::Wetting;
+pub use wetting::{Wetting, WettingForm};
 
 /// Number of space dimensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -277,6 +277,10 @@ pub enum TensionForm {
     RawColour,
     /// Kuri Eqs. 1, 5-7: Cahn-Hilliard stress, force on the short kernel.
     CahnHilliard,
+    /// Xie Eqs. 10-16: curvature from counted neighbours.
+    NumberDensity,
+    /// The same with the curvature of a circle or a sphere, and smooth weights.
+    NumberDensityExact,
 }
 
 /// Strength alpha of the tension.

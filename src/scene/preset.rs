@@ -8,7 +8,7 @@ use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
     Density, KernelName, Mass, Method, Pairs, Precision, Pressure, SoundSpeed, Sph, TensionForm,
-    TensionLevel, TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
+    TensionLevel, TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph, WettingForm,
 };
 pub use isph::{isph_corrected, isph_modern, isph_paper};
 pub use mps::{mps_corrected, mps_modern, mps_paper};
@@ -29,6 +29,7 @@ pub fn wcsph_paper() -> Wcsph {
             tension_strength: TensionStrength::Fixed(4.5), // with Eq. 10
             tension_smoothing: 1.5, // with Eq. 4: H = 1.5 h
             tension_level: TensionLevel::Inside,
+            wetting_form: WettingForm::Young,
         },
         density: Density::Summation, // Eq. 4
         pressure: Pressure::Clipped, // text after Eq. 7
@@ -68,6 +69,7 @@ fn sph_modern() -> Sph {
         tension_strength: TensionStrength::Virial,
         tension_smoothing: 1.75, // a static drop keeps currents of Ca 0.002, with 1.3 h 0.03
         tension_level: TensionLevel::Surface, // a drop of R = 20 s0: else +16 %
+        wetting_form: WettingForm::Young, // Huber et al. 2016
     }
 }
 
@@ -230,6 +232,9 @@ fn override_effects(settings: &mut Sph, effects: &Cursor<'_>) -> Result<(), Scen
             _ => ViscosityForm::Morris,
         };
     }
+    if let Some(wetting) = effects.get("wetting") {
+        override_wetting(&mut settings.wetting_form, &wetting)?;
+    }
     let Some(tension) = effects.get("tension") else {
         return Ok(());
     };
@@ -237,6 +242,8 @@ fn override_effects(settings: &mut Sph, effects: &Cursor<'_>) -> Result<(), Scen
         settings.tension_form = match form.text()? {
             "normalised-colour" => TensionForm::NormalisedColour,
             "cahn-hilliard" => TensionForm::CahnHilliard,
+            "number-density" => TensionForm::NumberDensity,
+            "number-density-exact" => TensionForm::NumberDensityExact,
             _ => TensionForm::RawColour,
         };
     }
@@ -257,4 +264,29 @@ fn override_effects(settings: &mut Sph, effects: &Cursor<'_>) -> Result<(), Scen
         };
     }
     Ok(())
+}
+
+/// L1, L2, L3 of Xie et al. 2007, Section 2.5, in spacings.
+const LAYERS: [f64; 3] = [2.1, 4.1, 4.1];
+
+fn override_wetting(form: &mut WettingForm, wetting: &Cursor<'_>) -> Result<(), SceneError> {
+    if let Some(word) = wetting.get("form") {
+        *form = match word.text()? {
+            "particle-types" => WettingForm::ParticleTypes(LAYERS),
+            _ => WettingForm::Young,
+        };
+    }
+    match (wetting.get("layers"), form) {
+        (None, _) => Ok(()),
+        (Some(given), WettingForm::ParticleTypes(layers)) => {
+            for (layer, value) in layers.iter_mut().zip(given.items()) {
+                *layer = value.number()?;
+            }
+            Ok(())
+        }
+        (Some(given), _) => {
+            let remedy = "remove it, or set `form = \"particle-types\"`";
+            Err(given.fault("is of no use to Young's force", remedy))
+        }
+    }
 }

@@ -1,6 +1,8 @@
 //! What every SPH method sets.
 
-use super::{KernelName, Mass, Method, Scene, TensionForm, TensionStrength, ViscosityForm};
+use super::{
+    KernelName, Mass, Method, Scene, TensionForm, TensionStrength, ViscosityForm, WettingForm,
+};
 
 /// Where the tension of the surface stress counts as sigma.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,7 @@ pub struct Sph {
     /// H / h of the long kernel.
     pub tension_smoothing: f64,
     pub tension_level: TensionLevel,
+    pub wetting_form: WettingForm,
 }
 
 impl Sph {
@@ -33,15 +36,38 @@ impl Sph {
     }
 }
 
+impl Sph {
+    /// How far beside a particle its neighbours are counted, in 2 h (Xie et al., Eq. 14).
+    fn beside(&self) -> f64 {
+        match self.tension_form {
+            TensionForm::NumberDensity => 0.5 / self.smoothing,
+            _ => 0.0,
+        }
+    }
+}
+
+impl TensionForm {
+    /// Whether the force is curvature times normal, and no divergence of a stress.
+    pub fn is_counted(self) -> bool {
+        matches!(
+            self,
+            TensionForm::NumberDensity | TensionForm::NumberDensityExact
+        )
+    }
+}
+
 impl Scene {
     /// Support of the widest sum, m: of the tension, of the normals that shifting needs without it,
     /// or of the kernel.
     pub fn widest(&self) -> f64 {
         let sph = self.method.sph();
         let smoothing = sph.tension_smoothing.max(1.0);
+        let wide = smoothing.max(sph.tension_smoothing + sph.beside());
         let over_kernel = match (self.effects.tension, self.effects.wetting) {
-            (Some(_), Some(wetting)) => smoothing * wetting.stretch(),
-            (Some(_), None) => smoothing,
+            (Some(_), Some(wetting)) if sph.wetting_form == WettingForm::Young => {
+                smoothing * wetting.stretch()
+            }
+            (Some(_), _) => wide,
             _ if self.method.shifting() > 0.0 => smoothing,
             _ => 1.0,
         };

@@ -1,5 +1,14 @@
 //! Contact angle on walls.
 
+/// How a wall gives a contact angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WettingForm {
+    /// The liquid goes on into the wall at the angle, and Young's force acts on the line.
+    Young,
+    /// Xie Eq. 18, four types of particles: L1, L2 and L3 in spacings.
+    ParticleTypes([f64; 3]),
+}
+
 /// How the liquid wets every wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wetting {
@@ -20,7 +29,7 @@ impl Wetting {
 
     /// Advancing and receding angle, degrees.
     pub fn between(angles: [f64; 2]) -> Self {
-        let [advancing, receding] = angles.map(|angle| angle.to_radians().cos());
+        let [advancing, receding] = cosines(angles);
         Wetting {
             angle: (0.5 * (advancing + receding)).acos().to_degrees(),
             hysteresis: Some(angles),
@@ -31,7 +40,7 @@ impl Wetting {
     /// contact line over the tension.
     pub fn friction(&self) -> f64 {
         self.hysteresis.map_or(0.0, |angles| {
-            let [advancing, receding] = angles.map(|angle| angle.to_radians().cos());
+            let [advancing, receding] = cosines(angles);
             0.5 * (receding - advancing)
         })
     }
@@ -43,4 +52,9 @@ impl Wetting {
         let shear = (cosine / sine).abs();
         0.5 * (shear + (shear * shear + 4.0).sqrt())
     }
+}
+
+/// Of two angles in degrees.
+fn cosines(angles: [f64; 2]) -> [f64; 2] {
+    angles.map(|angle| angle.to_radians().cos())
 }

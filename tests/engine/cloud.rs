@@ -75,16 +75,8 @@ impl Cloud {
         keep: impl Fn([f64; 3]) -> bool,
     ) -> Self {
         let mut random = Random(7);
-        let mut scene = scene(dimension, cells, Shape::Layer { depth: S0 });
-        scene.domain.boundary = sides;
-        if dimension == Dimension::Two {
-            scene.domain.boundary[1] = [Side::Periodic; 2];
-        }
         let count = cells.map(|n| n.round().max(1.0) as usize);
-        let mut p = Particles {
-            mass: scene.density * S0.powi(dimension.count() as i32),
-            ..Particles::default()
-        };
+        let mut points = Vec::new();
         for i in 0..count[0] * count[1] * count[2] {
             let at = [
                 i / count[2] / count[1],
@@ -96,13 +88,38 @@ impl Cloud {
                 at[1] = 0.0;
             }
             if keep(at) {
-                (0..3).for_each(|a| p.position[a].push(at[a] * S0));
-                (0..3).for_each(|a| p.velocity[a].push(random.signed()));
-                p.density
-                    .push(scene.density * (1.0 + 0.01 * random.signed()));
-                p.id.push(p.id.len() as u32);
-                p.body.push(0);
+                points.push((at, [0; 4].map(|_| random.signed())));
             }
+        }
+        Cloud {
+            random,
+            ..Cloud::of(dimension, cells, sides, h, &points)
+        }
+    }
+
+    /// Liquid at places, in spacings, each with a velocity and a change of density in per cent.
+    pub fn of(
+        dimension: Dimension,
+        cells: [f64; 3],
+        sides: [[Side; 2]; 3],
+        h: f64,
+        points: &[([f64; 3], [f64; 4])],
+    ) -> Self {
+        let mut scene = scene(dimension, cells, Shape::Layer { depth: S0 });
+        scene.domain.boundary = sides;
+        if dimension == Dimension::Two {
+            scene.domain.boundary[1] = [Side::Periodic; 2];
+        }
+        let mut p = Particles {
+            mass: scene.density * S0.powi(dimension.count() as i32),
+            ..Particles::default()
+        };
+        for (at, [u, v, w, dense]) in points {
+            (0..3).for_each(|a| p.position[a].push(at[a] * S0));
+            (0..3).for_each(|a| p.velocity[a].push([u, v, w][a] + 0.0));
+            p.density.push(scene.density * (1.0 + 0.01 * dense));
+            p.id.push(p.id.len() as u32);
+            p.body.push(0);
         }
         let walls = if sides.concat().contains(&Side::Wall) {
             wall::build_layers(&scene, (2.0 * h).ceil() as usize)
@@ -123,7 +140,7 @@ impl Cloud {
         Cloud {
             flow,
             h: h * S0,
-            random,
+            random: Random(7),
         }
     }
 

@@ -67,6 +67,7 @@ fn wcsph() -> Wcsph {
             tension_strength: TensionStrength::Fixed(4.5),
             tension_smoothing: 1.5,
             tension_level: TensionLevel::Inside,
+            wetting_form: coronet::scene::WettingForm::Young,
         },
         density: Density::Summation,
         pressure: Pressure::Clipped,

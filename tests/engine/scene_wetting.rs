@@ -1,7 +1,7 @@
 //! What a scene with a contact angle must have.
 
 use crate::scene_error::holds;
-use coronet::scene::file;
+use coronet::scene::{Scene, WettingForm, file};
 use std::path::Path;
 
 #[test]
@@ -18,6 +18,10 @@ fn a_contact_angle_needs_tension_a_wall_and_a_form_that_has_it() {
         read.map(|_| ()).map_err(|error| error.to_string())
     };
     let tension = "[effects.tension]\ncoefficient = \"73 mN/m\"\n";
+    for preset in ["paper", "corrected"] {
+        let method = format!("name = \"mps\"\npreset = \"{preset}\"");
+        assert_eq!(with(&method, tension, "wall"), Ok(()));
+    }
     for method in ["wcsph", "isph", "mps"] {
         assert_eq!(
             with(&format!("name = \"{method}\""), tension, "wall"),
@@ -46,6 +50,35 @@ fn a_contact_angle_needs_tension_a_wall_and_a_form_that_has_it() {
     ] {
         holds(&with(method, tension, low).unwrap_err(), &parts);
     }
+}
+
+#[test]
+fn types_of_particles_are_for_two_dimensions_and_have_layers() {
+    let read = |sets: &[&str]| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/xie-2007/static.toml");
+        let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
+        let read = file::load(&path, &sets).map(|read| read.scene);
+        read.map_err(|error| error.to_string())
+    };
+    let paper = ["method.name=mps", "method.preset=paper"];
+    let form = |scene: Scene| scene.method.sph().wetting_form;
+    let layers = [2.1, 4.1, 4.1];
+    assert_eq!(
+        form(read(&paper).unwrap()),
+        WettingForm::ParticleTypes(layers)
+    );
+    let set = "effects.wetting.layers=[1.1, 3.1, 3.1]";
+    let layers = [1.1, 3.1, 3.1];
+    let scene = read(&[&paper[..], &[set]].concat()).unwrap();
+    assert_eq!(form(scene), WettingForm::ParticleTypes(layers));
+    let no_use = ["effects.wetting.layers", "Young's force", "particle-types"];
+    holds(&read(&[set]).unwrap_err(), &no_use);
+    let types = "effects.wetting.form=particle-types";
+    let parts = ["effects.wetting", "number-density", "young"];
+    holds(&read(&[types]).unwrap_err(), &parts);
+    let young = [&paper[..], &["effects.wetting.form=young"]].concat();
+    let form = ["effects.wetting", "raw-colour"];
+    holds(&read(&young).unwrap_err(), &form);
 }
 
 #[test]

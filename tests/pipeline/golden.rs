@@ -31,6 +31,7 @@ fn results_change_only_with_their_version() {
         ("wcsph", "modern"),
         ("isph", "modern"),
         ("mps", "modern"),
+        ("mps", "corrected"),
     ] {
         let program = Program::new();
         let [method_set, preset_set] = [("name", method), ("preset", preset)]

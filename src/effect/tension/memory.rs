@@ -20,6 +20,7 @@ impl Tension {
                 + self.scalars.capacity()
                 + self.stressed.start.capacity())
             + self.stressed.images.memory()
+            + self.counted.memory()
             + self.band.memory()
             + self.wetting.as_ref().map_or(0, Wetting::memory)
     }

@@ -130,6 +130,10 @@ impl Tension {
     /// (empty without hysteresis); velocity in m/s.
     pub fn friction(&mut self, flow: &Surface, velocity: &[Vec<f64>; 3], into: &mut Vec<[f32; 3]>) {
         into.clear();
+        if let Some(typed) = &self.typed {
+            into.resize(flow.density.len(), [0.0; 3]);
+            typed.hold(flow, into);
+        }
         let (lines, length) = (self.lines.as_slice(), self.length);
         let wetting = self.wetting.as_mut();
         if let Some(wetting) = wetting.filter(|w| w.setting.angle.hysteresis.is_some()) {

@@ -27,8 +27,19 @@ impl<S: Scheme> Projection<S> {
         Err(self.fault(what, &remedy))
     }
 
-    /// No pressure, for no step down to `dt` s.
-    pub(super) fn unsolved(&self, dt: f64) -> Diverged {
+    /// No pressure, for no step down to `dt` s; `known`: whether all neighbours were.
+    pub(super) fn unsolved(&self, dt: f64, known: bool) -> Diverged {
+        if !known {
+            let what = format!(
+                "it passes its neighbours without pressure, {:.4e} m/s and {:.4e} m/s^2, even in \
+                 steps of {:.4e} s",
+                self.fastest,
+                self.hardest,
+                2.0 * dt
+            );
+            let remedy = format!("a smaller method.{}.courant", S::NAME);
+            return self.fault(what, &remedy);
+        }
         let what = format!(
             "no pressure after {} iterations down to steps of {:.4e} s: residual {:.4e} above \
              {:.4e}",

@@ -29,11 +29,12 @@ impl<S: Scheme> Projection<S> {
         self.connected = self.connected_speed();
         let mut dt = self.next_step().min(expected.max(self.settings.shortest));
         self.remember();
-        let mut done = false;
+        let (mut done, mut known) = (false, true);
         for attempt in 0..=HALVINGS {
             let ahead = self.settings.theta * dt;
             self.predict(ahead);
-            if !self.flow.stale(|_| 0.0) {
+            known = !self.flow.stale(|_| 0.0);
+            if known {
                 self.outcome = self.project(ahead);
                 done = self.outcome.converged;
             }
@@ -54,7 +55,7 @@ impl<S: Scheme> Projection<S> {
             done = false;
         }
         if !done {
-            return Err(self.unsolved(dt));
+            return Err(self.unsolved(dt, known));
         }
         self.check(dt)?;
         if self.settings.shifting > 0.0 {

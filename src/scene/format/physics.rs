@@ -88,6 +88,16 @@ pub static EFFECTS: &[Field] = &[
 pub static WETTING: &[Field] = &[
     optional("angle", CONTACT, "Contact angle, through the liquid."),
     optional(
+        "form",
+        Kind::Word(&["young", "particle-types"]),
+        "How a wall gives it, in place of the preset's.",
+    ),
+    optional(
+        "layers",
+        Kind::List(&Kind::Number(Range::Positive), 3, 3),
+        "L1, L2, L3 of particle-types, in spacings.",
+    ),
+    optional(
         "advancing",
         CONTACT,
         "In place of `angle`: that at which a contact line begins to advance.",
@@ -135,8 +145,14 @@ pub static TENSION: &[Field] = &[
     ),
     optional(
         "form",
-        Kind::Word(&["normalised-colour", "raw-colour", "cahn-hilliard"]),
-        "Form of the surface stress, in place of the preset's.",
+        Kind::Word(&[
+            "normalised-colour",
+            "raw-colour",
+            "cahn-hilliard",
+            "number-density",
+            "number-density-exact",
+        ]),
+        "Form of the tension, in place of the preset's.",
     ),
     optional(
         "strength",
@@ -148,7 +164,7 @@ pub static TENSION: &[Field] = &[
     ),
     optional(
         "smoothing",
-        Kind::Number(Range::Between(1.0, 3.0)),
+        Kind::Number(Range::Between(0.5, 3.0)),
         "Long smoothing length over the short one, H / h.",
     ),
     optional(

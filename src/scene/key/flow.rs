@@ -3,7 +3,7 @@
 use super::super::resolve::{AXES, ENDS};
 use super::super::{
     Colour, Density, KernelName, Mass, Method, Pairs, Precision, Pressure, Scene, Side, SoundSpeed,
-    TensionForm, TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph,
+    TensionForm, TensionStrength, TimeStepping, ViscosityForm, WallPressure, Wcsph, WettingForm,
 };
 use super::body::{form, motion, place};
 use super::{List, Unit};
@@ -146,6 +146,8 @@ pub(super) fn tension(list: &mut List, scene: &Scene) {
         TensionForm::NormalisedColour => "normalised-colour",
         TensionForm::RawColour => "raw-colour",
         TensionForm::CahnHilliard => "cahn-hilliard",
+        TensionForm::NumberDensity => "number-density",
+        TensionForm::NumberDensityExact => "number-density-exact",
     };
     list.word("effects.tension.form", form);
     list.number(
@@ -173,6 +175,13 @@ pub(super) fn wetting(list: &mut List, scene: &Scene, walled: bool) {
             Some([advancing, receding]) => {
                 list.number("effects.wetting.advancing", advancing, Unit::Angle);
                 list.number("effects.wetting.receding", receding, Unit::Angle);
+            }
+        }
+        // The other form is not named: results that are older than this one stay fresh.
+        if let WettingForm::ParticleTypes(layers) = scene.method.sph().wetting_form {
+            list.word("effects.wetting.form", "particle-types");
+            for (k, layer) in layers.into_iter().enumerate() {
+                list.number(&format!("effects.wetting.layers.{k}"), layer, Unit::One);
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::scene::cursor::Cursor;
 use crate::scene::error::SceneError;
 use crate::scene::{
     Closure, Gradient, Isph, KernelName, Mass, PoissonSource, Preconditioner, Projection, Sph,
-    TensionForm, TensionLevel, TensionStrength, ViscosityForm,
+    TensionForm, TensionLevel, TensionStrength, ViscosityForm, WettingForm,
 };
 
 /// Kuri, Yamaguchi, Kagawa, Nakajima & Fujimura, Simulations of droplet impact onto a liquid
@@ -22,6 +22,7 @@ pub fn isph_paper() -> Isph {
             tension_strength: TensionStrength::Flat, // text after Eq. 6
             tension_smoothing: 2.5,                  // text after Eq. 4: H = 2.5 h
             tension_level: TensionLevel::Inside,
+            wetting_form: WettingForm::Young,
         },
         projection: Projection {
             source: PoissonSource::Density,           // Eq. 8

@@ -1,19 +1,31 @@
 //! Presets of MPS.
 
 use super::projection::{override_projection, projection_modern};
-use super::{choose, override_effects, sph_modern};
+use super::{LAYERS, choose, override_effects, sph_modern};
 use crate::scene::cursor::Cursor;
 use crate::scene::error::SceneError;
 use crate::scene::{
     Mps, MpsClosure, MpsGradient, PoissonSource, Preconditioner, Pressure, Projection, Sph,
+    TensionForm, TensionStrength, WettingForm,
 };
 
+/// What serves Young's force, and MPS as it is today.
+fn sph_young() -> Sph {
+    Sph {
+        tension_smoothing: 1.7, // H = 2.6 l0, as in the other methods
+        ..sph_modern()
+    }
+}
+
 /// Xie, Koshizuka & Oka 2007, Modeling the wetting effects in droplet impingement using particle
-/// method, as printed, but for its tension (Eqs. 10-16).
+/// method, as printed.
 pub fn mps_paper() -> Mps {
     let mps = Mps {
         sph: Sph {
-            tension_smoothing: 1.7, // H = 2.6 l0, as in the other methods
+            tension_form: TensionForm::NumberDensity,      // Eqs. 10-16
+            tension_smoothing: 1.0,                        // r_e = 2 H = 3.1 l0
+            tension_strength: TensionStrength::Fixed(1.0), // of one layer
+            wetting_form: WettingForm::ParticleTypes(LAYERS), // Eq. 18
             ..sph_modern()
         },
         radius: 2.1,                    // not given; usual
@@ -41,6 +53,12 @@ pub fn mps_paper() -> Mps {
 pub fn mps_corrected() -> Mps {
     let paper = mps_paper();
     Mps {
+        sph: Sph {
+            tension_form: TensionForm::NumberDensityExact, // 2/3 of the curvature was missing
+            tension_smoothing: 2.6,                        // r_e = 8.1 l0: counts are noise at 3.1
+            wetting_form: WettingForm::Young,              // no film that cannot move
+            ..paper.sph
+        },
         // Nair & Tomar 2014, without flags: p = 0 where n is below beta, but for a moment, bursts a
         // splash once the source is no longer n alone.
         closure: MpsClosure::Completed,
@@ -58,6 +76,7 @@ pub fn mps_corrected() -> Mps {
 pub fn mps_modern() -> Mps {
     let corrected = mps_corrected();
     let mps = Mps {
+        sph: sph_young(),
         radius: 3.1,
         laplacian_radius: 2.1, // with 3.1 short waves of pressure are corrected too far
         gradient: MpsGradient::Corrected, // Khayyer & Gotoh 2011; Tamai & Koshizuka 2014
@@ -80,7 +99,12 @@ pub(super) fn mps(root: &Cursor<'_>) -> Result<Mps, SceneError> {
     if let Some(form) = effects.get("viscosity").and_then(|table| table.get("form")) {
         return Err(form.fault("is not read by mps, which has Eq. 9", "remove it"));
     }
-    override_effects(&mut settings.sph, &effects)?;
+    let sph = &mut settings.sph;
+    if effects.get("wetting").is_some() && sph.wetting_form == WettingForm::Young {
+        // Young's force is made for that stress.
+        *sph = sph_young();
+    }
+    override_effects(sph, &effects)?;
     Ok(settings.with_length())
 }
 

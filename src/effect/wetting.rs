@@ -25,7 +25,8 @@
 //! the motion of the line ([`friction`]).
 //!
 //! Measured angles: docs/validation.md, "Contact angle". Fails where the wedge of liquid at the
-//! contact line is thinner than H over many H (theta below 30 degrees); beside a corner of two
+//! contact line is thinner than H over many H (theta below 30 degrees; beyond 15 from flat the
+//! cotangent stays as it is there); beside a corner of two
 //! walls, which counts as wet. Costs nothing far from contact lines.
 //! Time step: that of the tension. Tests: tests/engine/effect_wetting.rs.
 
@@ -191,8 +192,7 @@ impl Wetting {
 
     /// nu cot theta from the liquid's gradient along the wall.
     fn lean(&mut self) {
-        let theta = self.setting.angle.angle.to_radians();
-        let cotangent = theta.cos() / theta.sin();
+        let cotangent = self.setting.angle.cotangent();
         for (&j, (slope, _)) in self.near.iter().zip(&self.slopes) {
             let place = &self.places[j as usize];
             let Some(normal) = place.axis else {

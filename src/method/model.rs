@@ -164,10 +164,18 @@ impl Model {
         tears.then(|| self.density_at(-held * sigma))
     }
 
+    /// Kernel sum from which crushed liquid shows its density; infinite for none.
+    pub fn compaction(&self) -> f64 {
+        match self.settings.density {
+            Density::Continuity { compaction, .. } => compaction,
+            Density::Summation => f64::INFINITY,
+        }
+    }
+
     /// Whether density follows the continuity equation, and its diffusion.
     pub fn diffusion(&self) -> Option<f64> {
         match self.settings.density {
-            Density::Continuity { diffusion } => Some(diffusion),
+            Density::Continuity { diffusion, .. } => Some(diffusion),
             Density::Summation => None,
         }
     }

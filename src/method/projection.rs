@@ -10,8 +10,8 @@
 //! an impact is all pressure: a crater came out 9 % narrow. Below, it takes 2 theta - 1 of that; at
 //! 1/2 what divergence (2) and (3) leave would change its sign forever.
 //!
-//! Particles at a free surface with less than 0.9 of their support ask for no negative pressure: to
-//! hold a sheet of one or two together would cost its kinetic energy (37 % in 3 ms, so 20 %).
+//! Particles at a free surface with less than 0.9 of their support ask for no pressure below
+//! -cohesion (d - 1) sigma / h: to hold a sheet of one or two would cost its energy, 37 % in 3 ms.
 //!
 //! What [`super::isph`] and [`super::mps`] do each in their own way is a [`Scheme`]: sums, weights,
 //! gradients. The rest is here: walls are [`walls`], free surfaces [`surface`], the equation and

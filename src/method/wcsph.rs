@@ -3,6 +3,7 @@
 //! (1) rho_a = SUM m W_ab                                                        Nishio Eq. 4, or
 //! (2) d rho/dt = SUM m v_ab . grad W + density diffusion                        delta-SPH
 //! (3) P = c^2 rho0 / chi ((rho / rho0)^chi - 1)                                 Nishio Eqs. 7-8
+//!     with (5) rho_a >= rho0 (1 + min(C / compaction - 1, (V / c)^2)), C = SUM m / rho0 W
 //! (4) dv/dt = -SUM m (P_a/rho_a^2 + P_b/rho_b^2) grad W + viscosity + a_s + g   Nishio Eq. 5
 //!
 //! Walls are particles that take part in every sum; they carry their own summed density or the
@@ -215,6 +216,25 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.friction.clear();
         self.sort();
         self.look();
+        if self.model.compaction().is_finite() {
+            self.show_crushed();
+        }
+    }
+
+    /// (5): the sum can only lack support, so that it is the least that density can be. (2) does
+    /// not see particles that pile up where a contact line recedes; without a pressure of their
+    /// own they would end at one place. It gets what stops the flow, rho0 V^2, and no more.
+    fn show_crushed(&mut self) {
+        let (model, around, scale) = (&self.model, &self.around, self.sum_factor());
+        let most = model.settings.sound_speed_factor.powi(-2);
+        let density = Slots::new(&mut self.flow.particles.density);
+        each(around.len(), |i| {
+            let over = around[i].kernel_sum(scale) as f64 / model.compaction() - 1.0;
+            if over > 0.0 {
+                let rho = unsafe { density.at(i) };
+                *rho = rho.max(model.density * (1.0 + over.min(most)));
+            }
+        });
     }
 
     /// Sorts along cells and finds neighbours; every array follows.

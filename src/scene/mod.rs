@@ -220,8 +220,9 @@ pub enum KernelName {
 pub enum Density {
     /// Nishio Eq. 4.
     Summation,
-    /// Continuity equation with density diffusion of this strength (delta-SPH).
-    Continuity { diffusion: f64 },
+    /// Continuity equation with density diffusion of this strength (delta-SPH), and the kernel sum
+    /// from which crushed liquid shows its density (infinite: it never does).
+    Continuity { diffusion: f64, compaction: f64 },
 }
 
 /// What a pressure below zero becomes.

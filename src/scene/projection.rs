@@ -38,4 +38,6 @@ pub struct Projection {
     pub shortest: f64,
     /// Longest step, s; infinite for none.
     pub longest: f64,
+    /// What a free surface holds before it tears, in (d - 1) sigma / h.
+    pub cohesion: f64,
 }

@@ -9,6 +9,9 @@ pub enum WettingForm {
     ParticleTypes([f64; 3]),
 }
 
+/// Degrees; the cosine of zero is 3 % more.
+const FLATTEST: f64 = 15.0;
+
 /// How the liquid wets every wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wetting {
@@ -45,11 +48,18 @@ impl Wetting {
         })
     }
 
+    /// cot(angle) of the surface that goes on into the wall, at least [`FLATTEST`] from it: nearer,
+    /// it would go on for many kernels. Young's force has the angle itself.
+    pub fn cotangent(&self) -> f64 {
+        let angle = self.angle.clamp(FLATTEST, 180.0 - FLATTEST);
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        cosine / sine
+    }
+
     /// How much longer a distance can be than its image under a shear by cot(angle): the shear's
     /// larger principal stretch, (|k| + sqrt(k^2 + 4)) / 2.
     pub fn stretch(&self) -> f64 {
-        let (sine, cosine) = self.angle.to_radians().sin_cos();
-        let shear = (cosine / sine).abs();
+        let shear = self.cotangent().abs();
         0.5 * (shear + (shear * shear + 4.0).sqrt())
     }
 }

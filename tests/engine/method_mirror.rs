@@ -1,7 +1,7 @@
 //! Mirror planes: a part of a symmetric scene moves as the whole does.
 
 use super::allocation::counted;
-use super::method_scene::{EFFECTS, GRAVITY, disturbed, words};
+use super::method_scene::{EFFECTS, GRAVITY, disturbed, narrowed, words};
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
 use coronet::scene::{Scene, file};
@@ -26,6 +26,7 @@ fn part(preset: &str, dimension: usize, sides: &str, effects: &str, is_pool: boo
         "wcsph" => String::new(),
         _ => format!("[method.{method}]\ntolerance = 1e-6\n"),
     };
+    let effects = narrowed(method, preset, effects, 2.5);
     let text = format!(
         "dimension = {dimension}\n[box]\nsize = [{lateral}, '5.6 mm']\n\
          symmetry = '{symmetry}'\n{sides}\n[liquid]\ndensity = '1100 kg/m^3'\n{effects}{pool}\

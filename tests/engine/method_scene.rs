@@ -15,11 +15,20 @@ pub const GRAVITY: &str = "[effects.gravity]\nacceleration = '9.81 m/s^2'\n";
 
 const POOL: &str = "layer = { depth = '1.6 mm' }\n";
 
+/// The tension of `mps corrected` with a reach, in h, that these small boxes have room for.
+pub fn narrowed(method: &str, preset: &str, parts: &str, smoothing: f64) -> String {
+    let wide = (method, preset) == ("mps", "corrected");
+    let table = "[effects.tension]\n";
+    let narrow = format!("{table}smoothing = {smoothing}\n");
+    parts.replace(table, if wide { &narrow } else { table })
+}
+
 /// A lattice scene with spacing 0.4 mm in a box of 4.8 mm; `parts`: tables of effects and bodies;
 /// `preset`: of WCSPH, or with the method before it, as in "isph modern".
 pub fn scene(preset: &str, dimension: usize, sides: &str, parts: &str) -> Scene {
     let (method, preset) = preset.split_once(' ').unwrap_or(("wcsph", preset));
     let size = ["'4.8 mm'"; 3][..dimension].join(", ");
+    let parts = &narrowed(method, preset, parts, 1.9);
     let text = format!(
         "dimension = {dimension}\n[box]\nsize = [{size}]\n{sides}\n\
          [liquid]\ndensity = '1100 kg/m^3'\n{parts}\n\

@@ -134,7 +134,13 @@ fn every_setting_of_the_method_can_be_overridden() {
     );
     assert_eq!(flow("density=summation").density, Density::Summation);
     let continuity = flow("density={ continuity = { diffusion = 0.2 } }").density;
-    assert_eq!(continuity, Density::Continuity { diffusion: 0.2 });
+    let wanted = |diffusion, compaction| Density::Continuity {
+        diffusion,
+        compaction,
+    };
+    assert_eq!(continuity, wanted(0.2, 1.1));
+    let unseen = flow("density={ continuity = { compaction = \"none\" } }").density;
+    assert_eq!(unseen, wanted(0.1, f64::INFINITY));
     assert_eq!(
         flow("pressure=clipped").pressure,
         coronet::scene::Pressure::Clipped
@@ -177,6 +183,7 @@ fn every_setting_of_the_projection(flow: impl Fn(&str) -> coronet::scene::Projec
     assert_eq!(flow("courant=0.2").courant, 0.2);
     assert_eq!(flow("shortest=1 us").shortest, 1e-6);
     assert_eq!(flow("longest=1 ms").longest, 1e-3);
+    assert_eq!(flow("cohesion=0.5").cohesion, 0.5);
 }
 
 #[test]
@@ -251,7 +258,7 @@ fn methods_of_one_kernel_share_what_they_pack() {
 #[test]
 fn every_shipped_scene_loads_and_its_numbers_are_sane() {
     let files = shipped();
-    assert_eq!(files.len(), 28, "a scene file came or went: {files:?}");
+    assert_eq!(files.len(), 29, "a scene file came or went: {files:?}");
     for path in files {
         let loaded = file::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
         let scene = &loaded.scene;

@@ -129,7 +129,7 @@ impl<S: Scheme> Projection<S> {
         let right = Slots::new(&mut values);
         let this = &*self;
         let unit = S::unit(this);
-        let (n, span) = (this.flow.liquid(), this.span(dt));
+        let (n, span, held) = (this.flow.liquid(), this.span(dt), this.cohesion());
         each(this.sums.len(), |i| {
             *unsafe { right.at(i) } = match this.settings.source {
                 _ if S::given(this, i) => 0.0,
@@ -154,7 +154,7 @@ impl<S: Scheme> Projection<S> {
                     // What is stretched at a surface tears: a sheet of one or two particles cannot
                     // get thinner, and to hold it together would take its energy.
                     if (this.local[i].kernel_sum as f64) < SURFACE {
-                        right.max(0.0)
+                        right.max(0.0 - held * this.equation.diagonal[i])
                     } else {
                         right
                     }
@@ -170,6 +170,14 @@ impl<S: Scheme> Projection<S> {
     fn span(&self, dt: f64) -> f64 {
         let usual = self.settings.courant * self.case.spacing / self.case.speed;
         if usual.is_finite() { dt.max(usual) } else { dt }
+    }
+
+    /// What a surface holds before it tears, Pa: the tension of a particle of radius h.
+    fn cohesion(&self) -> f64 {
+        let case = &self.case;
+        let sides = case.dimension.count() as f64 - 1.0;
+        let sigma = case.effects.tension.unwrap_or(0.0);
+        self.settings.cohesion * sides * sigma / case.h
     }
 
     /// What walls take in a step of which `dt` is the part theta.

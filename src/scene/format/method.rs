@@ -88,6 +88,7 @@ pub static MPS: &[Field] = &[
     COURANT,
     SHORTEST,
     LONGEST,
+    COHESION,
 ];
 
 pub static ISPH: &[Field] = &[
@@ -113,6 +114,7 @@ pub static ISPH: &[Field] = &[
     COURANT,
     SHORTEST,
     LONGEST,
+    COHESION,
 ];
 
 static EITHER_SOURCE: &[Kind] = &[
@@ -162,6 +164,12 @@ const LONGEST: Field = optional(
     "longest",
     Kind::Either(&[Kind::Word(&["none"]), TIME]),
     "Longest time step, or \"none\".",
+);
+
+const COHESION: Field = optional(
+    "cohesion",
+    Kind::Number(Range::NotNegative),
+    "What a free surface holds before it tears, in (d - 1) sigma / h.",
 );
 
 pub static SOURCE: &[Field] = &[optional(
@@ -261,12 +269,23 @@ pub static DENSITY: &[Field] = &[optional(
     "The continuity equation.",
 )];
 
-pub static CONTINUITY: &[Field] = &[default(
-    "diffusion",
-    Kind::Number(Range::NotNegative),
-    "0.1",
-    "Strength delta of the density diffusion.",
-)];
+pub static CONTINUITY: &[Field] = &[
+    default(
+        "diffusion",
+        Kind::Number(Range::NotNegative),
+        "0.1",
+        "Strength delta of the density diffusion.",
+    ),
+    default(
+        "compaction",
+        Kind::Either(&[
+            Kind::Word(&["none"]),
+            Kind::Number(Range::Between(1.02, 2.0)),
+        ]),
+        "1.1",
+        "Kernel sum from which crushed liquid shows its density.",
+    ),
+];
 
 pub static STEPPING: &[Field] = &[
     optional(

@@ -109,7 +109,7 @@ pub static WETTING: &[Field] = &[
     ),
 ];
 
-const CONTACT: Kind = Kind::Quantity(Unit::Angle, Range::Between(15.0, 165.0));
+const CONTACT: Kind = Kind::Quantity(Unit::Angle, Range::Between(0.0, 180.0));
 
 pub static GRAVITY: &[Field] = &[
     required(

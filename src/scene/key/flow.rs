@@ -197,6 +197,17 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
         Method::Isph(settings) => isph::settings(list, settings),
         Method::Mps(settings) => mps::settings(list, settings),
     }
+    cohesion(list, scene);
+}
+
+/// What tension holds of a surface. None is not named: older results stay fresh.
+fn cohesion(list: &mut List, scene: &Scene) {
+    let settings = scene.method.projection();
+    let held = settings.map_or(0.0, |settings| settings.cohesion);
+    if scene.effects.tension.is_some() && held > 0.0 {
+        let name = format!("method.{}.cohesion", scene.method.name());
+        list.number(&name, held, Unit::One);
+    }
 }
 
 /// The defaults are not named: results that are older than these settings stay fresh.
@@ -223,13 +234,20 @@ fn has_wall(scene: &Scene) -> bool {
 fn wcsph(list: &mut List, settings: &Wcsph, walled: bool) {
     match settings.density {
         Density::Summation => list.word("method.wcsph.density", "summation"),
-        Density::Continuity { diffusion } => {
+        Density::Continuity {
+            diffusion,
+            compaction,
+        } => {
             list.word("method.wcsph.density", "continuity");
             list.number(
                 "method.wcsph.density.continuity.diffusion",
                 diffusion,
                 Unit::One,
             );
+            if compaction.is_finite() {
+                let name = "method.wcsph.density.continuity.compaction";
+                list.number(name, compaction, Unit::One);
+            }
         }
     }
     let pressure = match settings.pressure {

@@ -34,6 +34,7 @@ pub fn isph_paper() -> Isph {
             courant: 0.1,   // law not given: speeds of 1.25 to 5 m/s span
             shortest: 5e-6, // the steps of Section 3 at d0 = 0.25 mm
             longest: 20e-6,
+            cohesion: 0.0,
         },
         closure: Closure::Mirrored,    // Eq. 11
         gradient: Gradient::Symmetric, // Eq. 9
@@ -64,7 +65,10 @@ pub fn isph_modern() -> Isph {
     Isph {
         sph: sph_modern(),
         gradient: Gradient::Corrected, // Bonet & Lok 1999
-        projection: projection_modern(isph_corrected().projection.source),
+        projection: Projection {
+            cohesion: 1.0, // without it a contact line sheds 8 % of a drop in 4 ms, with it 2.5 %
+            ..projection_modern(isph_corrected().projection.source)
+        },
         ..isph_corrected()
     }
 }

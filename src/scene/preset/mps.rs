@@ -44,6 +44,7 @@ pub fn mps_paper() -> Mps {
             courant: 0.1, // not given
             shortest: 0.1e-6,
             longest: f64::INFINITY,
+            cohesion: 0.0,
         },
     };
     mps.with_length()

@@ -17,6 +17,7 @@ pub(super) fn projection_modern(source: PoissonSource) -> Projection {
         courant: 0.25, // Shao & Lo 2003 use 0.1, Lind et al. 2012 up to 0.25
         shortest: 0.1e-6,
         longest: f64::INFINITY,
+        cohesion: 0.0,
     }
 }
 
@@ -55,6 +56,7 @@ pub(super) fn override_projection(
                 _ => value.quantity(Unit::Time)?,
             }
         }
+        "cohesion" => settings.cohesion = value.number()?,
         _ => return Ok(false),
     }
     Ok(true)

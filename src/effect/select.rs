@@ -123,6 +123,7 @@ pub fn typed(effects: &Effects, settings: &Sph, domain: &Domain, spacing: f64) -
             angle: effects.wetting?,
             domain: domain.clone(),
             lengths: lengths.map(|length| length * spacing),
+            here: Vec::new(),
         }),
     }
 }

@@ -34,9 +34,7 @@ impl Sph {
     pub fn lifts_tension(&self) -> bool {
         self.tension_level == TensionLevel::Surface && self.tension_form == TensionForm::RawColour
     }
-}
 
-impl Sph {
     /// How far beside a particle its neighbours are counted, in 2 h (Xie et al., Eq. 14).
     fn beside(&self) -> f64 {
         match self.tension_form {

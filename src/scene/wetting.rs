@@ -42,10 +42,13 @@ impl Wetting {
     /// Half of what the cosines of receding and advancing angle differ by: the friction of a
     /// contact line over the tension.
     pub fn friction(&self) -> f64 {
-        self.hysteresis.map_or(0.0, |angles| {
-            let [advancing, receding] = cosines(angles);
-            0.5 * (receding - advancing)
-        })
+        let [advancing, receding] = self.cosines();
+        0.5 * (receding - advancing)
+    }
+
+    /// Of advancing and receding angle; twice the same without hysteresis.
+    pub fn cosines(&self) -> [f64; 2] {
+        cosines(self.hysteresis.unwrap_or([self.angle; 2]))
     }
 
     /// cot(angle) of the surface that goes on into the wall, at least [`FLATTEST`] from it: nearer,

@@ -1,5 +1,6 @@
 //! Curvature from counted neighbours: against all pairs in f64, and on circles and spheres.
 
+use super::allocation::counted;
 use super::cloud::{Cloud, OPEN, dot, length};
 use super::pack_scene::S0;
 use coronet::effect::tension::Tension;
@@ -305,6 +306,7 @@ fn particles_of_a_contact_line_are_pulled_at_the_angle() {
             angle: Wetting::of(angle),
             domain: cloud.flow.domain.clone(),
             lengths: [2.1, 4.1, 4.1].map(|l| l * S0),
+            here: Vec::new(),
         });
         let top = |i: usize| flank(i) || cloud.flow.position(i)[2] / S0 > 19.0;
         let pulls = pulls(&cloud, &mut tension, &top);
@@ -330,6 +332,13 @@ fn particles_of_a_contact_line_are_pulled_at_the_angle() {
         assert_eq!(line, 12, "six rows on either side");
         let sources = cloud.flow.sources();
         let surface = surface_of(&cloud.flow, &sources);
+        let reached: Vec<u32> = (0..pulls.len() as u32)
+            .filter(|i| top(*i as usize))
+            .collect();
+        let (mut n, mut kappa) = (vec![[0.0; 3]; reached.len()], vec![0.0; reached.len()]);
+        let typed = tension.typed.as_mut().unwrap();
+        let again = || typed.prescribe(&surface, top, &reached, (&mut n, &mut kappa));
+        assert_eq!(counted(again), 0, "allocations of another step");
         let mut held = Vec::new();
         tension.friction(&surface, &cloud.flow.particles.velocity, &mut held);
         for (i, held) in held.iter().enumerate() {

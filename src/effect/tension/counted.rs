@@ -51,7 +51,7 @@ const DISORDER: f64 = 0.2;
 
 /// Scratch memory, and what is fixed once the spacing is known.
 #[derive(Clone, Debug, Default)]
-pub struct Counted {
+pub(super) struct Counted {
     fixed: Option<Fixed>,
     /// Per `near`: n1 and the vector along n.
     numbers: Vec<[f32; 4]>,
@@ -59,8 +59,8 @@ pub struct Counted {
     deeper: Vec<f32>,
     means: Vec<[f32; 2]>,
     /// n and kappa, 1/m.
-    pub normal: Vec<[f64; 3]>,
-    pub curvature: Vec<f64>,
+    normal: Vec<[f64; 3]>,
+    curvature: Vec<f64>,
 }
 
 /// n0, the sum of curvatures from 1 - n2 / n0, 1/m, and l0 in H; `gain`: g of (7), or 2 of (2).
@@ -86,7 +86,7 @@ impl Fixed {
         if PRINTED {
             return Fixed {
                 flat: disordered(radius, dimension),
-                scale: 2.0 * (dimension as f64 - 1.0) / (2.0 * length),
+                scale: (dimension as f64 - 1.0) / length,
                 spacing: spacing / length,
                 gain: 2.0,
             };

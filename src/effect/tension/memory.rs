@@ -21,6 +21,7 @@ impl Tension {
                 + self.stressed.start.capacity())
             + self.stressed.images.memory()
             + self.counted.memory()
+            + 8 * self.typed.as_ref().map_or(0, |typed| typed.here.capacity())
             + self.band.memory()
             + self.wetting.as_ref().map_or(0, Wetting::memory)
     }

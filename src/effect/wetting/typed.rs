@@ -19,13 +19,15 @@
 use crate::effect::tension::Surface;
 use crate::scene::{Domain, Side, Wetting};
 
-/// What is fixed.
+/// The angle, and who is at a contact line.
 #[derive(Clone, Debug)]
 pub struct Typed {
     pub angle: Wetting,
     pub domain: Domain,
     /// L1, L2, L3, m.
     pub lengths: [f64; 3],
+    /// Those about a signal particle, by place in a list of the surface's.
+    pub here: Vec<usize>,
 }
 
 /// A wall: its axis, that along it, and which side.
@@ -39,40 +41,42 @@ struct Wall {
 impl Typed {
     /// (2) to (5), for the particles `reached` at the surface: changes n and kappa, 1/m.
     pub fn prescribe(
-        &self,
+        &mut self,
         flow: &Surface,
         is_surface: impl Fn(usize) -> bool,
         reached: &[u32],
         (normal, curvature): (&mut [[f64; 3]], &mut [f64]),
     ) {
+        let mut here = std::mem::take(&mut self.here);
         for wall in self.walls() {
             let Some(signals) = self.signals(flow, &is_surface, wall) else {
                 continue;
             };
-            // Those about each signal, contact line free ones first.
             for (signal, inward) in signals.into_iter().zip([1.0, -1.0]) {
                 let nearest = |k: usize| {
                     let apart = |other: usize| distance(flow, reached[k] as usize, other, wall);
                     let other = signals[usize::from(inward > 0.0)];
-                    let here = apart(signal);
-                    let wins = here < apart(other) || inward > 0.0 && here == apart(other);
-                    wins && here < self.lengths[2]
+                    let [own, beyond] = [signal, other].map(apart);
+                    let wins = own < beyond || inward > 0.0 && own == beyond;
+                    wins && own < self.lengths[2]
                 };
-                let here: Vec<usize> = (0..reached.len()).filter(|k| nearest(*k)).collect();
+                here.clear();
+                here.extend((0..reached.len()).filter(|k| nearest(*k)));
                 let is_free =
                     |k: &&usize| self.height(flow, reached[**k] as usize, wall) >= self.lengths[0];
-                let free: Vec<usize> = here.iter().filter(is_free).copied().collect();
                 for &k in &here {
                     normal[k] = self.normal(normal[k], wall, inward);
                     let i = reached[k] as usize;
                     let apart = |f: &usize| distance(flow, i, reached[*f] as usize, wall);
-                    let nearest = free.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+                    let free = here.iter().filter(is_free);
+                    let nearest = free.min_by(|a, b| apart(a).total_cmp(&apart(b)));
                     if let Some(&nearest) = nearest {
                         curvature[k] = curvature[nearest];
                     }
                 }
             }
         }
+        self.here = here;
     }
 
     /// Fills `into`, by liquid particle, with a friction along walls that stops every boundary
@@ -117,22 +121,19 @@ impl Typed {
             let z = self.height(flow, *i, wall);
             low < z && z < high && !is_surface(*i)
         };
-        let order = |a: &usize, b: &usize| along[*a].total_cmp(&along[*b]);
-        let first = (0..flow.density.len()).filter(layer).min_by(order)?;
-        let last = (0..flow.density.len()).filter(layer).max_by(order)?;
-        Some([first, last])
+        let widened = |[first, last]: [usize; 2], i: usize| {
+            let first = if along[i] < along[first] { i } else { first };
+            [first, if along[i] < along[last] { last } else { i }]
+        };
+        let ends = (0..flow.density.len()).filter(layer).map(|i| [i; 2]);
+        ends.reduce(|ends, [i, _]| widened(ends, i))
     }
 
     /// (4); `inward`: the sign of n_t.
     fn normal(&self, counted: [f64; 3], wall: Wall, inward: f64) -> [f64; 3] {
         let into_wall = [-1.0, 1.0][wall.side];
-        let cosine = match self.angle.hysteresis {
-            None => self.angle.angle.to_radians().cos(),
-            Some([advancing, receding]) => {
-                let [least, most] = [advancing, receding].map(|angle| angle.to_radians().cos());
-                (into_wall * counted[wall.across]).clamp(least, most)
-            }
-        };
+        let [least, most] = self.angle.cosines();
+        let cosine = (into_wall * counted[wall.across]).clamp(least, most);
         let mut normal = [0.0; 3];
         normal[wall.across] = into_wall * cosine;
         normal[wall.along] = inward * (1.0 - cosine * cosine).max(0.0).sqrt();

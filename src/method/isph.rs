@@ -27,7 +27,7 @@ use super::flow::Flow;
 use super::model::Case;
 use super::pass::Summation;
 use super::projection::correction::times;
-use super::projection::look::{Local, Sums};
+use super::projection::look::Sums;
 use super::projection::{Projection, Scheme, surface};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
@@ -258,10 +258,6 @@ impl<K: Kernel> Scheme for Isph<K> {
             };
             *push = corrected.map(|a| a as f32);
         });
-    }
-
-    fn stir(local: &Local, _: f64) -> (f32, f32) {
-        (local.kernel_sum, local.stir)
     }
 
     fn memory(&self) -> usize {

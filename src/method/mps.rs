@@ -8,7 +8,7 @@
 //! (6) lap p = -rho / dt^2 (n* - n0) / n0; with `source.divergence`
 //!     lap p = rho (div v* / dt - gamma (n - n0) / (n0 dt T)), T as in ISPH       Eq. 8
 //!     (Tanaka & Masunaga 2010)
-//! (7) v^(n+1) = v* - dt grad p / rho,  r^(n+1) = r^n + dt v^(n+1)
+//! (7) v^(n+1) = v* - dt grad p / rho,  r^(n+1) = r^n + dt v^(n+1); with `theta` < 1 as ISPH
 //!
 //! Not in the paper: p = 0 where n < beta n0 (Koshizuka & Oka 1996); in (3) p_i is the least p
 //! about i (Koshizuka, Nobe & Oka 1998). `gradient.symmetric` has p_j + p_i in its place (Tanaka &
@@ -16,14 +16,16 @@
 //! it (Khayyer & Gotoh 2008) would leave nothing of a linear p on a lattice.
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
-//! `closure.completed` is that of ISPH, [`surface`], with the weights of (4); there
-//! and in the shifting a smooth kernel of h = r_e / 2 shows the surface. The
-//! step, its limits, walls and shifting: [`super::projection`]. Near a surface only tension shifts:
-//! what stirs the neighbours is not summed.
+//! `closure.completed` is that of ISPH, [`surface`], with the weights of (4); there and in the
+//! shifting a smooth kernel of h = r_e / 2 shows the surface. The step, its limits, walls and
+//! shifting: [`super::projection`].
 //!
-//! Fails with `courant` 0.25 (vortices), and with `threshold` and `source.divergence` in a splash:
-//! what is flagged for a moment is let go at p = 0, and no source brings it back; (6) as printed
-//! turns noise of n into pressure.
+//! In (3) and div v* the weight w / r^2 stays, nearer than `core`, what it is there. Else pressure
+//! moves a pair at half a spacing by w^2 / r^2 where (4) counts on w: four times as far, and back
+//! farther in every step, until a contact line throws off particles.
+//!
+//! Fails with `threshold` and `source.divergence` in a splash: what is flagged for a moment is let
+//! go at p = 0, and no source brings it back; (6) as printed turns noise of n into pressure.
 //! The tension of Eqs. 10-16 and the wetting of Eq. 18 are effects: `effect::tension`.
 //! Tests: tests/engine/{mps,projection}_*.rs, tests/validation.
 
@@ -32,14 +34,12 @@ pub mod pass;
 
 use super::model::Case;
 use super::projection::correction::times;
-use super::projection::look::Local;
 use super::projection::{Projection, Scheme, surface};
-use super::shifting::LOOSE;
 use crate::kernel::WendlandC2;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, Pressure};
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
-use pass::{Around, Look, Number, PressureSlope, Viscous, Weights};
+use pass::{Around, Look, NEAREST, Number, PressureSlope, Viscous, Weights};
 
 /// The kernel of walls, of the free surface and of the shifting.
 pub type Smooth = WendlandC2;
@@ -79,6 +79,8 @@ pub(super) struct Mps {
     /// r_e of (2), (3), and of (4), in spacings.
     radius: f64,
     laplacian_radius: f64,
+    /// Where the weight of gradients ends to grow, in spacings.
+    core: f64,
     beta: f64,
     closure: MpsClosure,
     gradient: MpsGradient,
@@ -97,6 +99,7 @@ impl Mps {
         Mps {
             radius: settings.radius,
             laplacian_radius: settings.laplacian_radius,
+            core: settings.core,
             beta: settings.beta,
             closure: settings.closure,
             gradient: settings.gradient,
@@ -111,6 +114,11 @@ impl Mps {
     /// r_e / h of number density and gradient, and of the Laplacian.
     fn reach(&self, case: &Case) -> f32 {
         (self.radius / case.sph.smoothing) as f32
+    }
+
+    /// Where the weight of gradients ends to grow, in h.
+    fn core(&self, case: &Case) -> f32 {
+        NEAREST.max((self.core / case.sph.smoothing) as f32)
     }
 
     fn laplacian_reach(&self, case: &Case) -> f32 {
@@ -131,6 +139,7 @@ impl Mps {
     fn look_with<const CORRECTED: bool>(p: &mut Projection<Self>) {
         let pass = Look::<CORRECTED> {
             reach: p.scheme.reach(&p.case),
+            core: p.scheme.core(&p.case),
             number: 1.0 / p.scheme.lattice.number,
             value: p.scheme.gradient_factor(&p.case),
             length: p.case.h,
@@ -290,14 +299,15 @@ impl Scheme for Mps {
             p.pressure.copy_from_slice(&p.unknown[..n]);
         }
         p.push.resize(n, [0.0; 3]);
-        let (scale, reach) = (p.scale(), p.scheme.reach(&p.case));
+        let scale = p.scale();
+        let (reach, core) = (p.scheme.reach(&p.case), p.scheme.core(&p.case));
         p.pack_pressure();
         let (records, rows) = (&p.flow.records, &p.flow.rows);
         if p.scheme.gradient == MpsGradient::Symmetric {
-            let pass = PressureSlope::<true> { reach };
+            let pass = PressureSlope::<true> { reach, core };
             sweep::rows(records, rows, scale, &pass, &mut p.push);
         } else {
-            let pass = PressureSlope::<false> { reach };
+            let pass = PressureSlope::<false> { reach, core };
             sweep::rows(records, rows, scale, &pass, &mut p.push);
         }
         // d = r_i - r_j: the sign of (3) and that of the acceleration cancel.
@@ -312,10 +322,6 @@ impl Scheme for Mps {
             }
             *push = sum.map(|a| a as f32);
         });
-    }
-
-    fn stir(_: &Local, fastest: f64) -> (f32, f32) {
-        (LOOSE, fastest as f32)
     }
 
     fn memory(&self) -> usize {

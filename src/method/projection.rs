@@ -3,7 +3,7 @@
 //! (1) v* = v^n + dt (viscosity + tension + g),  r* = r^n + dt v*
 //! (2) the pressure equation at r*: SUM w (p_a - p_b) + surface terms = right-hand side
 //! (3) v^(n+1) = v* - dt grad p / rho
-//! (4) r^(n+1) = r^n + dt v, v the mean of v^n and v^(n+1), or v^(n+1)
+//! (4) r^(n+1) = r^n + dt v, v the mean of v^n and v^(n+1), or v^(n+1) (MPS at theta = 1)
 //!
 //! With `theta` below 1, (1) to (3) go over theta dt, and v^n + (v - v^n) / theta is v^(n+1) (theta
 //! method). At 1, implicit Euler, a step takes (dt grad p / rho)^2 / 2 of the kinetic energy, and
@@ -66,7 +66,7 @@ const MIST: f32 = 0.4;
 pub(super) trait Scheme: Sized + Send + Sync {
     /// As in `method.NAME` of a scene.
     const NAME: &'static str;
-    /// Whether particles move with the mean of old and new velocity, else with the new one.
+    /// Whether particles move with the mean of old and new velocity at theta = 1 too.
     const TRAPEZOIDAL: bool;
     /// The kernel of walls, free surface and shifting.
     type Kernel: Kernel;
@@ -104,8 +104,6 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn unit(p: &Projection<Self>) -> f64;
     /// Fills `push` with -grad p / rho.
     fn slope(p: &mut Projection<Self>);
-    /// Support and stir for `Shifting::near`; `fastest` in m/s.
-    fn stir(local: &Local, fastest: f64) -> (f32, f32);
     /// Bytes held.
     fn memory(&self) -> usize;
 }

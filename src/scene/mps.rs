@@ -31,6 +31,8 @@ pub struct Mps {
     /// Radius r_e / l0 of number density and gradient, and of the Laplacian.
     pub radius: f64,
     pub laplacian_radius: f64,
+    /// Distance over l0 below which the weight of gradients stays what it is there.
+    pub core: f64,
     /// n / n0 below which a particle is at the surface.
     pub beta: f64,
     pub closure: MpsClosure,

@@ -232,6 +232,7 @@ fn every_setting_of_mps_can_be_overridden() {
     assert_eq!(flow("radius=2.5").radius, 2.5);
     assert_eq!(flow("radius=4").sph.smoothing, 2.0);
     assert_eq!(flow("laplacian_radius=4").sph.smoothing, 2.0);
+    assert_eq!(flow("core=0.5").core, 0.5);
     assert_eq!(flow("beta=0.95").beta, 0.95);
     assert_eq!(flow("closure=threshold").closure, MpsClosure::Threshold);
     assert_eq!(flow("gradient=minimum").gradient, MpsGradient::Minimum);

@@ -13,17 +13,18 @@ use crate::space::sweep::{Pair, Pass};
 
 /// Nearer than this, some quarter of a spacing, the weight is that at it, and what it makes of a
 /// separation fades with that: two particles at one place are an error that must not throw either.
-const NEAREST: f32 = 0.15;
+pub(super) const NEAREST: f32 = 0.15;
 
 /// w = r_e / r - 1 (Eq. 3) from the squared distance; zero for r = 0 and beyond `reach`, r_e / h.
+/// Below `core` it stays as it is there.
 ///
 /// # Safety
 /// The processor has the features of `L`.
 #[inline(always)]
-unsafe fn weight<L: Lanes>(q2: L::F, reach: f32) -> L::F {
+unsafe fn weight<L: Lanes>(q2: L::F, reach: f32, core: f32) -> L::F {
     unsafe {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let q = L::max(L::sqrt(q2), L::splat(NEAREST));
+        let q = L::max(L::sqrt(q2), L::splat(core));
         let w = L::sub(L::div(L::splat(reach), q), one);
         L::if_less(zero, q2, L::max(w, zero))
     }
@@ -34,10 +35,10 @@ unsafe fn weight<L: Lanes>(q2: L::F, reach: f32) -> L::F {
 /// # Safety
 /// The processor has the features of `L`.
 #[inline(always)]
-unsafe fn steep<L: Lanes>(q2: L::F, reach: f32) -> L::F {
+unsafe fn steep<L: Lanes>(q2: L::F, reach: f32, core: f32) -> L::F {
     unsafe {
-        let near = L::splat(NEAREST * NEAREST);
-        L::div(weight::<L>(q2, reach), L::max(q2, near))
+        let near = L::splat(core * core);
+        L::div(weight::<L>(q2, reach, core), L::max(q2, near))
     }
 }
 
@@ -57,7 +58,7 @@ impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) -> L::F {
         unsafe {
-            let mut w = weight::<L>(pair.q2, self.reach);
+            let mut w = weight::<L>(pair.q2, self.reach, NEAREST);
             if FLAGGED {
                 let whole = L::mul(w, pair.own[0]);
                 w = L::mul(whole, pair.other[0]);
@@ -79,8 +80,9 @@ impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
 /// Fills [`Local`]. Payload: v* (3), unused (2).
 /// `CORRECTED`: divergence and gradients are exact for linear fields, else as in Eq. 5.
 pub struct Look<'a, const CORRECTED: bool> {
-    /// r_e / h, 1 / n0 and d / n0.
+    /// r_e / h, where the weight of gradients ends to grow, in h, 1 / n0 and d / n0.
     pub reach: f32,
+    pub core: f32,
     pub number: f64,
     pub value: f64,
     /// h, m.
@@ -93,23 +95,24 @@ pub struct Look<'a, const CORRECTED: bool> {
     pub marks: &'a [f32],
 }
 
-impl<const CORRECTED: bool> Pass<20> for Look<'_, CORRECTED> {
+impl<const CORRECTED: bool> Pass<21> for Look<'_, CORRECTED> {
     type Out = Local;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 20]) {
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 21]) {
         unsafe {
             let q = L::sqrt(pair.q2);
-            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach));
+            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach, NEAREST));
             let smooth = Smooth::w_apart::<L>(q, pair.q2);
             sum[1] = L::add(sum[1], smooth);
             let slope = Smooth::slope_lanes::<L>(q);
-            let f = steep::<L>(pair.q2, self.reach);
+            let f = steep::<L>(pair.q2, self.reach, self.core);
             let (mut g, mut v) = (pair.d, pair.d);
             for a in 0..3 {
                 sum[2 + a] = L::fma(slope, pair.d[a], sum[2 + a]);
                 g[a] = L::mul(f, pair.d[a]);
                 v[a] = L::sub(pair.own[a], pair.other[a]);
             }
+            sum[20] = L::fma(smooth, L::dot(v, v), sum[20]);
             for (k, [a, b]) in AXES.into_iter().enumerate() {
                 sum[5 + k] = L::fma(g[a], pair.d[b], sum[5 + k]);
             }
@@ -121,9 +124,10 @@ impl<const CORRECTED: bool> Pass<20> for Look<'_, CORRECTED> {
         }
     }
     #[inline(always)]
-    fn finish(&self, target: usize, s: [f32; 20], out: &mut Local) {
+    fn finish(&self, target: usize, s: [f32; 21], out: &mut Local) {
         out.number = (self.number * s[0] as f64) as f32;
         out.kernel_sum = (self.smooth * (s[1] as f64 + Smooth::w(0.0))) as f32;
+        out.stir = (s[20] / s[1].max(f32::MIN_POSITIVE)).sqrt();
         out.slope = [s[2], s[3], s[4]].map(|s| (self.smooth / self.length * s as f64) as f32);
         out.moment = std::array::from_fn(|k| (self.value * s[5 + k] as f64) as f32);
         complete(&mut out.moment, self.active);
@@ -148,7 +152,7 @@ impl Pass<1> for Number {
     type Out = f64;
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe { sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach)) }
+        unsafe { sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach, NEAREST)) }
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
@@ -158,8 +162,9 @@ impl Pass<1> for Number {
 
 /// SUM (P_b + P_a) d w / q^2 with `SYMMETRIC`, else SUM (P_b - Q_a) d w / q^2. Payload: P, Q.
 pub struct PressureSlope<const SYMMETRIC: bool> {
-    /// r_e / h.
+    /// r_e / h, and where the weight ends to grow, in h.
     pub reach: f32,
+    pub core: f32,
 }
 
 impl<const SYMMETRIC: bool> Pass<3> for PressureSlope<SYMMETRIC> {
@@ -172,7 +177,7 @@ impl<const SYMMETRIC: bool> Pass<3> for PressureSlope<SYMMETRIC> {
             } else {
                 L::sub(pair.other[0], pair.own[1])
             };
-            let f = L::mul(steep::<L>(pair.q2, self.reach), p);
+            let f = L::mul(steep::<L>(pair.q2, self.reach, self.core), p);
             for a in 0..3 {
                 sum[a] = L::fma(f, pair.d[a], sum[a]);
             }
@@ -197,7 +202,7 @@ impl Pass<3> for Viscous {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
         unsafe {
-            let w = weight::<L>(pair.q2, self.reach);
+            let w = weight::<L>(pair.q2, self.reach, NEAREST);
             for a in 0..3 {
                 sum[a] = L::fma(w, L::sub(pair.other[a], pair.own[a]), sum[a]);
             }
@@ -222,7 +227,7 @@ impl Pass<5> for Around {
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
         unsafe {
             let q = L::sqrt(pair.q2);
-            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach));
+            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach, NEAREST));
             let w = Smooth::w_apart::<L>(q, pair.q2);
             sum[1] = L::add(sum[1], w);
             let slope = Smooth::slope_lanes::<L>(q);

@@ -28,8 +28,7 @@ impl<S: Scheme> Projection<S> {
                 .map_or([0.0; 3], |t| t.root_of(i))
                 .map(f64::from);
             let dr = if normal.iter().any(|n| *n != 0.0) {
-                let (support, stir) = S::stir(seen, shifting.fastest);
-                shifting.near(slope, normal, support, stir)
+                shifting.near(slope, normal, seen.kernel_sum, seen.stir)
             } else {
                 shifting.inside(slope)
             };

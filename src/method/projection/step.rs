@@ -309,6 +309,7 @@ impl<S: Scheme> Projection<S> {
         let theta = self.settings.theta;
         let n = self.flow.liquid();
         let damp = 1.0 / (1.0 + self.damping(dt) * dt);
+        let trapezoidal = S::TRAPEZOIDAL || theta < 1.0;
         let (push, before, friction) = (&self.push, &self.before, &self.scratch.friction);
         let p = &mut self.flow.particles;
         let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
@@ -326,7 +327,7 @@ impl<S: Scheme> Projection<S> {
             for a in 0..3 {
                 let v = unsafe { v[a].at(i) };
                 let old = before[1][a][i];
-                let mean = match S::TRAPEZOIDAL {
+                let mean = match trapezoidal {
                     true => 0.5 * (old + *v),
                     false => *v,
                 };

@@ -59,6 +59,11 @@ pub static MPS: &[Field] = &[
         "Radius r_e / l0 of the Laplacian.",
     ),
     optional(
+        "core",
+        Kind::Number(Range::Between(0.0, 1.5)),
+        "Distance over l0 below which the weight of gradients stays what it is there.",
+    ),
+    optional(
         "beta",
         Kind::Number(Range::Between(0.5, 1.0)),
         "Number density over n0 below which a particle is at the free surface.",

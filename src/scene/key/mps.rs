@@ -9,6 +9,10 @@ pub(super) fn settings(list: &mut List, settings: &Mps) {
     list.number("method.mps.radius", settings.radius, Unit::One);
     let name = "method.mps.laplacian_radius";
     list.number(name, settings.laplacian_radius, Unit::One);
+    // Results older than this setting stay fresh where nothing else has changed since.
+    if settings.core > 0.0 || settings.projection.shifting > 0.0 {
+        list.number("method.mps.core", settings.core, Unit::One);
+    }
     source(list, "mps", &settings.projection);
     match settings.closure {
         MpsClosure::Threshold => {

@@ -65,10 +65,7 @@ pub fn isph_modern() -> Isph {
     Isph {
         sph: sph_modern(),
         gradient: Gradient::Corrected, // Bonet & Lok 1999
-        projection: Projection {
-            cohesion: 1.0, // without it a contact line sheds 8 % of a drop in 4 ms, with it 2.5 %
-            ..projection_modern(isph_corrected().projection.source)
-        },
+        projection: projection_modern(isph_corrected().projection.source),
         ..isph_corrected()
     }
 }

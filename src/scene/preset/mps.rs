@@ -28,8 +28,9 @@ pub fn mps_paper() -> Mps {
             wetting_form: WettingForm::ParticleTypes(LAYERS), // Eq. 18
             ..sph_modern()
         },
-        radius: 2.1,                    // not given; usual
-        laplacian_radius: 3.1,          // not given; usual
+        radius: 2.1,           // not given; usual
+        laplacian_radius: 3.1, // not given; usual
+        core: 0.0,
         beta: 0.97,                     // not given; Koshizuka & Oka 1996
         closure: MpsClosure::Threshold, // not described; Koshizuka & Oka 1996
         gradient: MpsGradient::Minimum, // Eq. 5 needs it: Koshizuka, Nobe & Oka 1998
@@ -79,14 +80,10 @@ pub fn mps_modern() -> Mps {
     let mps = Mps {
         sph: sph_young(),
         radius: 3.1,
-        laplacian_radius: 2.1, // with 3.1 short waves of pressure are corrected too far
+        core: 0.85, // below, two particles are pushed up to 4 times as far as Eq. 6 has it
         gradient: MpsGradient::Corrected, // Khayyer & Gotoh 2011; Tamai & Koshizuka 2014
         pressure: Pressure::Signed,
-        projection: Projection {
-            theta: 1.0,   // positions follow the new velocity alone
-            courant: 0.1, // 0.25 diverges in vortices
-            ..projection_modern(corrected.projection.source)
-        },
+        projection: projection_modern(corrected.projection.source),
         ..corrected
     };
     mps.with_length()
@@ -117,6 +114,7 @@ fn override_flow(settings: &mut Mps, table: &Cursor<'_>) -> Result<(), SceneErro
         match key {
             "radius" => settings.radius = value.number()?,
             "laplacian_radius" => settings.laplacian_radius = value.number()?,
+            "core" => settings.core = value.number()?,
             "beta" => settings.beta = value.number()?,
             "closure" => {
                 settings.closure = match value.text()? {

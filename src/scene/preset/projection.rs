@@ -17,7 +17,7 @@ pub(super) fn projection_modern(source: PoissonSource) -> Projection {
         courant: 0.25, // Shao & Lo 2003 use 0.1, Lind et al. 2012 up to 0.25
         shortest: 0.1e-6,
         longest: f64::INFINITY,
-        cohesion: 0.0,
+        cohesion: 1.0, // without it a contact line sheds 8 % of a drop in 4 ms, with it 2.5 %
     }
 }
 

@@ -17,11 +17,20 @@ use crate::settings::list;
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
+    use coronet::scene::Scene;
+
     pub const PACK: u32 = 2;
-    pub const RELAX: u32 = 15;
     pub const CALIBRATE: u32 = 6;
-    pub const IMPACT: u32 = 15;
     pub const POST: u32 = 5;
+    const FLOW: u32 = 15;
+
+    /// Of what only scenes with a contact angle have.
+    const WETTING: u32 = 1;
+
+    /// Of relaxation and impact.
+    pub fn flow(scene: &Scene) -> u32 {
+        FLOW + WETTING * u32::from(scene.effects.wetting.is_some())
+    }
 }
 
 fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {
@@ -50,7 +59,12 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
                 loaded,
                 body,
                 pack: jobs.len() - 1,
-                identity: identity("relax", part, version::RELAX, key::relax(scene, body)?),
+                identity: identity(
+                    "relax",
+                    part,
+                    version::flow(scene),
+                    key::relax(scene, body)?,
+                ),
             }));
         }
         bodies.push(jobs.len() - 1);
@@ -68,7 +82,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         loaded,
         bodies,
         calibration,
-        identity: identity("impact", "", version::IMPACT, key::impact(scene)?),
+        identity: identity("impact", "", version::flow(scene), key::impact(scene)?),
     }));
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
     jobs.push(Box::new(Post {

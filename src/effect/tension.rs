@@ -177,6 +177,11 @@ impl Tension {
         [0, 1, 2].map(|a| self.payload[a][i])
     }
 
+    /// [`Wetting::dry`].
+    pub fn dry(&self) -> impl Iterator<Item = (usize, [f32; 3])> {
+        self.wetting.iter().flat_map(Wetting::dry)
+    }
+
     /// Evaluates a_s near the surface.
     pub fn update(&mut self, flow: &Surface, is_surface: impl Fn(usize) -> bool + Sync) {
         self.band.mark(flow.liquid, &is_surface);

@@ -3,17 +3,17 @@
 //! (1) c_w: the part of a wall particle's cell that is filled if the surface goes on straight, at
 //!     theta to the wall; c_w = 1/2 + x / s0 in 0 .. 1, x the distance along the wall to the line
 //!     in which that surface meets the particle's layer:
-//! (2) x = (f - 1/2) / e,  f = SUM m / rho0 W^H(x_ab, sheared) / C: the sum over the liquid with
+//! (2) x = (f - 1/2) / e,  f = 2 SUM m / rho0 W^H(x_ab, sheared): the sum over the liquid with
 //!     separations sheared along the wall, x_ab + nu cot theta (z_b - z_a), nu from liquid to gas,
-//!     in which a surface at the angle theta is upright; C is that sum under liquid without end
-//!     and e the slope of f across an upright surface, both integrals of W^H at the depth of a.
+//!     in which a surface at the angle theta is upright, and e = W1(0) its slope across such a
+//!     surface, W1 the kernel summed over a plane. It is summed about the point on the face of
+//!     the wall that the shear puts above a: about a itself deep layers would see one row of liquid.
 //! The tension (6 of [`super::tension`]) counts wall particles with c_w in n, has n on wall
 //! particles too, and adds what the stress there does to the liquid:
 //! (3) a_s = SUM m / rho0^2 (T_a + c_w T_w) . grad W, over liquid and wall
 //! so that a surface at the angle theta ends nowhere. At another angle theta_d a contact line feels
 //! Young's force, sigma (cos theta - cos theta_d) nu per length (Huber et al. 2016), here with the
-//! stress itself as delta function of the surface and the kernel summed over a plane, W1, as that
-//! of the wall, for INT 2 W1 dz = 1:
+//! stress itself as delta function of the surface and W1 as that of the wall, for INT 2 W1 dz = 1:
 //! (4) a = 2 |T| |SUM m grad W over the wall| sin theta_d (cos theta - cos theta_d) nu / rho0^2
 //! with theta_d from the particle's own n; sin theta_d, because the surface crosses a layer of
 //! height dz over the length dz / sin theta_d. A surface that bends is steeper or flatter there
@@ -37,14 +37,27 @@ pub mod typed;
 
 use super::band::Band;
 use super::tension::{Gradient, Surface, level};
-use crate::kernel::Kernel;
-use crate::scene::{Domain, KernelName, Wetting as Angle};
+use crate::kernel::{self, Kernel};
+use crate::scene::{Domain, KernelName, Side, Wetting as Angle};
 use crate::space::sweep::{self, Field};
 use friction::Friction;
 use pass::Sheared;
 pub(super) use pass::Walls;
 use std::marker::PhantomData;
 use survey::{Place, survey};
+
+/// Depth in a wall, in H, from which its stress reaches liquid: that of all that is deeper comes to
+/// less than 0.001 sigma.
+const DEEP: f64 = 1.5;
+
+/// Distance from a surface, in H, to which colours of walls are needed: the stress of those within
+/// 2 H acts on liquid, and has its normal from those within 2 H of them.
+const FAR: f64 = 4.0;
+
+/// |grad C| times its smoothing length below which a wall particle lies off every contact line, and
+/// at how many smoothing lengths from one it is that; beyond there is but the noise of disorder.
+const FLAT: f64 = 0.01;
+const REACH: f64 = 1.4;
 
 /// The most that (5) adds: more is no curvature but a corner.
 const MOST_RISE: f64 = 0.3;
@@ -72,9 +85,10 @@ pub struct Wetting {
     places: Vec<Place>,
     /// c_w per wall particle.
     pub colour: Vec<f32>,
-    /// nu cot theta per wall particle, towards the liquid's side of the wall.
+    /// nu cot theta per wall particle, towards the liquid's side of the wall; the point above it.
     shear: [Vec<f32>; 3],
-    /// Wall particles near a surface, and those of each axis.
+    foot: [Vec<f64>; 3],
+    /// Wall particles near a surface, after [`Wetting::colour`] those with a stress; those of each axis.
     pub near: Vec<u32>,
     facing: [Vec<u32>; 3],
     slopes: Vec<([f32; 3], [f32; 3])>,
@@ -83,6 +97,11 @@ pub struct Wetting {
     pub normals: Vec<([f32; 3], [f32; 3])>,
     /// Per particle that the tension looks at: SUM slope d over the wall, with c_w and without.
     pub walls: Vec<([f32; 3], [f32; 3])>,
+    /// Smoothing length of the gradients by which particles are shifted, m; `None`: they are not.
+    pub short: Option<f64>,
+    /// Who is beside a wall, and the same two sums with that length.
+    pub beside: Vec<u32>,
+    pub shorter: Vec<([f32; 3], [f32; 3])>,
     /// What wall particles add to the force.
     pub force: Vec<[f32; 3]>,
     pub friction: Friction,
@@ -97,12 +116,16 @@ impl Wetting {
             places: Vec::new(),
             colour: Vec::new(),
             shear: Default::default(),
+            foot: Default::default(),
             near: Vec::new(),
             facing: Default::default(),
             slopes: Vec::new(),
             sums: Vec::new(),
             normals: Vec::new(),
             walls: Vec::new(),
+            short: None,
+            beside: Vec::new(),
+            shorter: Vec::new(),
             force: Vec::new(),
             friction: Friction::default(),
         }
@@ -110,11 +133,14 @@ impl Wetting {
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let lists = self.facing.iter().map(Vec::capacity).sum::<usize>() + self.near.capacity();
-        let pairs = self.slopes.capacity() + self.normals.capacity() + self.walls.capacity();
+        let facing = self.facing.iter().map(Vec::capacity).sum::<usize>();
+        let lists = facing + self.near.capacity() + self.beside.capacity();
+        let of_liquid = self.walls.capacity() + self.shorter.capacity();
+        let pairs = self.slopes.capacity() + self.normals.capacity() + of_liquid;
         std::mem::size_of::<Place>() * self.places.capacity()
             + 4 * (self.colour.capacity() + self.sums.capacity() + lists)
             + 12 * (self.shear[0].capacity() + self.force.capacity())
+            + 24 * self.foot[0].capacity()
             + 24 * pairs
             + self.band.memory()
             + self.friction.memory()
@@ -134,13 +160,13 @@ impl Wetting {
         if self.places.len() != flow.wall[0].len() {
             self.places = survey(&self.setting, flow.wall);
             self.shear = std::array::from_fn(|_| vec![0.0; flow.wall[0].len()]);
+            self.foot = flow.wall.clone();
         }
         self.colour.clear();
-        let wet = |place: &Place| if place.is_deep { 0.0 } else { 1.0 };
-        self.colour.extend(self.places.iter().map(wet));
+        self.colour.resize(self.places.len(), 1.0);
         let length = self.setting.length;
         self.band.mark(flow.liquid, is_surface);
-        self.band.grow(flow.grid, 2.0 * length + flow.slack);
+        self.band.grow(flow.grid, FAR * length + flow.slack);
         self.band.members_of(wall.start, &mut self.near);
         let places = &self.places;
         self.near.retain(|&j| places[j as usize].axis.is_some());
@@ -149,50 +175,81 @@ impl Wetting {
             let here = |j: &&u32| places[**j as usize].axis == Some(axis);
             facing.extend(self.near.iter().filter(here));
         }
+        self.raise(flow.wall);
+        self.lean::<K>(flow, words);
+        let shear = std::mem::take(&mut self.shear);
         let field = Field {
             grid: flow.grid,
             at: flow.at,
             payload: words,
             sources: flow.of_liquid(),
-            position: flow.wall,
-            own: words,
-            cutoff: 2.0 * length + flow.slack,
-            scale: flow.grid.scale(length),
-        };
-        self.slopes.resize(self.near.len(), Default::default());
-        sweep::runs(
-            field,
-            &self.near,
-            &Gradient::<K>(PhantomData),
-            &mut self.slopes,
-        );
-        self.lean();
-        let shear = std::mem::take(&mut self.shear);
-        let field = Field {
+            position: &self.foot,
             own: &shear,
             cutoff: 2.0 * length * self.setting.angle.stretch() + flow.slack,
-            ..field
+            scale: flow.grid.scale(length),
         };
-        let norm = K::norm(self.setting.dimension) / length.powi(self.setting.dimension as i32);
-        let factor = flow.mass / self.setting.density * norm;
+        let Setting {
+            kernel: name,
+            dimension,
+            spacing,
+            density,
+            ..
+        } = self.setting;
+        let norm = K::norm(dimension) / length.powi(dimension as i32);
+        let factor = 2.0 * flow.mass / density * norm;
+        let edge = kernel::plane(name, dimension, 0.0) / length;
         for axis in 0..3 {
             let facing = &self.facing[axis];
             self.sums.resize(facing.len(), 0.0);
             let kernel = PhantomData::<K>;
             sweep::runs(field, facing, &Sheared { axis, kernel }, &mut self.sums);
             for (&j, sum) in facing.iter().zip(&self.sums) {
-                let place = &self.places[j as usize];
-                let beyond = (factor * *sum as f64 / place.full - 0.5) / place.edge;
-                let part = 0.5 + beyond / self.setting.spacing;
+                let beyond = (factor * *sum as f64 - 0.5) / edge;
+                let part = 0.5 + beyond / spacing;
                 self.colour[j as usize] = part.clamp(0.0, 1.0) as f32;
             }
         }
         self.shear = shear;
+        let (places, colour) = (&self.places, &self.colour);
+        let pulls = |j: usize| colour[j] > 0.0 && places[j].depth < DEEP * length;
+        self.near.retain(|&j| pulls(j as usize));
     }
 
-    /// nu cot theta from the liquid's gradient along the wall.
-    fn lean(&mut self) {
-        let cotangent = self.setting.angle.cotangent();
+    /// The points on the face of the wall right above wall particles.
+    fn raise(&mut self, wall: &[Vec<f64>; 3]) {
+        for &j in &self.near {
+            let (j, place) = (j as usize, &self.places[j as usize]);
+            (0..3).for_each(|a| self.foot[a][j] = wall[a][j]);
+            if let Some(axis) = place.axis {
+                self.foot[axis][j] += place.side * place.depth;
+            }
+        }
+    }
+
+    /// nu cot theta from the liquid's gradient along the wall, and the points that it puts above
+    /// wall particles: behind a mirror plane, their images.
+    fn lean<K: Kernel>(&mut self, flow: &Surface, words: &[Vec<f32>; 3]) {
+        let (setting, d) = (&self.setting, self.setting.dimension);
+        let cotangent = setting.angle.cotangent();
+        // A flat or overhanging surface meets the last layer, at 2 H, far from its foot.
+        let longer = (2.0 / REACH * cotangent.abs()).clamp(1.0, 0.5 * FAR);
+        let length = longer * setting.length;
+        let volume = flow.mass / setting.density / length.powi(d as i32);
+        let least = FLAT / (K::norm(d) * volume);
+        let field = Field {
+            grid: flow.grid,
+            at: flow.at,
+            payload: words,
+            sources: flow.of_liquid(),
+            position: &self.foot,
+            own: words,
+            cutoff: 2.0 * length + flow.slack,
+            scale: flow.grid.scale(length),
+        };
+        let gradient = Gradient::<K>(PhantomData);
+        self.slopes.resize(self.near.len(), Default::default());
+        sweep::runs(field, &self.near, &gradient, &mut self.slopes);
+        let domain = &self.setting.domain;
         for (&j, (slope, _)) in self.near.iter().zip(&self.slopes) {
             let place = &self.places[j as usize];
             let Some(normal) = place.axis else {
@@ -201,21 +258,30 @@ impl Wetting {
             let along = [0, 1, 2].map(|a| if a == normal { 0.0 } else { slope[a] as f64 });
             let size = along.iter().map(|g| g * g).sum::<f64>().sqrt();
             for a in 0..3 {
-                let unit = if size > 0.0 { along[a] / size } else { 0.0 };
-                self.shear[a][j as usize] = (-cotangent * place.side * unit) as f32;
+                let unit = if size > least { along[a] / size } else { 0.0 };
+                let mut shear = -cotangent * place.side * unit;
+                let x = &mut self.foot[a][j as usize];
+                *x -= shear * place.side * place.depth;
+                let [low, high] = domain.boundary[a];
+                let image = match *x {
+                    x if x < 0.0 && low == Side::Mirror => -x,
+                    x if x > domain.size[a] && high == Side::Mirror => 2.0 * domain.size[a] - x,
+                    x => x,
+                };
+                if image != *x {
+                    (*x, shear) = (image, -shear);
+                }
+                self.shear[a][j as usize] = shear as f32;
             }
         }
     }
 
-    /// What lies below the last layer of wall particle `near[k]` adds to grad c there, 1/m.
-    pub fn missing(&self, k: usize) -> [f64; 3] {
-        let j = self.near[k] as usize;
-        let place = &self.places[j];
-        let mut gradient = [0.0; 3];
-        if let Some(axis) = place.axis {
-            gradient[axis] = -place.side * place.missing * self.colour[j] as f64;
-        }
-        gradient
+    /// Particles beside walls, and what the part of those that is dry adds to their SUM slope d,
+    /// which would shift them off a contact line along their surface.
+    pub fn dry(&self) -> impl Iterator<Item = (usize, [f32; 3])> {
+        let dry = |(wet, all): &([f32; 3], [f32; 3])| std::array::from_fn(|a| all[a] - wet[a]);
+        let sums = self.shorter.iter().map(dry);
+        self.beside.iter().map(|i| *i as usize).zip(sums)
     }
 
     /// (4) and the part f y of [`friction`] as multiples of 1 / (m norm / H^(d+1)), from u, SUM

@@ -78,7 +78,7 @@ fn ratio_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, M
     flow.sort();
     flow.find();
     let sigma = case.effects.tension.unwrap_or(1.0);
-    let Some(mut tension) = super::tension_of(&case, 1.0) else {
+    let Some(mut tension) = super::tension_of(&case, 1.0, false) else {
         return Ok(0.0);
     };
     let body = &scene.bodies[index];

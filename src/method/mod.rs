@@ -137,7 +137,8 @@ pub fn build(
         phase,
         body,
         flow,
-        tension: tension_of(&case, strength).or_else(|| normals_of(&case, &scene.method)),
+        tension: tension_of(&case, strength, scene.method.shifting() > 0.0)
+            .or_else(|| normals_of(&case, &scene.method)),
         state,
         pool,
     };
@@ -167,12 +168,12 @@ fn strength_of(
     })
 }
 
-/// The tension of a case, with strength `alpha`.
-fn tension_of(case: &Case, alpha: f64) -> Option<Tension> {
+/// The tension of a case, with strength `alpha`; `shifts`: for a method that shifts particles.
+fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
     let d = case.dimension.count();
     let mut tension = select::tension(&case.effects, &case.sph, d, case.h, case.density, alpha)?;
     let lengths = [case.spacing, tension.length];
-    let wetting = select::wetting(
+    tension.wetting = select::wetting(
         &case.effects,
         &case.sph,
         &case.domain,
@@ -180,7 +181,9 @@ fn tension_of(case: &Case, alpha: f64) -> Option<Tension> {
         lengths,
         case.density,
     );
-    tension.wetting = wetting;
+    if let Some(wetting) = &mut tension.wetting {
+        wetting.short = shifts.then_some(case.h);
+    }
     tension.typed = select::typed(&case.effects, &case.sph, &case.domain, case.spacing);
     Some(tension)
 }

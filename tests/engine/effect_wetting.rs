@@ -6,7 +6,7 @@ use coronet::effect::tension::Tension;
 use coronet::effect::tension::level::depths;
 use coronet::effect::wetting::friction::slowed;
 use coronet::effect::wetting::{Setting, Wetting};
-use coronet::kernel::plane;
+use coronet::kernel::{Kernel, WendlandC2, plane};
 use coronet::measure::gauge::Gauge;
 use coronet::method::{self, Phase, surface_of};
 use coronet::particle::pack::pack;
@@ -45,6 +45,14 @@ fn wetting(cloud: &Cloud, angle: f64) -> Wetting {
     })
 }
 
+fn tension(cloud: &Cloud, angle: Option<f64>) -> Tension {
+    let d = cloud.flow.dimension.count();
+    let form = TensionForm::RawColour;
+    let mut tension = Tension::new(form, KERNEL, [cloud.h; 2], SIGMA, 5.4, d, DENSITY);
+    tension.wetting = angle.map(|angle| wetting(cloud, angle));
+    tension
+}
+
 /// Accelerations of the liquid; the strength is that of a flat surface.
 fn accelerations(cloud: &Cloud, angle: Option<f64>) -> Vec<[f64; 3]> {
     accelerations_near(cloud, angle, |_| true)
@@ -55,10 +63,7 @@ fn accelerations_near(
     angle: Option<f64>,
     flag: impl Fn(usize) -> bool + Sync,
 ) -> Vec<[f64; 3]> {
-    let d = cloud.flow.dimension.count();
-    let form = TensionForm::RawColour;
-    let mut tension = Tension::new(form, KERNEL, [cloud.h; 2], SIGMA, 5.4, d, DENSITY);
-    tension.wetting = angle.map(|angle| wetting(cloud, angle));
+    let mut tension = tension(cloud, angle);
     let sources = cloud.flow.sources();
     let surface = surface_of(&cloud.flow, &sources);
     // Twice: the second time with what the first left in the buffers.
@@ -289,4 +294,97 @@ fn friction_stops_but_does_not_turn() {
     let left = 1.0 - 0.3 / 5.0;
     assert!((x - 3.0 * left).abs() < 1e-12 && (y - 4.0 * left).abs() < 1e-12 && z == 5.0);
     assert_eq!(slowed([1.0, 2.0, 3.0], [0.0; 3], 1.0), [1.0, 2.0, 3.0]);
+}
+
+/// Liquid left of a straight surface that meets the floor at `angle`, `part` of a spacing on.
+fn wedge(angle: f64, part: f64) -> (Cloud, impl Fn([f64; 3]) -> f64) {
+    let (sine, cosine) = angle.to_radians().sin_cos();
+    let mut sides = OPEN;
+    sides[2][0] = Side::Wall;
+    // Spacings below the surface, from the place in spacings.
+    let depth = move |x: [f64; 3]| (60.0 + part - x[0]) * sine - x[2] * cosine;
+    let inside = |x: [f64; 3]| depth(x) > 0.0 && x[2] < 30.0;
+    let size = [140.0, 0.0, 40.0];
+    (
+        Cloud::new(Dimension::Two, size, sides, [H, 0.0], inside),
+        depth,
+    )
+}
+
+/// A straight surface at the angle that is set ends nowhere: nothing pulls at its foot, whatever the
+/// angle. Force on the lowest six layers over sigma, mean of places of the surface in the lattice.
+#[test]
+fn a_straight_surface_at_its_angle_is_not_pulled() {
+    const PLACES: usize = 24;
+    // At 150 degrees the surface meets the last layers beyond what they see.
+    for (angle, most) in [
+        (30.0, 0.03),
+        (45.0, 0.03),
+        (60.0, 0.03),
+        (90.0, 0.03),
+        (120.0, 0.03),
+        (135.0, 0.03),
+        (150.0, 0.06),
+    ] {
+        let mut sum = [0.0; 3];
+        for place in 0..PLACES {
+            let (cloud, depth) = wedge(angle, place as f64 / PLACES as f64);
+            let a = accelerations(&cloud, Some(angle));
+            for (i, a) in a.iter().enumerate() {
+                let x = cloud.flow.position(i).map(|x| x / S0);
+                if x[2] < 6.0 && depth(x) < 9.0 {
+                    let mass = cloud.flow.particles.mass / PLACES as f64;
+                    (0..3).for_each(|k| sum[k] += mass * a[k] / SIGMA);
+                }
+            }
+        }
+        let (sine, cosine) = f64::to_radians(angle).sin_cos();
+        let along = sum[2] * sine - sum[0] * cosine;
+        let across = sum[0] * sine + sum[2] * cosine;
+        assert!(
+            along.abs() < most && across.abs() < most,
+            "{angle}: {along} {across}"
+        );
+    }
+}
+
+/// What shifts particles beside a contact line points across the surface once the dry wall is out of
+/// it. With the dry wall particles would leave the line along their surface.
+#[test]
+fn a_dry_wall_shifts_nobody() {
+    let short = 1.5 * S0;
+    for angle in [45.0, 90.0, 120.0] {
+        let (cloud, depth) = wedge(angle, 0.0);
+        let mut tension = tension(&cloud, Some(angle));
+        tension.wetting.as_mut().unwrap().short = Some(short);
+        let sources = cloud.flow.sources();
+        tension.update(&surface_of(&cloud.flow, &sources), |_| true);
+        let at = |p: &[Vec<f64>; 3], i: usize| [0, 1, 2].map(|a| p[a][i]);
+        let liquid = |i: usize| at(&cloud.flow.particles.position, i);
+        let others = (0..cloud.flow.liquid()).map(liquid);
+        let walls = (0..cloud.flow.walls()).map(|j| at(&cloud.flow.wall.position, j));
+        let others: Vec<_> = others.chain(walls).collect();
+        let (sine, cosine) = f64::to_radians(angle).sin_cos();
+        let [mut with, mut without] = [0.0; 2];
+        for (i, dry) in tension.dry() {
+            let x = liquid(i);
+            let near = x.map(|x| x / S0);
+            if near[2] > 2.0 || depth(near) > 2.0 {
+                continue;
+            }
+            let mut slope = [0.0; 3];
+            for other in &others {
+                let d = [0, 1, 2].map(|a| (x[a] - other[a]) / short);
+                let w = WendlandC2::slope(length(d).min(2.0));
+                (0..3).for_each(|a| slope[a] += w * d[a]);
+            }
+            let along = |v: [f64; 3]| v[2] * sine - v[0] * cosine;
+            with += along(slope);
+            without += along(slope) - along(dry.map(f64::from));
+        }
+        assert!(
+            without.abs() < 0.25 * with.abs(),
+            "{angle}: {without} of {with}"
+        );
+    }
 }

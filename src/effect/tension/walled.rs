@@ -46,6 +46,20 @@ impl Tension {
             &Walls::<K>(PhantomData),
             &mut wetting.walls,
         );
+        if let Some(short) = wetting.short {
+            let beside = self.near.iter().zip(&wetting.walls);
+            let beside = beside.filter_map(|(&i, sums)| (sums.1 != [0.0; 3]).then_some(i));
+            wetting.beside.clear();
+            wetting.beside.extend(beside);
+            let field = Field {
+                sources: flow.of_wall(),
+                ..self.field(flow, short)
+            };
+            let pass = Walls::<K>(PhantomData);
+            let shorter = &mut wetting.shorter;
+            shorter.resize(wetting.beside.len(), Default::default());
+            sweep::runs(field, &wetting.beside, &pass, shorter);
+        }
         let sums = &wetting.walls;
         let slots = Slots::new(&mut normals);
         each(self.near.len(), |k| {
@@ -72,10 +86,9 @@ impl Tension {
         let factor = gradient * flow.mass / self.density;
         let (tension, epsilon) = (self.strength * self.coefficient, FAINT / self.length);
         for k in 0..wetting.near.len() {
-            let missing = wetting.missing(k);
             let colour = wetting.colour[wetting.near[k] as usize] as f64;
             let sum = &mut wetting.normals[k].0;
-            let n = [0, 1, 2].map(|a| factor * sum[a] as f64 + missing[a]);
+            let n = sum.map(|sum| factor * sum as f64);
             let square = n.iter().map(|n| n * n).sum::<f64>();
             let stress = colour * tension * (square - epsilon * epsilon).max(0.0) * self.length;
             let scale = stress.sqrt() / self.density / square.sqrt().max(f64::MIN_POSITIVE);

@@ -15,6 +15,10 @@ impl<S: Scheme> Projection<S> {
             capillary: Shifting::capillary(case.effects.tension, case.density, case.h),
             unit: 1.0,
         };
+        let factor = self.sum_factor() / self.case.h as f32;
+        for (i, dry) in self.tension.iter().flat_map(|t| t.dry()) {
+            (0..3).for_each(|a| self.local[i].slope[a] -= factor * dry[a]);
+        }
         let (local, tension) = (&self.local, &self.tension);
         let x = slots3(&mut self.flow.particles.position);
         each(local.len(), |i| {

@@ -191,6 +191,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             unit: gradient,
         };
         let scale = self.sum_factor();
+        for (i, dry) in self.tension.iter().flat_map(|t| t.dry()) {
+            (0..3).for_each(|a| self.driven[i].1[a] -= dry[a]);
+        }
         let (around, driven) = (&self.around, &self.driven);
         let p = &mut self.flow.particles;
         let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));

@@ -83,7 +83,10 @@ pub fn mps_modern() -> Mps {
         core: 0.85, // below, two particles are pushed up to 4 times as far as Eq. 6 has it
         gradient: MpsGradient::Corrected, // Khayyer & Gotoh 2011; Tamai & Koshizuka 2014
         pressure: Pressure::Signed,
-        projection: projection_modern(corrected.projection.source),
+        projection: Projection {
+            theta: 0.7, // 0.6 has eigenvalues down to -0.95: vortices of 80 spacings grow
+            ..projection_modern(corrected.projection.source)
+        },
         ..corrected
     };
     mps.with_length()

@@ -2,6 +2,7 @@
 
 use super::plot::{Area, FONT, Failure, SIZE, TEXT, legend};
 use plotters::prelude::*;
+use std::cell::Cell;
 
 /// What a point is drawn as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,12 +93,15 @@ impl Scatter {
                 .x_label_area_size(44)
                 .y_label_area_size(66)
                 .build_cartesian_2d(self.range(0).log_scale(), self.range(1).log_scale())?;
+            let last = [Cell::new(0.0), Cell::new(0.0)];
             chart
                 .configure_mesh()
+                .x_labels(TICKS)
+                .y_labels(TICKS)
                 .x_desc(self.x.clone())
                 .y_desc(self.y.clone())
-                .x_label_formatter(&|v| plain(*v))
-                .y_label_formatter(&|v| plain(*v))
+                .x_label_formatter(&|v| once(*v, &last[0]))
+                .y_label_formatter(&|v| once(*v, &last[1]))
                 .label_style(font.clone())
                 .axis_desc_style(font.clone())
                 .axis_style(RGBColor(120, 126, 134))
@@ -107,7 +111,6 @@ impl Scatter {
             let front = self.front.iter().map(|p| (p[0], p[1]));
             let wide = RGBColor(226, 229, 233).stroke_width(7);
             chart.draw_series(LineSeries::new(front, wide))?;
-            let mut labelled = 0;
             for cloud in &self.clouds {
                 let [r, g, b] = cloud.colour;
                 let colour = RGBColor(r, g, b);
@@ -116,15 +119,19 @@ impl Scatter {
                 let small = cloud.repeats.iter().map(|p| (p[0], p[1]));
                 chart.draw_series(small.map(|p| Circle::new(p, 3, colour.stroke_width(1))))?;
                 chart.draw_series(cloud.points.iter().map(|(p, _)| cloud.sample((p[0], p[1]))))?;
-                if cloud.mark == Mark::Disc {
-                    // Beside each other's, where two clouds meet.
-                    let place = (8, 11 * labelled - 12);
-                    labelled += i32::from(!cloud.points.is_empty());
-                    let font = (FONT, 13).into_font().color(&colour);
-                    chart.draw_series(cloud.points.iter().map(|(p, label)| {
-                        EmptyElement::at((p[0], p[1]))
-                            + Text::new(label.clone(), place, font.clone())
-                    }))?;
+            }
+            let mut taken = Vec::new();
+            for (p, _) in self.clouds.iter().flat_map(|c| &c.points) {
+                let (x, y) = chart.backend_coord(&(p[0], p[1]));
+                taken.push([x - 6, y - 6, x + 6, y + 6]);
+            }
+            for cloud in self.clouds.iter().filter(|c| c.mark == Mark::Disc) {
+                let [r, g, b] = cloud.colour;
+                let font = (FONT, LETTERS as f64).into_font().color(&RGBColor(r, g, b));
+                for (p, label) in &cloud.points {
+                    let (x, y) = chart.backend_coord(&(p[0], p[1]));
+                    let (x, y) = room(label, [x, y], &mut taken);
+                    root.draw(&Text::new(label.clone(), (x, y), font.clone()))?;
                 }
             }
             root.present()?;
@@ -138,6 +145,49 @@ impl Scatter {
         let clouds: Vec<&Cloud> = self.clouds.iter().filter(shown).collect();
         let labels = clouds.iter().map(|c| c.label.as_str());
         legend(root, 12, labels, |k, at| root.draw(&clouds[k].sample(at)))
+    }
+}
+
+/// Most ticks of an axis, of which 1, 2 and 5 have a number.
+const TICKS: usize = 30;
+
+/// Height of what stands beside points.
+const LETTERS: i32 = 13;
+
+/// Where a label about the point `at` covers nothing of what is `taken`, to which it is added: left,
+/// top, right, bottom.
+fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) {
+    let wide = 7 * label.chars().count() as i32;
+    let (right, left, above, below) = (x + 8, x - 8 - wide, y - LETTERS, y + 1);
+    let places = [
+        (right, above),
+        (right, below),
+        (left, below),
+        (left, above),
+        (x - wide / 2, y - 8 - LETTERS),
+        (x - wide / 2, y + 8),
+    ];
+    let about = |(x, y): (i32, i32)| [x, y, x + wide, y + LETTERS];
+    let covered = |place: &(i32, i32)| {
+        let a = about(*place);
+        let covers = |b: &&[i32; 4]| a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+        taken.iter().filter(covers).count()
+    };
+    let place = places
+        .into_iter()
+        .min_by_key(covered)
+        .unwrap_or((right, above));
+    taken.push(about(place));
+    place
+}
+
+/// [`plain`], but nothing for a tick that is there twice.
+fn once(value: f64, last: &Cell<f64>) -> String {
+    let before = last.replace(value);
+    if (before / value - 1.0).abs() < 1e-6 {
+        String::new()
+    } else {
+        plain(value)
     }
 }
 

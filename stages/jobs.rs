@@ -17,19 +17,22 @@ use crate::settings::list;
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
-    use coronet::scene::Scene;
+    use coronet::scene::{Method, Scene};
 
     pub const PACK: u32 = 2;
     pub const CALIBRATE: u32 = 6;
     pub const POST: u32 = 5;
     const FLOW: u32 = 15;
 
-    /// Of what only scenes with a contact angle have.
+    /// Of what only scenes with a contact angle, or with MPS, have.
     const WETTING: u32 = 1;
+    const MPS: u32 = 1;
 
     /// Of relaxation and impact.
     pub fn flow(scene: &Scene) -> u32 {
-        FLOW + WETTING * u32::from(scene.effects.wetting.is_some())
+        let wets = scene.effects.wetting.is_some();
+        let is_mps = matches!(scene.method, Method::Mps(_));
+        FLOW + WETTING * u32::from(wets) + MPS * u32::from(is_mps)
     }
 }
 

@@ -7,7 +7,7 @@
 //!     separations sheared along the wall, x_ab + nu cot theta (z_b - z_a), nu from liquid to gas,
 //!     in which a surface at the angle theta is upright, and e = W1(0) its slope across such a
 //!     surface, W1 the kernel summed over a plane. It is summed about the point on the face of
-//!     the wall that the shear puts above a: about a itself deep layers would see one row of liquid.
+//!     the wall that the shear puts above a: about a itself deep layers see one row of liquid.
 //! The tension (6 of [`super::tension`]) counts wall particles with c_w in n, has n on wall
 //! particles too, and adds what the stress there does to the liquid:
 //! (3) a_s = SUM m / rho0^2 (T_a + c_w T_w) . grad W, over liquid and wall
@@ -88,7 +88,8 @@ pub struct Wetting {
     /// nu cot theta per wall particle, towards the liquid's side of the wall; the point above it.
     shear: [Vec<f32>; 3],
     foot: [Vec<f64>; 3],
-    /// Wall particles near a surface, after [`Wetting::colour`] those with a stress; those of each axis.
+    /// Wall particles near a surface, after [`Wetting::colour`] those with a stress; those of each
+    /// axis.
     pub near: Vec<u32>,
     facing: [Vec<u32>; 3],
     slopes: Vec<([f32; 3], [f32; 3])>,

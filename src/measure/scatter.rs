@@ -2,7 +2,6 @@
 
 use super::plot::{Area, FONT, Failure, SIZE, TEXT, legend};
 use plotters::prelude::*;
-use std::cell::Cell;
 
 /// What a point is drawn as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +84,11 @@ impl Scatter {
             root.draw(&Text::new(self.title.clone(), (14, 10), title))?;
             let font = (FONT, 15).into_font().color(&TEXT);
             let below = self.draw_legend(&root)?;
+            let axis = |axis: usize| {
+                let range = self.range(axis);
+                let ticks = ticks(&range);
+                range.log_scale().with_key_points(ticks)
+            };
             let mut chart = ChartBuilder::on(&root)
                 .margin_top(below)
                 .margin_right(24)
@@ -92,16 +96,13 @@ impl Scatter {
                 .margin_left(8)
                 .x_label_area_size(44)
                 .y_label_area_size(66)
-                .build_cartesian_2d(self.range(0).log_scale(), self.range(1).log_scale())?;
-            let last = [Cell::new(0.0), Cell::new(0.0)];
+                .build_cartesian_2d(axis(0), axis(1))?;
             chart
                 .configure_mesh()
-                .x_labels(TICKS)
-                .y_labels(TICKS)
                 .x_desc(self.x.clone())
                 .y_desc(self.y.clone())
-                .x_label_formatter(&|v| once(*v, &last[0]))
-                .y_label_formatter(&|v| once(*v, &last[1]))
+                .x_label_formatter(&|v| plain(*v))
+                .y_label_formatter(&|v| plain(*v))
                 .label_style(font.clone())
                 .axis_desc_style(font.clone())
                 .axis_style(RGBColor(120, 126, 134))
@@ -148,14 +149,11 @@ impl Scatter {
     }
 }
 
-/// Most ticks of an axis, of which 1, 2 and 5 have a number.
-const TICKS: usize = 30;
-
 /// Height of what stands beside points.
 const LETTERS: i32 = 13;
 
-/// Where a label about the point `at` covers nothing of what is `taken`, to which it is added: left,
-/// top, right, bottom.
+/// Where a label about a point covers nothing of what is `taken`, to which it is added: left, top,
+/// right, bottom.
 fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) {
     let wide = 7 * label.chars().count() as i32;
     let (right, left, above, below) = (x + 8, x - 8 - wide, y - LETTERS, y + 1);
@@ -181,26 +179,15 @@ fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) 
     place
 }
 
-/// [`plain`], but nothing for a tick that is there twice.
-fn once(value: f64, last: &Cell<f64>) -> String {
-    let before = last.replace(value);
-    if (before / value - 1.0).abs() < 1e-6 {
-        String::new()
-    } else {
-        plain(value)
-    }
+/// 1, 2 and 5 of every decade in a range.
+fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    let decades = range.start.log10().floor() as i32..=range.end.log10() as i32;
+    let all = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(k)));
+    all.filter(|tick| range.contains(tick)).collect()
 }
 
-/// At most three digits, no exponent where people write none; nothing but for 1, 2 and 5, so that
-/// labels do not run into each other.
+/// At most three digits, no exponent where people write none.
 fn plain(value: f64) -> String {
-    let first = value / 10f64.powf((value.log10() + 1e-9).floor());
-    if ![1.0, 2.0, 5.0]
-        .iter()
-        .any(|digit| (first / digit - 1.0).abs() < 1e-6)
-    {
-        return String::new();
-    }
     let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') {

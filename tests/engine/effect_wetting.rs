@@ -311,8 +311,8 @@ fn wedge(angle: f64, part: f64) -> (Cloud, impl Fn([f64; 3]) -> f64) {
     )
 }
 
-/// A straight surface at the angle that is set ends nowhere: nothing pulls at its foot, whatever the
-/// angle. Force on the lowest six layers over sigma, mean of places of the surface in the lattice.
+/// A straight surface at the angle that is set ends nowhere: nothing pulls at its foot, whatever
+/// the angle. Force on the lowest six layers over sigma, mean of places in the lattice.
 #[test]
 fn a_straight_surface_at_its_angle_is_not_pulled() {
     const PLACES: usize = 24;
@@ -348,8 +348,8 @@ fn a_straight_surface_at_its_angle_is_not_pulled() {
     }
 }
 
-/// What shifts particles beside a contact line points across the surface once the dry wall is out of
-/// it. With the dry wall particles would leave the line along their surface.
+/// What shifts particles beside a contact line points across the surface once the dry wall is out
+/// of it. With the dry wall particles would leave the line along their surface.
 #[test]
 fn a_dry_wall_shifts_nobody() {
     let short = 1.5 * S0;

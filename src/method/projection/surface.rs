@@ -145,8 +145,14 @@ pub struct Completion {
     to: f64,
     /// Least z / h: a quarter of a spacing.
     least: f64,
+    /// Least SUM w that spray lacks.
+    spare: f64,
     pub share: Share,
 }
+
+/// Part of a full support that spray lacks at least: weights that grow as particles come near can
+/// be more for a pair than for a full support, and their equation would be singular.
+const SPARE: f64 = 0.1;
 
 /// Kernel sums between which a particle counts as film or spray, from wholly to not at all: those
 /// of MIST and LOOSE.
@@ -184,6 +190,7 @@ impl Completion {
             from,
             to: 0.5 * (1.0 + from),
             least: 0.25 / smoothing,
+            spare: 0.0,
             share,
         }
     }
@@ -196,7 +203,8 @@ impl Completion {
         let ramp = self.ramp(share);
         let outward = -dot(slope, moment) / steep.max(f64::MIN_POSITIVE);
         let alone = ((ALONE[1] - sum) / (ALONE[1] - ALONE[0])).clamp(0.0, 1.0);
-        ramp * outward.max(0.0) / depth.max(self.least) + alone * (self.full - degree).max(0.0)
+        let lack = (self.full - degree).max(self.spare);
+        ramp * outward.max(0.0) / depth.max(self.least) + alone * lack
     }
 
     /// t(F).
@@ -221,9 +229,14 @@ impl Completion {
         Completion { lattice, ..self }
     }
 
-    /// The same for other weights w, with their sum over a full support.
+    /// The same for other weights w, which have no bound, with their sum over a full support.
     pub fn with_full(self, full: f64) -> Self {
-        Completion { full, ..self }
+        let spare = SPARE * full;
+        Completion {
+            full,
+            spare,
+            ..self
+        }
     }
 
     /// C of a full lattice: what a liquid of density rho0 has.

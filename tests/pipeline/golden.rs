@@ -26,12 +26,14 @@ const JOBS: [&str; 6] = [
 #[test]
 fn results_change_only_with_their_version() {
     let mut found = String::new();
-    for (method, preset) in [
-        ("wcsph", "corrected"),
-        ("wcsph", "modern"),
-        ("isph", "modern"),
-        ("mps", "modern"),
-        ("mps", "corrected"),
+    for (method, preset, sides) in [
+        ("wcsph", "corrected", ""),
+        ("wcsph", "modern", ""),
+        ("isph", "modern", ""),
+        ("mps", "modern", ""),
+        ("mps", "corrected", ""),
+        ("wcsph", "modern", " wet"),
+        ("isph", "modern", " wet"),
     ] {
         let program = Program::new();
         let [method_set, preset_set] = [("name", method), ("preset", preset)]
@@ -41,18 +43,30 @@ fn results_change_only_with_their_version() {
             // Its viscosity has one form.
             sets.extend(["--set", "effects.viscosity={ dynamic = \"1 mPa s\" }"]);
         }
+        if !sides.is_empty() {
+            // The pool has contact lines.
+            sets.extend([
+                "--set",
+                "box.x=wall",
+                "--set",
+                "effects.wetting.angle=60 deg",
+            ]);
+        }
         program.run(&sets);
         for job in JOBS {
             let stamp = Stamp::read(&program.latest(job)).unwrap().unwrap();
             found += &format!(
-                "{method} {preset} {job} {} {}\n",
+                "{method} {preset}{sides} {job} {} {}\n",
                 stamp.version, stamp.digest
             );
         }
         let measures = fs::read(program.latest("post").join("measures.csv")).unwrap();
         let stamp = Stamp::read(&program.latest("post")).unwrap().unwrap();
         let digest = coronet::record::Digest::of(&measures);
-        found += &format!("{method} {preset} measures {} {digest}\n", stamp.version);
+        found += &format!(
+            "{method} {preset}{sides} measures {} {digest}\n",
+            stamp.version
+        );
     }
     assert!(found == GOLDEN, "found\n{found}expected\n{GOLDEN}");
 }

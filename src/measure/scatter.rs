@@ -164,6 +164,10 @@ fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) 
         (left, above),
         (x - wide / 2, y - 8 - LETTERS),
         (x - wide / 2, y + 8),
+        (right, y - 2 * LETTERS),
+        (left, y - 2 * LETTERS),
+        (right, y + LETTERS),
+        (left, y + LETTERS),
     ];
     let about = |(x, y): (i32, i32)| [x, y, x + wide, y + LETTERS];
     let covered = |place: &(i32, i32)| {

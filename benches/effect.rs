@@ -1,9 +1,9 @@
 //! Cost of a step with each effect on and off, alone and together, for each method, as lines
 //! `METHOD.effects.WHICH value unit`; what they say: docs/accuracy/README.md.
 //!
-//! `cargo bench --bench effect [-- METHOD ...]`. A pool of 16 x 16 x 4 mm with a drop above it, on
-//! a lattice of 0.5 mm, in the preset `modern`; medians of CPU seconds a particle and step, the
-//! combinations measured in turns, on one thread.
+//! `cargo bench --bench effect [-- METHOD ...]`. A pool of 16 x 16 x 4 mm between two walls, so that
+//! it has two contact lines, with a drop above it, on a lattice of 0.5 mm, in the preset `modern`;
+//! medians of CPU seconds a particle and step, the combinations measured in turns, on one thread.
 
 #[path = "wcsph/meter.rs"]
 mod meter;
@@ -16,13 +16,33 @@ use std::ops::ControlFlow::Continue;
 use std::path::Path;
 
 /// Tables of the effects.
-const EFFECTS: [(&str, &str); 3] = [
+const EFFECTS: [(&str, &str); 5] = [
     (
         "gravity",
         "[effects.gravity]\nacceleration = '9.81 m/s^2'\n",
     ),
     ("viscosity", "[effects.viscosity]\ndynamic = '3.5 mPa s'\n"),
     ("tension", "[effects.tension]\ncoefficient = '67 mN/m'\n"),
+    ("wetting", "[effects.wetting]\nangle = '60 deg'\n"),
+    (
+        "hysteresis",
+        "[effects.wetting]\nadvancing = '120 deg'\nreceding = '60 deg'\n",
+    ),
+];
+
+/// What is measured: effects by their place above. Wetting needs tension.
+const COMBINATIONS: [&[usize]; 11] = [
+    &[],
+    &[0],
+    &[1],
+    &[0, 1],
+    &[2],
+    &[0, 2],
+    &[1, 2],
+    &[0, 1, 2],
+    &[2, 3],
+    &[0, 1, 2, 3],
+    &[0, 1, 2, 4],
 ];
 
 /// Advances that are measured for each combination.
@@ -44,8 +64,9 @@ fn main() {
 }
 
 fn measure(method: &str) {
-    let mut solvers: Vec<_> = (0..8).map(|which| solver(method, which)).collect();
-    let mut costs = vec![Vec::new(); 8];
+    let solvers = COMBINATIONS.map(|which| solver(method, which));
+    let mut solvers = Vec::from(solvers);
+    let mut costs = vec![Vec::new(); COMBINATIONS.len()];
     for repeat in 0..=REPEATS {
         for (solver, costs) in solvers.iter_mut().zip(&mut costs) {
             let (from, cpu) = (solver.step_count(), cpu_seconds());
@@ -57,28 +78,25 @@ fn measure(method: &str) {
             }
         }
     }
-    for (which, costs) in costs.iter_mut().enumerate() {
+    for (which, costs) in COMBINATIONS.iter().zip(&mut costs) {
         let name = format!("{method}.effects.{}", name(which));
         line(&name, median(costs), "ns/particle-step");
     }
 }
 
-/// `which`: one bit an effect.
-fn name(which: usize) -> String {
-    let on = (0..3).filter(|k| which & (1 << k) != 0);
-    let names: Vec<&str> = on.map(|k| EFFECTS[k].0).collect();
+fn name(which: &[usize]) -> String {
+    let names: Vec<&str> = which.iter().map(|k| EFFECTS[*k].0).collect();
     match names.is_empty() {
         true => "none".to_string(),
         false => names.join("+"),
     }
 }
 
-fn solver(method: &str, which: usize) -> Box<dyn Solver> {
-    let on = (0..3).filter(|k| which & (1 << k) != 0);
-    let effects: String = on.map(|k| EFFECTS[k].1).collect();
+fn solver(method: &str, which: &[usize]) -> Box<dyn Solver> {
+    let effects: String = which.iter().map(|k| EFFECTS[*k].1).collect();
     let text = format!(
         "title = 'bench'\n[box]\nsize = ['16 mm', '16 mm', '12 mm']\n\
-         x = 'periodic'\ny = 'periodic'\nz = ['wall', 'open']\n\
+         x = 'wall'\ny = 'periodic'\nz = ['wall', 'open']\n\
          [liquid]\ndensity = '1100 kg/m^3'\n{effects}[body.pool]\nlayer = {{ depth = '4 mm' }}\n\
          [body.drop]\nsphere = {{ diameter = '4 mm', gap = '0.5 mm', above = 'pool' }}\n\
          velocity = '3 m/s'\n[pack]\nspacing = '0.5 mm'\narrangement = 'lattice'\n\

@@ -1,7 +1,7 @@
 //! What a study found: groups, table, figure, sentences.
 
 use anyhow::Result;
-use coronet::measure::plot::PALETTE;
+use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::measure::scatter::{Cloud, Mark, Scatter};
 use coronet::measure::tradeoff::{Sample, growth, worst};
 use coronet::scene::quantity::{Unit, human};
@@ -172,6 +172,64 @@ pub fn figure(
         y: format!("error of {} (%)", target.column),
         clouds,
         front,
+    }
+}
+
+/// What was found over what theory says, of the finest points of each method, and theory itself.
+pub fn comparison(
+    study: &Study,
+    target: &Target,
+    trials: &[Trial],
+    found: &[Option<[f64; 3]>],
+) -> Plot {
+    let finest = trials
+        .iter()
+        .map(|t| t.spacing)
+        .fold(f64::INFINITY, f64::min);
+    let middle = |[_, low, high]: [f64; 3]| 0.5 * (low + high);
+    let mut known: Vec<(&Trial, [f64; 3])> = trials
+        .iter()
+        .zip(found)
+        .filter(|(trial, _)| trial.spacing == finest)
+        .filter_map(|(trial, found)| Some((trial, (*found)?)))
+        .collect();
+    known.sort_by(|a, b| middle(a.1).total_cmp(&middle(b.1)));
+    let curve = |label: &str, colour, points: Vec<[f64; 2]>| Curve {
+        label: label.to_string(),
+        points,
+        line: Line::Solid,
+        colour,
+    };
+    let bound = |k: usize| {
+        known
+            .iter()
+            .map(|p| [middle(p.1), p.1[k]])
+            .collect::<Vec<_>>()
+    };
+    let mut curves = match bound(1) == bound(2) {
+        true => vec![curve("theory", REFERENCE[0], bound(1))],
+        false => vec![
+            curve("theory, least", REFERENCE[0], bound(1)),
+            curve("theory, largest", REFERENCE[1], bound(2)),
+        ],
+    };
+    let mut methods: Vec<&str> = Vec::new();
+    for (trial, _) in &known {
+        if !methods.contains(&trial.method) {
+            methods.push(trial.method);
+        }
+    }
+    for (k, method) in methods.iter().enumerate() {
+        let own = known.iter().filter(|(trial, _)| trial.method == *method);
+        let points = own.map(|(_, found)| [middle(*found), found[0]]).collect();
+        curves.push(curve(method, PALETTE[k % PALETTE.len()], points));
+    }
+    Plot {
+        title: study.title.clone(),
+        x: format!("{} by theory", target.column),
+        y: format!("{} at {}", target.column, short(finest)),
+        curves,
+        from_zero: false,
     }
 }
 

@@ -24,15 +24,21 @@ pub mod version {
     pub const POST: u32 = 5;
     const FLOW: u32 = 15;
 
-    /// Of what only scenes with a contact angle, or with MPS, have.
+    /// Of what only scenes with a contact angle, with MPS or with WCSPH have.
     const WETTING: u32 = 1;
     const MPS: u32 = 1;
+    const WCSPH: u32 = 1;
 
-    /// Of relaxation and impact.
+    /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results of
+    /// other scenes fresh.
     pub fn flow(scene: &Scene) -> u32 {
         let wets = scene.effects.wetting.is_some();
-        let is_mps = matches!(scene.method, Method::Mps(_));
-        FLOW + WETTING * u32::from(wets) + MPS * u32::from(is_mps)
+        let of_method = match scene.method {
+            Method::Wcsph(_) => WCSPH,
+            Method::Isph(_) => 0,
+            Method::Mps(_) => MPS,
+        };
+        FLOW + of_method + WETTING * u32::from(wets)
     }
 }
 

@@ -17,7 +17,7 @@ use coronet::record::atomic::write_file;
 use serde_json::json;
 
 use crate::arguments::StudyArguments;
-use crate::finding::{figure, groups, samples, sentence, table};
+use crate::finding::{comparison, figure, groups, samples, sentence, table};
 use crate::points::{Study, load};
 use crate::promise::Verdict;
 use crate::trial::{Outcome, Trial};
@@ -27,6 +27,8 @@ use crate::{finding, verdict};
 /// The table, one row a point.
 const TABLE: &str = "study.csv";
 const FIGURE: &str = "error-against-time.svg";
+/// What was found against what theory says, where that differs between points.
+const COMPARISON: &str = "found-against-theory.svg";
 /// The same for reading.
 const COSTS: &str = "study.md";
 /// The table of promises, one row each, and the page that sums it up.
@@ -73,6 +75,13 @@ fn tell_costs(
     let figure = figure(study, target, trials, &samples, &on_front).svg()?;
     if let Some(figure) = &figure {
         write_file(&out.join(FIGURE), figure.as_bytes())?;
+    }
+    if target.varies() {
+        let found = target.found(trials, &outcomes, window)?;
+        let plot = comparison(study, target, trials, &found);
+        if plot.has_points() {
+            write_file(&out.join(COMPARISON), plot.svg()?.as_bytes())?;
+        }
     }
     let groups = groups(trials);
     if arguments.store.json {

@@ -7,8 +7,8 @@ use coronet::measure::gauge::contact_time;
 use coronet::measure::lamella::Lamella;
 use coronet::measure::series::{Series, compare_column};
 use coronet::measure::summary::{mean, period};
+use coronet::scene::Scene;
 use coronet::scene::quantity::{Unit, parse};
-use coronet::scene::{Scene, file};
 use serde::Deserialize;
 
 use crate::fault::Usage;
@@ -107,6 +107,34 @@ impl Target {
         ])
     }
 
+    /// What each point has, and the range in which value or theory want it.
+    pub fn found(
+        &self,
+        trials: &[Trial],
+        outcomes: &[Outcome],
+        [from, to]: [f64; 2],
+    ) -> Result<Vec<Option<[f64; 3]>>> {
+        let points = trials.iter().zip(outcomes);
+        points
+            .map(|(trial, outcome)| {
+                let range = match self.theory {
+                    None => self.value.map(|value| [value; 2]),
+                    Some(theory) => theory.range(&trial.scene()?),
+                };
+                let found = outcome.measures().and_then(|m| {
+                    let measures = m.window(from, to);
+                    self.of.of(&measures, &self.column)
+                });
+                Ok(found.zip(range).map(|(f, [low, high])| [f, low, high]))
+            })
+            .collect()
+    }
+
+    /// Whether theory wants something else of each point.
+    pub fn varies(&self) -> bool {
+        self.theory.is_some()
+    }
+
     /// Relative error of each point; `NaN` where there is none.
     pub fn measure(
         &self,
@@ -116,27 +144,15 @@ impl Target {
         [from, to]: [f64; 2],
     ) -> Result<Vec<f64>> {
         let column = &self.column;
-        let known = |k: usize| match &outcomes[k] {
-            Outcome::Done { measures, .. } => Some(measures),
-            Outcome::Failed { .. } => None,
-        };
-        let scene = |k: usize| file::load(&trials[k].pipeline, &trials[k].sets);
         if self.value.is_some() || self.theory.is_some() {
-            return (0..trials.len())
-                .map(|k| {
-                    let range = match self.theory {
-                        None => self.value.map(|value| [value; 2]),
-                        Some(theory) => theory.range(&scene(k)?.scene),
-                    };
-                    let found = known(k).and_then(|m| self.of.of(&m.window(from, to), column));
-                    let error = found.zip(range).map(|(found, [low, high])| {
-                        let nearest = found.clamp(low, high);
-                        (found / nearest - 1.0).abs()
-                    });
-                    Ok(error.unwrap_or(f64::NAN))
-                })
-                .collect();
+            let found = self.found(trials, outcomes, [from, to])?;
+            let error = |[found, low, high]: [f64; 3]| (found / found.clamp(low, high) - 1.0).abs();
+            return Ok(found
+                .into_iter()
+                .map(|f| f.map_or(f64::NAN, error))
+                .collect());
         }
+        let known = |k: usize| outcomes[k].measures();
         let finest = (0..trials.len())
             .filter(|k| known(*k).is_some())
             .min_by(|a, b| trials[*a].spacing.total_cmp(&trials[*b].spacing));
@@ -152,7 +168,7 @@ impl Target {
                 };
                 let shift = match self.finest {
                     true => 0.0,
-                    false => contact_time(&scene(k)?.scene),
+                    false => contact_time(&trials[k].scene()?),
                 };
                 let norm = compare_column(measures, &table, "", column, shift);
                 Ok(norm.map_or(f64::NAN, |norm| norm.l2))

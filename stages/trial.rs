@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context as _, Result, bail};
 use coronet::measure::series::Series;
 use coronet::pipeline::Stamp;
+use coronet::scene::{Scene, file};
 use serde_json::Value;
 
 use crate::{fault, impact};
@@ -56,7 +57,21 @@ pub enum Outcome {
     },
 }
 
+impl Outcome {
+    /// Of a point that came to its end.
+    pub fn measures(&self) -> Option<&Series> {
+        match self {
+            Outcome::Done { measures, .. } => Some(measures),
+            Outcome::Failed { .. } => None,
+        }
+    }
+}
+
 impl Trial {
+    pub fn scene(&self) -> Result<Scene> {
+        Ok(file::load(&self.pipeline, &self.sets)?.scene)
+    }
+
     /// Brings the point up to date.
     ///
     /// # Errors

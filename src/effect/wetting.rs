@@ -80,6 +80,8 @@ pub struct Setting {
 pub struct Wetting {
     pub setting: Setting,
     pub cosine: f64,
+    /// e of (2), 1/m.
+    edge: f64,
     band: Band,
     /// Per wall particle; empty before the first update.
     places: Vec<Place>,
@@ -110,7 +112,9 @@ pub struct Wetting {
 
 impl Wetting {
     pub fn new(setting: Setting) -> Self {
+        let edge = kernel::plane(setting.kernel, setting.dimension, 0.0) / setting.length;
         Wetting {
+            edge,
             cosine: setting.angle.angle.to_radians().cos(),
             setting,
             band: Band::default(),
@@ -180,25 +184,14 @@ impl Wetting {
         self.lean::<K>(flow, words);
         let shear = std::mem::take(&mut self.shear);
         let field = Field {
-            grid: flow.grid,
-            at: flow.at,
-            payload: words,
-            sources: flow.of_liquid(),
-            position: &self.foot,
             own: &shear,
             cutoff: 2.0 * length * self.setting.angle.stretch() + flow.slack,
-            scale: flow.grid.scale(length),
+            ..about_feet(&self.foot, flow, words, length)
         };
-        let Setting {
-            kernel: name,
-            dimension,
-            spacing,
-            density,
-            ..
-        } = self.setting;
+        let (dimension, spacing) = (self.setting.dimension, self.setting.spacing);
         let norm = K::norm(dimension) / length.powi(dimension as i32);
-        let factor = 2.0 * flow.mass / density * norm;
-        let edge = kernel::plane(name, dimension, 0.0) / length;
+        let factor = 2.0 * flow.mass / self.setting.density * norm;
+        let edge = self.edge;
         for axis in 0..3 {
             let facing = &self.facing[axis];
             self.sums.resize(facing.len(), 0.0);
@@ -237,16 +230,7 @@ impl Wetting {
         let length = longer * setting.length;
         let volume = flow.mass / setting.density / length.powi(d as i32);
         let least = FLAT / (K::norm(d) * volume);
-        let field = Field {
-            grid: flow.grid,
-            at: flow.at,
-            payload: words,
-            sources: flow.of_liquid(),
-            position: &self.foot,
-            own: words,
-            cutoff: 2.0 * length + flow.slack,
-            scale: flow.grid.scale(length),
-        };
+        let field = about_feet(&self.foot, flow, words, length);
         let gradient = Gradient::<K>(PhantomData);
         self.slopes.resize(self.near.len(), Default::default());
         sweep::runs(field, &self.near, &gradient, &mut self.slopes);
@@ -325,6 +309,25 @@ impl Wetting {
         let setting = &self.setting;
         let depth = level::depths(setting.kernel, setting.dimension)[0] * setting.length;
         height.max(0.0) + depth * self.cosine
+    }
+}
+
+/// Sums over the liquid about the points `foot`, with smoothing length `length`, m.
+fn about_feet<'a>(
+    foot: &'a [Vec<f64>; 3],
+    flow: &'a Surface,
+    words: &'a [Vec<f32>; 3],
+    length: f64,
+) -> Field<'a> {
+    Field {
+        grid: flow.grid,
+        at: flow.at,
+        payload: words,
+        sources: flow.of_liquid(),
+        position: foot,
+        own: words,
+        cutoff: 2.0 * length + flow.slack,
+        scale: flow.grid.scale(length),
     }
 }
 

@@ -12,6 +12,7 @@
 //! Fails where: summation density thins out at a free surface (skin without pressure); negative
 //! pressure with few neighbours clumps. Tests: tests/validation.
 
+mod control;
 mod dual;
 mod report;
 mod sums;
@@ -67,6 +68,7 @@ pub struct Wcsph<K, V> {
     friction: Vec<[f32; 3]>,
     walls: walls::WallState,
     pool: bool,
+    control: control::Control,
     scratch: Scratch,
     kernel: PhantomData<K>,
 }
@@ -121,6 +123,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             friction: Vec::new(),
             walls: walls::WallState::default(),
             pool,
+            control: control::Control::new(state),
             scratch: Scratch::default(),
             kernel: PhantomData,
         };
@@ -313,7 +316,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
                 advective,
                 acoustic,
             } => {
-                self.dual_step(advective, acoustic)?;
+                self.controlled(|s, part| s.dual_step(advective, acoustic, part))?;
                 on_step(self);
             }
             _ => self.verlet_steps(on_step)?,
@@ -340,6 +343,8 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             ("acceleration_m_s2".to_string(), self.hardest),
             ("sound_speed_m_s".to_string(), self.model.sound_speed),
         ];
+        let control = self.control.scalars();
+        scalars.extend(control.map(|(name, value)| (name.to_string(), value)));
         if self.is_dual() {
             scalars.push(("connected_speed_m_s".to_string(), self.connected));
         }
@@ -383,6 +388,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
             + std::mem::size_of::<Surroundings>() * (around + s.around.capacity())
             + s.mist.capacity()
             + 24 * self.driven.capacity()
+            + self.control.memory()
             + self.tension.as_ref().map_or(0, Tension::memory);
         let own = bytes as f64 / self.len().max(1) as f64;
         let (bare, whole) = self.flow.memory();

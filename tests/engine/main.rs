@@ -21,6 +21,7 @@ mod measure_series;
 mod measure_splash;
 mod measure_tradeoff;
 mod method_conservation;
+mod method_control;
 mod method_crush;
 mod method_mirror;
 mod method_model;

@@ -19,8 +19,14 @@ const SLOWING: f64 = 0.98;
 const HASTE: f64 = 1.5;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
-    /// One advective step.
-    pub(super) fn dual_step(&mut self, advective: f64, acoustic: f64) -> Result<(), Diverged> {
+    /// One advective step, `part` as long as it may be.
+    pub(super) fn dual_step(
+        &mut self,
+        advective: f64,
+        acoustic: f64,
+        part: f64,
+    ) -> Result<(), Diverged> {
+        let acoustic = part * acoustic;
         let crossing = advective * self.model.h / self.connected.max(1e-30);
         self.flow.lasting = crossing.min(MOST * self.inner(acoustic));
         self.rebuild();
@@ -28,14 +34,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.follow();
         let inner = self.inner(acoustic);
         self.hold();
-        let outer = self.limits_now().advective(advective).min(MOST * inner);
+        let outer = (part * self.limits_now().advective(advective)).min(MOST * inner);
+        self.bound(outer);
         let count = (outer / inner).ceil();
         let dt = outer / count;
         for _ in 0..count as usize {
             self.acoustic_step(dt)?;
         }
         self.last_step = dt;
-        Ok(())
+        self.check_energy()
     }
 
     /// The longest acoustic step, s.

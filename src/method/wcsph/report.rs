@@ -1,29 +1,13 @@
-//! What a run tells of itself: divergence, budgets, frames.
+//! What a run tells of itself: budgets, frames.
 
 use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::{Diverged, frame};
+use crate::method::frame;
 use crate::particle::Frame;
 use crate::space::parallel::sum;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
-    /// An error if anything is not a number or ran away.
-    pub(super) fn check(&self) -> Result<(), Diverged> {
-        let bad = !self.fastest.is_finite() || self.fastest > self.model.sound_speeds[1];
-        if !bad {
-            return Ok(());
-        }
-        let (i, speed) = frame::fastest(&self.flow);
-        let what = format!(
-            "speed {speed:.4e} m/s above the sound speed {:.4e} m/s",
-            self.model.sound_speeds[1]
-        );
-        let remedy = "a larger method.wcsph.sound_speed_factor or a smaller time step";
-        let now = (self.time, self.step);
-        Err(frame::fault(&self.flow, now, i, what, remedy))
-    }
-
     /// Kinetic and potential energy, J, momentum, kg m/s.
     pub(super) fn budget(&self) -> [f64; 5] {
         frame::budget(&self.flow, self.model.effects.gravity)
@@ -52,6 +36,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             ("compression_energy_J", self.compression()),
         ];
         named.extend(frame::progress(&self.flow, [x, y, z], moved));
+        named.push(("steps_rejected", self.control.rejected as f64));
         let scalars = named
             .into_iter()
             .map(|(name, value)| (name.to_string(), value));

@@ -36,11 +36,27 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             {
                 break;
             }
-            self.verlet_step(dt);
-            self.check()?;
+            match self.model.settings.time_stepping {
+                TimeStepping::Fixed { .. } => {
+                    self.verlet_step(dt);
+                    self.check()?;
+                }
+                _ => self.controlled(|s, part| s.bounded_step(part * dt))?,
+            }
             on_step(self);
         }
         Ok(())
+    }
+
+    /// A step that leaves the accelerations of before if it is bad.
+    fn bounded_step(&mut self, dt: f64) -> Result<(), Diverged> {
+        self.bound(dt);
+        self.verlet_step(dt);
+        let outcome = self.check().and_then(|()| self.check_energy());
+        if outcome.is_err() {
+            std::mem::swap(&mut self.held, &mut self.force);
+        }
+        outcome
     }
 
     fn next_step(&self) -> f64 {

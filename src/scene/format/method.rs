@@ -159,7 +159,7 @@ const THETA: Field = optional(
 
 const COURANT: Field = optional(
     "courant",
-    Kind::Number(Range::Between(0.001, 1.0)),
+    Kind::Number(Range::Between(0.001, 5.0)),
     "Spacings that the fastest particle crosses in a step.",
 );
 
@@ -314,7 +314,7 @@ pub static FIXED: &[Field] = &[required("step", TIME, "The step.")];
 
 pub static ADAPTIVE: &[Field] = &[default(
     "safety",
-    Kind::Number(Range::Between(0.01, 2.0)),
+    Kind::Number(Range::Between(0.01, 5.0)),
     "1",
     "Factor on the limits.",
 )];
@@ -322,13 +322,13 @@ pub static ADAPTIVE: &[Field] = &[default(
 pub static DUAL: &[Field] = &[
     default(
         "advective",
-        Kind::Number(Range::Between(0.01, 1.0)),
+        Kind::Number(Range::Between(0.01, 5.0)),
         "0.25",
         "Advective CFL number.",
     ),
     default(
         "acoustic",
-        Kind::Number(Range::Between(0.01, 1.0)),
+        Kind::Number(Range::Between(0.01, 5.0)),
         "0.6",
         "Acoustic CFL number.",
     ),

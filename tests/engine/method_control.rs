@@ -1,0 +1,93 @@
+//! The step controller of WCSPH.
+
+use super::method_scene::{EFFECTS, GRAVITY, disturbed, splash_scene, words};
+use coronet::method::{self, Phase, Solver};
+use coronet::scene::{Method, Scene, TimeStepping};
+
+/// A splash with acoustic steps ten times and advective ones five times too long.
+fn hasty() -> Scene {
+    let mut scene = splash_scene("modern", 2, &format!("{GRAVITY}{EFFECTS}"));
+    let Method::Wcsph(settings) = &mut scene.method else {
+        panic!("not WCSPH");
+    };
+    settings.time_stepping = TimeStepping::Dual {
+        advective: 1.25,
+        acoustic: 6.0,
+    };
+    scene
+}
+
+fn start(scene: &Scene) -> Box<dyn Solver> {
+    method::build(scene, disturbed(scene, 0.1), Phase::Impact, Some(3.0)).unwrap()
+}
+
+fn named(solver: &dyn Solver, name: &str) -> f64 {
+    let scalars = solver.state().scalars;
+    scalars.iter().find(|s| s.0 == name).unwrap().1
+}
+
+/// Kinetic and potential energy, J/m.
+fn energy(solver: &dyn Solver) -> f64 {
+    let scalars = solver.frame().scalars;
+    let of = |name: &str| scalars.iter().find(|s| s.0 == name).unwrap().1;
+    of("kinetic_energy_J") + of("potential_energy_J")
+}
+
+/// To 12 ms: halvings at every advance, the largest and the last energy over the first, and the
+/// rejected steps.
+fn run(scene: &Scene) -> (Vec<f64>, [f64; 2], f64) {
+    let mut solver = start(scene);
+    let first = energy(solver.as_ref());
+    let (mut halvings, mut most) = (Vec::new(), 1.0f64);
+    while solver.time() < 12e-3 {
+        solver.advance(&mut |_| ()).unwrap();
+        halvings.push(named(solver.as_ref(), "step_halvings"));
+        most = most.max(energy(solver.as_ref()) / first);
+    }
+    let last = energy(solver.as_ref()) / first;
+    (
+        halvings,
+        [most, last],
+        named(solver.as_ref(), "steps_rejected"),
+    )
+}
+
+#[test]
+fn steps_that_are_too_long_are_halved_and_grow_again() {
+    let usual = splash_scene("modern", 2, &format!("{GRAVITY}{EFFECTS}"));
+    let (_, wanted, none) = run(&usual);
+    assert_eq!(none, 0.0, "rejected at the usual step");
+    let (halvings, found, rejected) = run(&hasty());
+    println!("{rejected} rejected, energies {found:.3?}, at the usual step {wanted:.3?}");
+    assert!(rejected > 1.0);
+    let grows = |pair: &[f64]| pair[1] < pair[0];
+    assert!(halvings.windows(2).any(grows), "{halvings:?}");
+    for (found, wanted) in found.iter().zip(wanted) {
+        assert!((found - wanted).abs() < 0.05, "{found} for {wanted}");
+    }
+}
+
+#[test]
+fn a_restart_amid_shorter_steps_goes_on_bit_for_bit() {
+    let scene = hasty();
+    let mut whole = start(&scene);
+    while named(whole.as_ref(), "step_halvings") == 0.0 {
+        whole.advance(&mut |_| ()).unwrap();
+    }
+    let mut again = method::build(&scene, whole.state(), Phase::Impact, None).unwrap();
+    for solver in [&mut whole, &mut again] {
+        (0..60).for_each(|_| solver.advance(&mut |_| ()).unwrap());
+    }
+    assert!(words(&whole.state()) == words(&again.state()));
+}
+
+/// A step that cannot be helped ends as diverged: one particle at a speed beyond that of sound.
+#[test]
+fn what_no_shorter_step_can_mend_is_said() {
+    let scene = hasty();
+    let mut state = disturbed(&scene, 0.1);
+    state.particles.velocity[0][0] = 1e4;
+    let mut solver = method::build(&scene, state, Phase::Impact, Some(3.0)).unwrap();
+    let error = solver.advance(&mut |_| ()).unwrap_err();
+    assert!(error.to_string().contains("sound speed"), "{error}");
+}

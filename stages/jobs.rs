@@ -29,8 +29,8 @@ pub mod version {
     const MPS: u32 = 1;
     const WCSPH: u32 = 1;
 
-    /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results of
-    /// other scenes fresh.
+    /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results
+    /// of other scenes fresh.
     pub fn flow(scene: &Scene) -> u32 {
         let wets = scene.effects.wetting.is_some();
         let of_method = match scene.method {

@@ -171,7 +171,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             return Ok(());
         }
         Err(self.fault(format!(
-            "kinetic and compression energy {energy:.4e} J above {bound:.4e} J, more than a step can give"
+            "energy of motion and compression {energy:.4e} J above {bound:.4e} J, more than a step \
+             can give"
         )))
     }
 

@@ -175,7 +175,8 @@ pub fn figure(
     }
 }
 
-/// What was found over what theory says, of the finest points of each method, and theory itself.
+/// What was found over what theory says, against that, of the finest points of each method; and
+/// the range of theory over its middle.
 pub fn comparison(
     study: &Study,
     target: &Target,
@@ -200,12 +201,8 @@ pub fn comparison(
         line: Line::Solid,
         colour,
     };
-    let bound = |k: usize| {
-        known
-            .iter()
-            .map(|p| [middle(p.1), p.1[k]])
-            .collect::<Vec<_>>()
-    };
+    let over = |found: [f64; 3], k: usize| [middle(found), found[k] / middle(found)];
+    let bound = |k: usize| known.iter().map(|p| over(p.1, k)).collect::<Vec<_>>();
     let mut curves = match bound(1) == bound(2) {
         true => vec![curve("theory", REFERENCE[0], bound(1))],
         false => vec![
@@ -221,13 +218,13 @@ pub fn comparison(
     }
     for (k, method) in methods.iter().enumerate() {
         let own = known.iter().filter(|(trial, _)| trial.method == *method);
-        let points = own.map(|(_, found)| [middle(*found), found[0]]).collect();
+        let points = own.map(|(_, found)| over(*found, 0)).collect();
         curves.push(curve(method, PALETTE[k % PALETTE.len()], points));
     }
     Plot {
         title: study.title.clone(),
         x: format!("{} by theory", target.column),
-        y: format!("{} at {}", target.column, short(finest)),
+        y: format!("found at {} over theory", short(finest)),
         curves,
         from_zero: false,
     }

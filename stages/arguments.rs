@@ -55,7 +55,7 @@ pub struct PipelineArguments {
     /// The pipeline file
     #[arg(default_value = "pipeline.toml")]
     pub pipeline: PathBuf,
-    /// Override a setting, as `--set body.drop.velocity="[0 m/s, 0 m/s, -2.42 m/s]"`; repeatable
+    /// Override a setting, as `--set body.drop.velocity="2.42 m/s"`; repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }

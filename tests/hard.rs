@@ -1,4 +1,4 @@
-//! The stability suite, some fifteen minutes on two cores:
+//! The stability suite, some five minutes on two cores:
 //! `cargo test --release --test hard -- --nocapture`.
 //!
 //! Fails if a hard case breaks a promise that `scenes/study/hard-cases.toml` does not say is

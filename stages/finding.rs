@@ -9,7 +9,7 @@ use coronet::scene::quantity::{Unit, human};
 use crate::cost::Cost;
 use crate::fault;
 use crate::points::Study;
-use crate::target::Target;
+use crate::target::{Found, Target};
 use crate::trial::{Outcome, Trial};
 
 /// Below this order an error does not fall with the spacing, to speak of.
@@ -177,12 +177,7 @@ pub fn figure(
 
 /// What was found over what theory says, against that, of the finest points of each method; and
 /// the range of theory over its middle.
-pub fn comparison(
-    study: &Study,
-    target: &Target,
-    trials: &[Trial],
-    found: &[Option<[f64; 3]>],
-) -> Plot {
+pub fn comparison(study: &Study, target: &Target, trials: &[Trial], found: &[Found]) -> Plot {
     let finest = trials
         .iter()
         .map(|t| t.spacing)
@@ -192,7 +187,7 @@ pub fn comparison(
         .iter()
         .zip(found)
         .filter(|(trial, _)| trial.spacing == finest)
-        .filter_map(|(trial, found)| Some((trial, (*found)?)))
+        .filter_map(|(trial, found)| Some((trial, found.against?)))
         .collect();
     known.sort_by(|a, b| middle(a.1).total_cmp(&middle(b.1)));
     let curve = |label: &str, colour, points: Vec<[f64; 2]>| Curve {

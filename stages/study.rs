@@ -64,7 +64,8 @@ fn tell_costs(
     let window = target.window()?;
     let outcomes = run(trials, &arguments.store.artifacts, arguments.jobs)?;
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
-    let errors = target.measure(trials, &outcomes, folder, window)?;
+    let found = target.measure(trials, &outcomes, folder, window)?;
+    let errors: Vec<f64> = found.iter().map(|f| f.error).collect();
     let samples = samples(study.cost, trials, &outcomes, &errors);
     let on_front = on_front(&samples);
     make(out)?;
@@ -77,7 +78,6 @@ fn tell_costs(
         write_file(&out.join(FIGURE), figure.as_bytes())?;
     }
     if target.varies() {
-        let found = target.found(trials, &outcomes, window)?;
         let plot = comparison(study, target, trials, &found);
         if plot.has_points() {
             write_file(&out.join(COMPARISON), plot.svg()?.as_bytes())?;

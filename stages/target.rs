@@ -80,6 +80,14 @@ impl Feature {
     }
 }
 
+/// What a study says of a point.
+pub struct Found {
+    /// Relative; `NaN` where there is none.
+    pub error: f64,
+    /// What it has, and the range in which value or theory want it; `None` with a reference.
+    pub against: Option<[f64; 3]>,
+}
+
 impl Target {
     pub fn check(&self) -> Result<(), &'static str> {
         let given = [
@@ -108,7 +116,7 @@ impl Target {
     }
 
     /// What each point has, and the range in which value or theory want it.
-    pub fn found(
+    fn against_theory(
         &self,
         trials: &[Trial],
         outcomes: &[Outcome],
@@ -135,22 +143,23 @@ impl Target {
         self.theory.is_some()
     }
 
-    /// Relative error of each point; `NaN` where there is none.
+    /// The error of each point.
     pub fn measure(
         &self,
         trials: &[Trial],
         outcomes: &[Outcome],
         folder: &Path,
         [from, to]: [f64; 2],
-    ) -> Result<Vec<f64>> {
+    ) -> Result<Vec<Found>> {
         let column = &self.column;
         if self.value.is_some() || self.theory.is_some() {
-            let found = self.found(trials, outcomes, [from, to])?;
             let error = |[found, low, high]: [f64; 3]| (found / found.clamp(low, high) - 1.0).abs();
-            return Ok(found
-                .into_iter()
-                .map(|f| f.map_or(f64::NAN, error))
-                .collect());
+            let found = |against: Option<[f64; 3]>| Found {
+                error: against.map_or(f64::NAN, error),
+                against,
+            };
+            let all = self.against_theory(trials, outcomes, [from, to])?;
+            return Ok(all.into_iter().map(found).collect());
         }
         let known = |k: usize| outcomes[k].measures();
         let finest = (0..trials.len())
@@ -163,15 +172,19 @@ impl Target {
         let table = table.window(from, to);
         (0..trials.len())
             .map(|k| {
+                let found = |error: f64| Found {
+                    error,
+                    against: None,
+                };
                 let Some(measures) = known(k).filter(|_| !self.finest || Some(k) != finest) else {
-                    return Ok(f64::NAN);
+                    return Ok(found(f64::NAN));
                 };
                 let shift = match self.finest {
                     true => 0.0,
                     false => contact_time(&trials[k].scene()?),
                 };
                 let norm = compare_column(measures, &table, "", column, shift);
-                Ok(norm.map_or(f64::NAN, |norm| norm.l2))
+                Ok(found(norm.map_or(f64::NAN, |norm| norm.l2)))
             })
             .collect()
     }

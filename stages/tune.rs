@@ -85,7 +85,8 @@ struct Points {
 impl Points {
     fn errors(&self, target: &Target, arguments: &TuneArguments) -> Result<Vec<f64>> {
         let folder = arguments.study.parent().unwrap_or(Path::new("."));
-        target.measure(&self.trials, &self.outcomes, folder, target.window()?)
+        let found = target.measure(&self.trials, &self.outcomes, folder, target.window()?)?;
+        Ok(found.into_iter().map(|f| f.error).collect())
     }
 }
 

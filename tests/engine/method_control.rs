@@ -4,16 +4,22 @@ use super::method_scene::{EFFECTS, GRAVITY, disturbed, splash_scene, words};
 use coronet::method::{self, Phase, Solver};
 use coronet::scene::{Method, Scene, TimeStepping};
 
-/// A splash with acoustic steps ten times and advective ones five times too long.
-fn hasty() -> Scene {
+/// Acoustic steps ten times and advective ones five times too long.
+const DUAL: TimeStepping = TimeStepping::Dual {
+    advective: 1.25,
+    acoustic: 6.0,
+};
+
+/// One rate, ten times too long.
+const ADAPTIVE: TimeStepping = TimeStepping::Adaptive { safety: 10.0 };
+
+/// A splash with such steps.
+fn hasty(stepping: TimeStepping) -> Scene {
     let mut scene = splash_scene("modern", 2, &format!("{GRAVITY}{EFFECTS}"));
     let Method::Wcsph(settings) = &mut scene.method else {
         panic!("not WCSPH");
     };
-    settings.time_stepping = TimeStepping::Dual {
-        advective: 1.25,
-        acoustic: 6.0,
-    };
+    settings.time_stepping = stepping;
     scene
 }
 
@@ -57,19 +63,21 @@ fn steps_that_are_too_long_are_halved_and_grow_again() {
     let usual = splash_scene("modern", 2, &format!("{GRAVITY}{EFFECTS}"));
     let (_, wanted, none) = run(&usual);
     assert_eq!(none, 0.0, "rejected at the usual step");
-    let (halvings, found, rejected) = run(&hasty());
-    println!("{rejected} rejected, energies {found:.3?}, at the usual step {wanted:.3?}");
-    assert!(rejected > 1.0);
-    let grows = |pair: &[f64]| pair[1] < pair[0];
-    assert!(halvings.windows(2).any(grows), "{halvings:?}");
-    for (found, wanted) in found.iter().zip(wanted) {
-        assert!((found - wanted).abs() < 0.05, "{found} for {wanted}");
+    for stepping in [DUAL, ADAPTIVE] {
+        let (halvings, found, rejected) = run(&hasty(stepping));
+        println!("{stepping:?}: {rejected} rejected, energies {found:.3?}, usual {wanted:.3?}");
+        assert!(rejected > 1.0);
+        let grows = |pair: &[f64]| pair[1] < pair[0];
+        assert!(halvings.windows(2).any(grows), "{halvings:?}");
+        for (found, wanted) in found.iter().zip(wanted) {
+            assert!((found - wanted).abs() < 0.05, "{found} for {wanted}");
+        }
     }
 }
 
 #[test]
 fn a_restart_amid_shorter_steps_goes_on_bit_for_bit() {
-    let scene = hasty();
+    let scene = hasty(DUAL);
     let mut whole = start(&scene);
     while named(whole.as_ref(), "step_halvings") == 0.0 {
         whole.advance(&mut |_| ()).unwrap();
@@ -84,7 +92,7 @@ fn a_restart_amid_shorter_steps_goes_on_bit_for_bit() {
 /// A step that cannot be helped ends as diverged: one particle at a speed beyond that of sound.
 #[test]
 fn what_no_shorter_step_can_mend_is_said() {
-    let scene = hasty();
+    let scene = hasty(DUAL);
     let mut state = disturbed(&scene, 0.1);
     state.particles.velocity[0][0] = 1e4;
     let mut solver = method::build(&scene, state, Phase::Impact, Some(3.0)).unwrap();

@@ -17,28 +17,38 @@ use crate::settings::list;
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
-    use coronet::scene::{Method, Scene};
+    use coronet::scene::{Method, Scene, TimeStepping};
 
     pub const PACK: u32 = 2;
     pub const CALIBRATE: u32 = 6;
     pub const POST: u32 = 5;
     const FLOW: u32 = 15;
 
-    /// Of what only scenes with a contact angle, with MPS or with WCSPH have.
+    /// Of what only scenes with a contact angle, with its hysteresis, with MPS, with WCSPH or with
+    /// one rate of that have.
     const WETTING: u32 = 1;
+    const HYSTERESIS: u32 = 1;
     const MPS: u32 = 1;
     const WCSPH: u32 = 1;
+    const ONE_RATE: u32 = 1;
 
     /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results
     /// of other scenes fresh.
     pub fn flow(scene: &Scene) -> u32 {
         let wets = scene.effects.wetting.is_some();
-        let of_method = match scene.method {
-            Method::Wcsph(_) => WCSPH,
+        let rubs = scene
+            .effects
+            .wetting
+            .is_some_and(|w| w.hysteresis.is_some());
+        let of_method = match &scene.method {
+            Method::Wcsph(settings) => match settings.time_stepping {
+                TimeStepping::Dual { .. } => WCSPH,
+                _ => WCSPH + ONE_RATE,
+            },
             Method::Isph(_) => 0,
             Method::Mps(_) => MPS,
         };
-        FLOW + of_method + WETTING * u32::from(wets)
+        FLOW + of_method + WETTING * u32::from(wets) + HYSTERESIS * u32::from(rubs)
     }
 }
 

@@ -203,12 +203,9 @@ impl Tension {
                 let deep = DEEP * self.length + flow.slack;
                 self.band.grow(flow.grid, deep);
                 self.band.members(flow.liquid, &mut self.near);
-                match &mut self.wetting {
+                match self.wetting {
                     None => self.sum_normals(flow, &[], &Gradient::<K>(PhantomData)),
-                    Some(wetting) => {
-                        wetting.colour::<K>(flow, is_surface, &self.payload);
-                        self.sum_walled_normals::<K>(flow);
-                    }
+                    Some(_) => self.wet::<K>(flow, is_surface),
                 }
             }
             TensionForm::CahnHilliard => {

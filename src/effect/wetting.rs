@@ -21,8 +21,8 @@
 //! (5) cos theta + z d cos / dz,  d cos / dz = t . B t, t the tangent towards the wall and B the
 //!     curvature of [`super::tension::level`]; for a circle z / R.
 //!
-//! With an advancing and a receding angle theta is that of their mean cosine, and friction resists
-//! the motion of the line ([`friction`]).
+//! With an advancing and a receding angle theta of (2) is that which the line has ([`line`]), (4)
+//! has what lies beyond the two, and friction resists the motion of the line ([`friction`]).
 //!
 //! Measured angles: docs/validation.md, "Contact angle". Fails where the wedge of liquid at the
 //! contact line is thinner than H over many H (theta below 30 degrees; beyond 15 from flat the
@@ -31,6 +31,7 @@
 //! Time step: that of the tension. Tests: tests/engine/effect_wetting.rs.
 
 pub mod friction;
+mod line;
 mod pass;
 mod survey;
 pub mod typed;
@@ -41,6 +42,8 @@ use crate::kernel::{self, Kernel};
 use crate::scene::{Domain, KernelName, Side, Wetting as Angle};
 use crate::space::sweep::{self, Field};
 use friction::Friction;
+use line::Lines;
+pub(super) use line::TIMES;
 use pass::Sheared;
 pub(super) use pass::Walls;
 use std::marker::PhantomData;
@@ -93,6 +96,11 @@ pub struct Wetting {
     /// Wall particles near a surface, after [`Wetting::colour`] those with a stress; those of each
     /// axis.
     pub near: Vec<u32>,
+    /// The same before those without a stress were left out; cos theta of (2) of every wall
+    /// particle (both with hysteresis only).
+    about: Vec<u32>,
+    cosines: Vec<f64>,
+    pub lines: Lines,
     facing: [Vec<u32>; 3],
     slopes: Vec<([f32; 3], [f32; 3])>,
     sums: Vec<f32>,
@@ -123,6 +131,9 @@ impl Wetting {
             shear: Default::default(),
             foot: Default::default(),
             near: Vec::new(),
+            about: Vec::new(),
+            cosines: Vec::new(),
+            lines: Lines::default(),
             facing: Default::default(),
             slopes: Vec::new(),
             sums: Vec::new(),
@@ -139,16 +150,19 @@ impl Wetting {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let facing = self.facing.iter().map(Vec::capacity).sum::<usize>();
-        let lists = facing + self.near.capacity() + self.beside.capacity();
+        let near = self.near.capacity() + self.about.capacity();
+        let lists = facing + near + self.beside.capacity();
         let of_liquid = self.walls.capacity() + self.shorter.capacity();
         let pairs = self.slopes.capacity() + self.normals.capacity() + of_liquid;
         std::mem::size_of::<Place>() * self.places.capacity()
             + 4 * (self.colour.capacity() + self.sums.capacity() + lists)
             + 12 * (self.shear[0].capacity() + self.force.capacity())
             + 24 * self.foot[0].capacity()
+            + 8 * self.cosines.capacity()
             + 24 * pairs
             + self.band.memory()
             + self.friction.memory()
+            + self.lines.memory()
     }
 
     /// (1): colours of the wall particles near a surface; the others are wet or far from liquid.
@@ -205,6 +219,9 @@ impl Wetting {
         }
         self.shear = shear;
         let (places, colour) = (&self.places, &self.colour);
+        if self.rubs() {
+            self.about.clone_from(&self.near);
+        }
         let pulls = |j: usize| colour[j] > 0.0 && places[j].depth < DEEP * length;
         self.near.retain(|&j| pulls(j as usize));
     }
@@ -224,10 +241,8 @@ impl Wetting {
     /// wall particles: behind a mirror plane, their images.
     fn lean<K: Kernel>(&mut self, flow: &Surface, words: &[Vec<f32>; 3]) {
         let (setting, d) = (&self.setting, self.setting.dimension);
-        let cotangent = setting.angle.cotangent();
-        // A flat or overhanging surface meets the last layer, at 2 H, far from its foot.
-        let longer = (2.0 / REACH * cotangent.abs()).clamp(1.0, 0.5 * FAR);
-        let length = longer * setting.length;
+        let mean = Angle::cotangent(setting.angle.angle);
+        let length = self.sideways();
         let volume = flow.mass / setting.density / length.powi(d as i32);
         let least = FLAT / (K::norm(d) * volume);
         let field = about_feet(&self.foot, flow, words, length);
@@ -239,6 +254,10 @@ impl Wetting {
             let place = &self.places[j as usize];
             let Some(normal) = place.axis else {
                 continue;
+            };
+            let cotangent = match self.cosines.get(j as usize) {
+                Some(cosine) => Angle::cotangent(cosine.acos().to_degrees()),
+                None => mean,
             };
             let along = [0, 1, 2].map(|a| if a == normal { 0.0 } else { slope[a] as f64 });
             let size = along.iter().map(|g| g * g).sum::<f64>().sqrt();
@@ -261,6 +280,33 @@ impl Wetting {
         }
     }
 
+    /// Smoothing length of what looks for lines from under a wall, m: a flat or overhanging surface
+    /// meets the last layer, at 2 H, far from its foot.
+    fn sideways(&self) -> f64 {
+        let longer = 2.0 / REACH * self.setting.angle.steepest();
+        longer.clamp(1.0, 0.5 * FAR) * self.setting.length
+    }
+
+    /// Whether lines have hysteresis.
+    pub fn rubs(&self) -> bool {
+        self.setting.angle.hysteresis.is_some()
+    }
+
+    /// Takes the angle of the mean cosine for every line, with hysteresis.
+    pub fn forget_angles(&mut self, walls: usize) {
+        self.cosines.clear();
+        if self.rubs() {
+            self.cosines.resize(walls, self.cosine);
+        }
+    }
+
+    /// Takes the angles of `lines` from now on.
+    pub fn take_angles<K: Kernel>(&mut self, flow: &Surface) {
+        let (length, within) = (self.sideways(), self.setting.angle.cosines());
+        let (lines, feet) = (&mut self.lines, (&self.foot, self.about.as_slice()));
+        lines.measure::<K>(flow, feet, length, within, &mut self.cosines);
+    }
+
     /// Particles beside walls, and what the part of those that is dry adds to their SUM slope d,
     /// which would shift them off a contact line along their surface.
     pub fn dry(&self) -> impl Iterator<Item = (usize, [f32; 3])> {
@@ -269,7 +315,7 @@ impl Wetting {
         self.beside.iter().map(|i| *i as usize).zip(sums)
     }
 
-    /// (4) and the part f y of [`friction`] as multiples of 1 / (m norm / H^(d+1)), from u, SUM
+    /// (4) and [`friction::Hold`] as multiples of 1 / (m norm / H^(d+1)), from u, SUM
     /// slope d over the wall, and (5): `rise` gives d cos / dz from n and the unit vector into the
     /// wall. `at`: where, m.
     pub fn young(
@@ -278,37 +324,44 @@ impl Wetting {
         wall: [f64; 3],
         at: [f64; 3],
         rise: impl Fn([f64; 3], [f64; 3]) -> f64,
-    ) -> [[f64; 3]; 2] {
+    ) -> ([f64; 3], [[f64; 3]; 2]) {
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (size, root) = (dot(wall, wall).sqrt(), dot(u, u).sqrt());
         if size == 0.0 || root == 0.0 {
-            return [[0.0; 3]; 2];
+            return Default::default();
         }
         let (inward, n) = (wall.map(|w| w / size), u.map(|u| u / root));
         // grad c and the wall's point the same way where the angle is zero.
         let cosine = dot(n, inward);
         let along = [0, 1, 2].map(|a| cosine * inward[a] - n[a]);
         let rise = rise(n, inward) * self.height(at, inward);
-        let wanted = self.cosine + rise.clamp(-MOST_RISE, MOST_RISE);
+        let away = self.cosine + rise.clamp(-MOST_RISE, MOST_RISE) - cosine;
+        let half = self.setting.angle.friction();
+        let within = away.clamp(-half, half);
         // |along| is sin theta_d.
         let strength = 2.0 * root * root * size;
-        let most = strength * dot(along, along).sqrt() * self.setting.angle.friction();
-        let mut friction = [most; 3];
-        friction[normal_axis(inward)] = 0.0;
-        [along.map(|a| strength * (wanted - cosine) * a), friction]
+        let mut most = [strength * dot(along, along).sqrt() * half; 3];
+        most[normal_axis(inward)] = 0.0;
+        let drive = along.map(|a| strength * within * a);
+        (along.map(|a| strength * (away - within) * a), [most, drive])
     }
 
     /// Height of the surface that belongs to the stress at `at` over the wall in the direction
     /// `inward`, m.
     fn height(&self, at: [f64; 3], inward: [f64; 3]) -> f64 {
+        let setting = &self.setting;
+        let depth = level::depths(setting.kernel, setting.dimension)[0] * setting.length;
+        self.above(at, inward) + depth * self.cosine
+    }
+
+    /// Height of `at` over the wall in the direction `inward`, m.
+    pub fn above(&self, at: [f64; 3], inward: [f64; 3]) -> f64 {
         let axis = normal_axis(inward);
         let height = match inward[axis] < 0.0 {
             true => at[axis],
             false => self.setting.domain.size[axis] - at[axis],
         };
-        let setting = &self.setting;
-        let depth = level::depths(setting.kernel, setting.dimension)[0] * setting.length;
-        height.max(0.0) + depth * self.cosine
+        height.max(0.0)
     }
 }
 

@@ -44,6 +44,7 @@ use super::shifting::LOOSE;
 use super::{Diverged, Solver, frame};
 use crate::effect::band::Band;
 use crate::effect::tension::Tension;
+use crate::effect::wetting::friction::Hold;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State};
 use crate::scene::{PoissonSource, Projection as Settings};
@@ -161,7 +162,7 @@ struct Scratch<T> {
     band: Band,
     /// Whether a particle of the surface may be in the support.
     near: Vec<bool>,
-    friction: Vec<[f32; 3]>,
+    friction: Vec<Hold>,
 }
 
 impl<S: Scheme> Projection<S> {
@@ -382,7 +383,7 @@ impl<S: Scheme> Solver for Projection<S> {
             + size_of::<S::Row>() * self.sums.capacity()
             + self.scheme.memory()
             + self.scratch.near.capacity()
-            + 12 * self.scratch.friction.capacity()
+            + std::mem::size_of::<Hold>() * self.scratch.friction.capacity()
             + self.scratch.band.memory()
             + self.solver.memory()
             + self.tension.as_ref().map_or(0, Tension::memory);

@@ -26,7 +26,7 @@ use super::pass::Surroundings;
 use super::{Diverged, Solver, frame};
 use crate::effect::tension::Tension;
 use crate::effect::viscosity::PairViscosity;
-use crate::effect::wetting::friction::slowed;
+use crate::effect::wetting::friction::Hold;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
@@ -65,7 +65,7 @@ pub struct Wcsph<K, V> {
     driven: Vec<([f32; 3], [f32; 3])>,
     around: Vec<Surroundings>,
     /// Of contact lines; empty without hysteresis.
-    friction: Vec<[f32; 3]>,
+    friction: Vec<Hold>,
     walls: walls::WallState,
     pool: bool,
     control: control::Control,
@@ -79,6 +79,7 @@ struct Scratch {
     rate: Vec<f32>,
     around: Vec<Surroundings>,
     mist: Vec<bool>,
+    friction: Vec<Hold>,
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -248,7 +249,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             cells.permute(&mut self.rate, &mut self.scratch.rate);
         }
         if !self.friction.is_empty() {
-            cells.permute(&mut self.friction, &mut self.force);
+            cells.permute(&mut self.friction, &mut self.scratch.friction);
         }
         cells.permute(&mut self.held, &mut self.force);
         // Held over a sort inside an advective step: flags and shifting need them at its end.
@@ -283,7 +284,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let v = slots3(&mut self.flow.particles.velocity);
         each(friction.len(), |i| {
             let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
-            [*x, *y, *z] = slowed([*x, *y, *z], friction[i], dt);
+            [*x, *y, *z] = friction[i].slowed([*x, *y, *z], dt);
         });
     }
 }
@@ -384,7 +385,8 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
         let s = &self.scratch;
         let (rate, around) = (self.rate.capacity(), self.around.capacity());
         let bytes = 4 * (rate + s.rate.capacity())
-            + 12 * (self.held.capacity() + self.force.capacity() + self.friction.capacity())
+            + 12 * (self.held.capacity() + self.force.capacity())
+            + std::mem::size_of::<Hold>() * (self.friction.capacity() + s.friction.capacity())
             + std::mem::size_of::<Surroundings>() * (around + s.around.capacity())
             + s.mist.capacity()
             + 24 * self.driven.capacity()

@@ -51,18 +51,26 @@ impl Wetting {
         cosines(self.hysteresis.unwrap_or([self.angle; 2]))
     }
 
-    /// cot(angle) of the surface that goes on into the wall, at least [`FLATTEST`] from it: nearer,
-    /// it would go on for many kernels. Young's force has the angle itself.
-    pub fn cotangent(&self) -> f64 {
-        let angle = self.angle.clamp(FLATTEST, 180.0 - FLATTEST);
+    /// cot(angle) of the surface that goes on into the wall at `angle`, degrees, at least
+    /// [`FLATTEST`] from it: nearer, it would go on for many kernels. Young's force has the angle
+    /// itself.
+    pub fn cotangent(angle: f64) -> f64 {
+        let angle = angle.clamp(FLATTEST, 180.0 - FLATTEST);
         let (sine, cosine) = angle.to_radians().sin_cos();
         cosine / sine
     }
 
-    /// How much longer a distance can be than its image under a shear by cot(angle): the shear's
-    /// larger principal stretch, (|k| + sqrt(k^2 + 4)) / 2.
+    /// The largest |cot| of the angles that a line can have.
+    pub fn steepest(&self) -> f64 {
+        let angles = self.hysteresis.unwrap_or([self.angle; 2]);
+        let [advancing, receding] = angles.map(|angle| Self::cotangent(angle).abs());
+        advancing.max(receding)
+    }
+
+    /// How much longer a distance can be than its image under a shear by the largest |cot|: the
+    /// shear's larger principal stretch, (|k| + sqrt(k^2 + 4)) / 2.
     pub fn stretch(&self) -> f64 {
-        let shear = self.cotangent().abs();
+        let shear = self.steepest();
         0.5 * (shear + (shear * shear + 4.0).sqrt())
     }
 }

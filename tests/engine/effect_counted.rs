@@ -344,7 +344,7 @@ fn particles_of_a_contact_line_are_pulled_at_the_angle() {
         for (i, held) in held.iter().enumerate() {
             let film = cloud.flow.position(i)[2] < 2.1 * S0;
             let most = if film { f32::MAX } else { 0.0 };
-            assert_eq!(*held, [most, 0.0, 0.0]);
+            assert_eq!(held.most, [most, 0.0, 0.0]);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::cloud::{Cloud, OPEN, dot, length};
 use super::pack_scene::S0;
 use coronet::effect::tension::Tension;
 use coronet::effect::tension::level::depths;
-use coronet::effect::wetting::friction::slowed;
+use coronet::effect::wetting::friction::Hold;
 use coronet::effect::wetting::{Setting, Wetting};
 use coronet::kernel::{Kernel, WendlandC2, plane};
 use coronet::measure::gauge::Gauge;
@@ -149,7 +149,7 @@ fn youngs_force_has_the_strength_of_the_tension() {
         let root = (1.0 / sine).sqrt();
         let u = [-sine * root, 0.0, -cosine * root];
         let down = [0.0, 0.0, -plane(KERNEL, 2, z)];
-        let [force, _] = wetting.young(u, down, [0.0; 3], |_, _| 0.0);
+        let (force, _) = wetting.young(u, down, [0.0; 3], |_, _| 0.0);
         (0..3).for_each(|a| sum[a] += step * force[a]);
     }
     let wanted = 0.5 - cosine;
@@ -174,7 +174,7 @@ fn a_line_feels_the_angle_at_its_foot() {
         let pull = |cosine: f64, bend: f64| {
             let u = [-(1.0 - cosine * cosine).sqrt(), 0.0, -cosine];
             let down = [0.0, 0.0, -1.0];
-            wetting.young(u, down, [0.0, 0.0, z], |_, _| bend)[0]
+            wetting.young(u, down, [0.0, 0.0, z], |_, _| bend).0
         };
         let cosine = foot + bend * surface;
         assert!(pull(cosine, 0.0)[0] < -1e-3 * part);
@@ -269,7 +269,7 @@ fn hysteresis_holds_a_contact_line_up_to_the_advancing_angle() {
     for (method, viscosity, advancing, rests, angle) in [
         ("wcsph", "30 mPa s", 130.0, true, 113.0),
         ("wcsph", "300 mPa s", 90.0, false, 90.0),
-        ("isph", "30 mPa s", 130.0, true, 113.0),
+        ("isph", "300 mPa s", 130.0, true, 113.0),
     ] {
         let angles = format!("advancing=\"{advancing} deg\",receding=\"45 deg\"");
         let value = at_rest(method, viscosity, &angles);
@@ -288,12 +288,22 @@ fn hysteresis_holds_a_contact_line_up_to_the_advancing_angle() {
 
 #[test]
 fn friction_stops_but_does_not_turn() {
-    let most = [3.0f32, 3.0, 0.0];
-    assert_eq!(slowed([1e-3, -2e-3, 5.0], most, 1e-2), [0.0, 0.0, 5.0]);
-    let [x, y, z] = slowed([3.0, 4.0, 5.0], most, 0.1);
+    let hold = Hold {
+        most: [3.0, 3.0, 0.0],
+        drive: [0.0; 3],
+    };
+    assert_eq!(hold.slowed([1e-3, -2e-3, 5.0], 1e-2), [0.0, 0.0, 5.0]);
+    let [x, y, z] = hold.slowed([3.0, 4.0, 5.0], 0.1);
     let left = 1.0 - 0.3 / 5.0;
     assert!((x - 3.0 * left).abs() < 1e-12 && (y - 4.0 * left).abs() < 1e-12 && z == 5.0);
-    assert_eq!(slowed([1.0, 2.0, 3.0], [0.0; 3], 1.0), [1.0, 2.0, 3.0]);
+    let none = Hold::default();
+    assert_eq!(none.slowed([1.0, 2.0, 3.0], 1.0), [1.0, 2.0, 3.0]);
+    // At its advancing angle a line is free to advance and held with 2 f against receding.
+    let drive = [3.0, 0.0, 0.0];
+    let ready = Hold { drive, ..hold };
+    assert_eq!(ready.slowed([1.0, 0.0, 0.0], 0.1), [1.0, 0.0, 0.0]);
+    let [back, ..] = ready.slowed([-1.0, 0.0, 0.0], 0.1);
+    assert!((back + 0.4).abs() < 1e-12, "{back}");
 }
 
 /// Liquid left of a straight surface that meets the floor at `angle`, `part` of a spacing on.
@@ -344,6 +354,39 @@ fn a_straight_surface_at_its_angle_is_not_pulled() {
         assert!(
             along.abs() < most && across.abs() < most,
             "{angle}: {along} {across}"
+        );
+    }
+}
+
+/// Between the receding and the advancing angle it is not pulled at any: the surface goes on at the
+/// angle that it has. Force along the wall on the lowest six layers over sigma; one that goes on at
+/// 90 degrees is pulled by 0.5 at 60 and 120.
+#[test]
+fn a_straight_surface_within_its_hysteresis_is_not_pulled() {
+    const PLACES: usize = 8;
+    let set = scene::Wetting::between([130.0, 50.0]);
+    for angle in [60.0, 75.0, 90.0, 105.0, 120.0] {
+        let mut sum = [0.0; 3];
+        for place in 0..PLACES {
+            let (cloud, depth) = wedge(angle, place as f64 / PLACES as f64);
+            let mut tension = tension(&cloud, Some(set.angle));
+            tension.wetting.as_mut().unwrap().setting.angle = set;
+            let sources = cloud.flow.sources();
+            tension.update(&surface_of(&cloud.flow, &sources), |_| true);
+            let mut a = vec![[0.0; 3]; cloud.flow.liquid()];
+            tension.add(&mut a);
+            for (i, a) in a.iter().enumerate() {
+                let x = cloud.flow.position(i).map(|x| x / S0);
+                if x[2] < 6.0 && depth(x) < 9.0 {
+                    let mass = cloud.flow.particles.mass / PLACES as f64;
+                    (0..3).for_each(|k| sum[k] += mass * a[k] as f64 / SIGMA);
+                }
+            }
+        }
+        println!("{angle}: {sum:.3?}");
+        assert!(
+            sum[0].abs() < 0.04 && sum[2].abs() < 0.04,
+            "{angle}: {sum:?}"
         );
     }
 }

@@ -77,12 +77,28 @@ fn steps_that_are_too_long_are_halved_and_grow_again() {
 
 #[test]
 fn a_restart_amid_shorter_steps_goes_on_bit_for_bit() {
-    let scene = hasty(DUAL);
-    let mut whole = start(&scene);
-    while named(whole.as_ref(), "step_halvings") == 0.0 {
-        whole.advance(&mut |_| ()).unwrap();
+    for stepping in [DUAL, ADAPTIVE] {
+        let scene = hasty(stepping);
+        let mut whole = start(&scene);
+        while named(whole.as_ref(), "step_halvings") == 0.0 {
+            whole.advance(&mut |_| ()).unwrap();
+        }
+        restart(&scene, whole);
     }
-    let mut again = method::build(&scene, whole.state(), Phase::Impact, None).unwrap();
+}
+
+/// With one rate, too, at steps of which none is rejected.
+#[test]
+fn a_restart_with_one_rate_goes_on_bit_for_bit() {
+    let scene = hasty(TimeStepping::Adaptive { safety: 1.0 });
+    let mut whole = start(&scene);
+    (0..5).for_each(|_| whole.advance(&mut |_| ()).unwrap());
+    restart(&scene, whole);
+}
+
+/// The same bits after 60 advances from the state of `whole` as without a restart.
+fn restart(scene: &Scene, mut whole: Box<dyn Solver>) {
+    let mut again = method::build(scene, whole.state(), Phase::Impact, None).unwrap();
     for solver in [&mut whole, &mut again] {
         (0..60).for_each(|_| solver.advance(&mut |_| ()).unwrap());
     }

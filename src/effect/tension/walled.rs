@@ -3,7 +3,8 @@
 use super::level::{Bend, curvature};
 use super::pass::{Gradient, Summed};
 use super::{FAINT, Surface, Tension};
-use crate::effect::wetting::{Walls, Wetting};
+use crate::effect::wetting::friction::Hold;
+use crate::effect::wetting::{TIMES, Walls, Wetting};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
 use crate::space::mirror::PAIRS;
@@ -12,6 +13,53 @@ use crate::space::sweep::{self, Field};
 use std::marker::PhantomData;
 
 impl Tension {
+    /// Colours of walls and normals; with hysteresis for the angles that lines have.
+    pub(super) fn wet<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        is_surface: impl Fn(usize) -> bool + Sync,
+    ) {
+        let Some(wetting) = &mut self.wetting else {
+            return;
+        };
+        wetting.forget_angles(flow.wall[0].len());
+        let times = if wetting.rubs() { TIMES } else { 0 };
+        for time in 0..=times {
+            if let Some(wetting) = &mut self.wetting {
+                wetting.colour::<K>(flow, &is_surface, &self.payload);
+            }
+            self.sum_walled_normals::<K>(flow);
+            if time < times {
+                self.measure_lines::<K>(flow);
+            }
+        }
+    }
+
+    /// The angles of contact lines from the normals of the liquid at them.
+    fn measure_lines<K: Kernel>(&mut self, flow: &Surface) {
+        let Some(wetting) = &mut self.wetting else {
+            return;
+        };
+        let gradient = K::norm(self.dimension) / self.length.powi(self.dimension as i32 + 1);
+        let factor = gradient * flow.mass / self.density * self.length;
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        wetting.lines.clear(flow);
+        for (k, (normal, _)) in self.normals.iter().enumerate() {
+            let wall = wetting.walls[k].1.map(f64::from);
+            let n = normal.map(|n| factor * n as f64);
+            let (size, stress) = (dot(wall, wall).sqrt(), dot(n, n) - FAINT * FAINT);
+            if size == 0.0 || stress <= 0.0 {
+                continue;
+            }
+            let cosine = (dot(n, wall) / (dot(n, n).sqrt() * size)).clamp(-1.0, 1.0);
+            let i = self.near[k] as usize;
+            let at = [0, 1, 2].map(|a| flow.position[a][i]);
+            let height = wetting.above(at, wall) / self.length;
+            wetting.lines.add(i, height, stress * size, cosine);
+        }
+        wetting.take_angles::<K>(flow);
+    }
+
     /// n with the wall's colours: of the liquid into `normals`, of wall particles into the
     /// wetting's.
     pub(super) fn sum_walled_normals<K: Kernel>(&mut self, flow: &Surface) {
@@ -115,10 +163,10 @@ impl Tension {
         let mut bends = std::mem::take(&mut self.bends);
         self.bend::<K>(flow, &lines, &mut bends);
         let factor = self.force_factor::<K>(flow.mass);
-        let rubs = wetting.setting.angle.hysteresis.is_some();
-        let mut most = std::mem::take(&mut wetting.friction.most);
-        most.resize(if rubs { feet.len() } else { 0 }, [0.0; 3]);
-        let rubbed = Slots::new(&mut most);
+        let rubs = wetting.rubs();
+        let mut hold = std::mem::take(&mut wetting.friction.hold);
+        hold.resize(if rubs { feet.len() } else { 0 }, Hold::default());
+        let holds = Slots::new(&mut hold);
         let normals = Slots::new(&mut self.normals);
         let (length, dimension) = (self.length, self.dimension);
         each(feet.len(), |line| {
@@ -128,29 +176,30 @@ impl Tension {
             let at = [0, 1, 2].map(|a| flow.position[a][i]);
             let rise = |n, inward| rise(&bends[line], n, inward, dimension) / length;
             let wall = wetting.walls[k].1.map(f64::from);
-            let [young, friction] = wetting.young(u.map(f64::from), wall, at, rise);
+            let (young, held) = wetting.young(u.map(f64::from), wall, at, rise);
             *own = young.map(|y| (factor * y) as f32);
             if rubs {
-                *unsafe { rubbed.at(line) } = friction.map(|f| (factor * f) as f32);
+                let [most, drive] = held.map(|f| f.map(|f| (factor * f) as f32));
+                *unsafe { holds.at(line) } = Hold { most, drive };
             }
         });
-        wetting.friction.most = most;
+        wetting.friction.hold = hold;
         (self.bends, self.lines, self.feet) = (bends, lines, feet);
         self.wetting = Some(wetting);
     }
 
     /// Fills `into`, by liquid particle, with the friction of contact lines as of the last update
     /// (empty without hysteresis); velocity in m/s.
-    pub fn friction(&mut self, flow: &Surface, velocity: &[Vec<f64>; 3], into: &mut Vec<[f32; 3]>) {
+    pub fn friction(&mut self, flow: &Surface, velocity: &[Vec<f64>; 3], into: &mut Vec<Hold>) {
         into.clear();
         if let Some(typed) = &self.typed {
-            into.resize(flow.density.len(), [0.0; 3]);
+            into.resize(flow.density.len(), Hold::default());
             typed.hold(flow, into);
         }
         let (lines, length) = (self.lines.as_slice(), self.length);
         let wetting = self.wetting.as_mut();
-        if let Some(wetting) = wetting.filter(|w| w.setting.angle.hysteresis.is_some()) {
-            into.resize(flow.density.len(), [0.0; 3]);
+        if let Some(wetting) = wetting.filter(|w| w.rubs()) {
+            into.resize(flow.density.len(), Hold::default());
             let (friction, lines) = (&mut wetting.friction, (lines, length));
             match self.kernel {
                 KernelName::CubicSpline => {

@@ -16,6 +16,7 @@
 //! 2.1, 4.1, 4.1 l0. Fails where the drop is not much higher than L2 or in several pieces on one
 //! wall. Test: tests/engine/effect_counted.rs.
 
+use super::friction::Hold;
 use crate::effect::tension::Surface;
 use crate::scene::{Domain, Side, Wetting};
 
@@ -81,11 +82,11 @@ impl Typed {
 
     /// Fills `into`, by liquid particle, with a friction along walls that stops every boundary
     /// particle (1), m/s^2.
-    pub fn hold(&self, flow: &Surface, into: &mut [[f32; 3]]) {
+    pub fn hold(&self, flow: &Surface, into: &mut [Hold]) {
         for wall in self.walls() {
-            for (i, most) in into.iter_mut().enumerate() {
+            for (i, hold) in into.iter_mut().enumerate() {
                 if self.height(flow, i, wall) < self.lengths[0] {
-                    most[wall.along] = f32::MAX;
+                    hold.most[wall.along] = f32::MAX;
                 }
             }
         }

@@ -2,7 +2,6 @@
 
 use super::{MIST, Projection, Scheme, Scratch};
 use crate::effect::gravity;
-use crate::effect::wetting::friction::slowed;
 use crate::method::Diverged;
 use crate::method::flow::retain;
 use crate::method::limit::Limits;
@@ -322,7 +321,7 @@ impl<S: Scheme> Projection<S> {
             }
             if !friction.is_empty() {
                 let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
-                [*x, *y, *z] = slowed([*x, *y, *z], friction[i], dt);
+                [*x, *y, *z] = friction[i].slowed([*x, *y, *z], dt);
             }
             for a in 0..3 {
                 let v = unsafe { v[a].at(i) };

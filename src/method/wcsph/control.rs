@@ -47,6 +47,7 @@ pub(super) struct Control {
 struct Before {
     particles: Particles,
     rate: Vec<f32>,
+    walls: Vec<f64>,
     sums: Vec<f32>,
     removed: (f64, u64),
     time: f64,
@@ -100,7 +101,9 @@ impl Control {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let b = &self.before;
-        b.particles.id.capacity() * (7 * 8 + 5) + 4 * (b.rate.capacity() + b.sums.capacity())
+        b.particles.id.capacity() * (7 * 8 + 5)
+            + 4 * (b.rate.capacity() + b.sums.capacity())
+            + 8 * b.walls.capacity()
     }
 }
 
@@ -186,6 +189,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let before = &mut self.control.before;
         copy(&self.flow.particles, &mut before.particles);
         before.rate.clone_from(&self.rate);
+        before.walls.clone_from(&self.walls.density);
         before.sums.clear();
         before.sums.extend(self.around.iter().map(|s| s.sum));
         before.removed = self.flow.removed;
@@ -204,6 +208,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let before = &self.control.before;
         copy(&before.particles, &mut self.flow.particles);
         self.rate.clone_from(&before.rate);
+        self.walls.density.clone_from(&before.walls);
         self.around.resize(before.sums.len(), Default::default());
         let pairs = self.around.iter_mut().zip(&before.sums);
         pairs.for_each(|(around, sum)| around.sum = *sum);

@@ -26,6 +26,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     ) -> Result<(), Diverged> {
         self.flow.lasting = LONGEST as f64 * self.next_step();
         self.rebuild();
+        // Rates of density see the walls of the step before, which no state keeps.
+        if self.model.diffusion().is_some() {
+            self.pack_force(0.0);
+        }
         for k in 0..LONGEST {
             let dt = self.next_step();
             let push = self.hardest * dt;

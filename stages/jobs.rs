@@ -17,7 +17,7 @@ use crate::settings::list;
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
-    use coronet::scene::{Method, Scene, TimeStepping};
+    use coronet::scene::{Density, Method, Scene, TimeStepping};
 
     pub const PACK: u32 = 2;
     pub const CALIBRATE: u32 = 6;
@@ -25,7 +25,7 @@ pub mod version {
     const FLOW: u32 = 15;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with MPS, with WCSPH or with
-    /// one rate of that have.
+    /// the continuity equation at one rate have.
     const WETTING: u32 = 1;
     const HYSTERESIS: u32 = 1;
     const MPS: u32 = 1;
@@ -41,9 +41,9 @@ pub mod version {
             .wetting
             .is_some_and(|w| w.hysteresis.is_some());
         let of_method = match &scene.method {
-            Method::Wcsph(settings) => match settings.time_stepping {
-                TimeStepping::Dual { .. } => WCSPH,
-                _ => WCSPH + ONE_RATE,
+            Method::Wcsph(settings) => match (settings.time_stepping, settings.density) {
+                (TimeStepping::Dual { .. }, _) | (_, Density::Summation) => WCSPH,
+                (_, Density::Continuity { .. }) => WCSPH + ONE_RATE,
             },
             Method::Isph(_) => 0,
             Method::Mps(_) => MPS,

@@ -28,7 +28,8 @@
 //! contact line is thinner than H over many H (theta below 30 degrees; beyond 15 from flat the
 //! cotangent stays as it is there); beside a corner of two
 //! walls, which counts as wet. Costs nothing far from contact lines.
-//! Time step: that of the tension. Tests: tests/engine/effect_wetting.rs.
+//! Time step: that of the tension. Tests: tests/engine/effect_wetting.rs,
+//! effect_wedge.rs.
 
 pub mod friction;
 mod line;

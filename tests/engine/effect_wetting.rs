@@ -6,7 +6,7 @@ use coronet::effect::tension::Tension;
 use coronet::effect::tension::level::depths;
 use coronet::effect::wetting::friction::Hold;
 use coronet::effect::wetting::{Setting, Wetting};
-use coronet::kernel::{Kernel, WendlandC2, plane};
+use coronet::kernel::plane;
 use coronet::measure::gauge::Gauge;
 use coronet::method::{self, Phase, surface_of};
 use coronet::particle::pack::pack;
@@ -14,9 +14,9 @@ use coronet::scene::{self, Dimension, KernelName, Side, TensionForm, file};
 use std::ops::ControlFlow::Continue;
 use std::path::Path;
 
-const SIGMA: f64 = 0.067;
+pub(super) const SIGMA: f64 = 0.067;
 const DENSITY: f64 = 1100.0;
-const H: f64 = 2.6;
+pub(super) const H: f64 = 2.6;
 const KERNEL: KernelName = KernelName::WendlandC2;
 
 /// A lattice rectangle of 24 spacings by `height`, from `bottom` on.
@@ -45,7 +45,7 @@ fn wetting(cloud: &Cloud, angle: f64) -> Wetting {
     })
 }
 
-fn tension(cloud: &Cloud, angle: Option<f64>) -> Tension {
+pub(super) fn tension(cloud: &Cloud, angle: Option<f64>) -> Tension {
     let d = cloud.flow.dimension.count();
     let form = TensionForm::RawColour;
     let mut tension = Tension::new(form, KERNEL, [cloud.h; 2], SIGMA, 5.4, d, DENSITY);
@@ -304,130 +304,4 @@ fn friction_stops_but_does_not_turn() {
     assert_eq!(ready.slowed([1.0, 0.0, 0.0], 0.1), [1.0, 0.0, 0.0]);
     let [back, ..] = ready.slowed([-1.0, 0.0, 0.0], 0.1);
     assert!((back + 0.4).abs() < 1e-12, "{back}");
-}
-
-/// Liquid left of a straight surface that meets the floor at `angle`, `part` of a spacing on.
-fn wedge(angle: f64, part: f64) -> (Cloud, impl Fn([f64; 3]) -> f64) {
-    let (sine, cosine) = angle.to_radians().sin_cos();
-    let mut sides = OPEN;
-    sides[2][0] = Side::Wall;
-    // Spacings below the surface, from the place in spacings.
-    let depth = move |x: [f64; 3]| (60.0 + part - x[0]) * sine - x[2] * cosine;
-    let inside = |x: [f64; 3]| depth(x) > 0.0 && x[2] < 30.0;
-    let size = [140.0, 0.0, 40.0];
-    (
-        Cloud::new(Dimension::Two, size, sides, [H, 0.0], inside),
-        depth,
-    )
-}
-
-/// A straight surface at the angle that is set ends nowhere: nothing pulls at its foot, whatever
-/// the angle. Force on the lowest six layers over sigma, mean of places in the lattice.
-#[test]
-fn a_straight_surface_at_its_angle_is_not_pulled() {
-    const PLACES: usize = 24;
-    // At 150 degrees the surface meets the last layers beyond what they see.
-    for (angle, most) in [
-        (30.0, 0.03),
-        (45.0, 0.03),
-        (60.0, 0.03),
-        (90.0, 0.03),
-        (120.0, 0.03),
-        (135.0, 0.03),
-        (150.0, 0.06),
-    ] {
-        let mut sum = [0.0; 3];
-        for place in 0..PLACES {
-            let (cloud, depth) = wedge(angle, place as f64 / PLACES as f64);
-            let a = accelerations(&cloud, Some(angle));
-            for (i, a) in a.iter().enumerate() {
-                let x = cloud.flow.position(i).map(|x| x / S0);
-                if x[2] < 6.0 && depth(x) < 9.0 {
-                    let mass = cloud.flow.particles.mass / PLACES as f64;
-                    (0..3).for_each(|k| sum[k] += mass * a[k] / SIGMA);
-                }
-            }
-        }
-        let (sine, cosine) = f64::to_radians(angle).sin_cos();
-        let along = sum[2] * sine - sum[0] * cosine;
-        let across = sum[0] * sine + sum[2] * cosine;
-        assert!(
-            along.abs() < most && across.abs() < most,
-            "{angle}: {along} {across}"
-        );
-    }
-}
-
-/// Between the receding and the advancing angle it is not pulled at any: the surface goes on at the
-/// angle that it has. Force along the wall on the lowest six layers over sigma; one that goes on at
-/// 90 degrees is pulled by 0.5 at 60 and 120.
-#[test]
-fn a_straight_surface_within_its_hysteresis_is_not_pulled() {
-    const PLACES: usize = 8;
-    let set = scene::Wetting::between([130.0, 50.0]);
-    for angle in [60.0, 75.0, 90.0, 105.0, 120.0] {
-        let mut sum = [0.0; 3];
-        for place in 0..PLACES {
-            let (cloud, depth) = wedge(angle, place as f64 / PLACES as f64);
-            let mut tension = tension(&cloud, Some(set.angle));
-            tension.wetting.as_mut().unwrap().setting.angle = set;
-            let sources = cloud.flow.sources();
-            tension.update(&surface_of(&cloud.flow, &sources), |_| true);
-            let mut a = vec![[0.0; 3]; cloud.flow.liquid()];
-            tension.add(&mut a);
-            for (i, a) in a.iter().enumerate() {
-                let x = cloud.flow.position(i).map(|x| x / S0);
-                if x[2] < 6.0 && depth(x) < 9.0 {
-                    let mass = cloud.flow.particles.mass / PLACES as f64;
-                    (0..3).for_each(|k| sum[k] += mass * a[k] as f64 / SIGMA);
-                }
-            }
-        }
-        println!("{angle}: {sum:.3?}");
-        assert!(
-            sum[0].abs() < 0.04 && sum[2].abs() < 0.04,
-            "{angle}: {sum:?}"
-        );
-    }
-}
-
-/// What shifts particles beside a contact line points across the surface once the dry wall is out
-/// of it. With the dry wall particles would leave the line along their surface.
-#[test]
-fn a_dry_wall_shifts_nobody() {
-    let short = 1.5 * S0;
-    for angle in [45.0, 90.0, 120.0] {
-        let (cloud, depth) = wedge(angle, 0.0);
-        let mut tension = tension(&cloud, Some(angle));
-        tension.wetting.as_mut().unwrap().short = Some(short);
-        let sources = cloud.flow.sources();
-        tension.update(&surface_of(&cloud.flow, &sources), |_| true);
-        let at = |p: &[Vec<f64>; 3], i: usize| [0, 1, 2].map(|a| p[a][i]);
-        let liquid = |i: usize| at(&cloud.flow.particles.position, i);
-        let others = (0..cloud.flow.liquid()).map(liquid);
-        let walls = (0..cloud.flow.walls()).map(|j| at(&cloud.flow.wall.position, j));
-        let others: Vec<_> = others.chain(walls).collect();
-        let (sine, cosine) = f64::to_radians(angle).sin_cos();
-        let [mut with, mut without] = [0.0; 2];
-        for (i, dry) in tension.dry() {
-            let x = liquid(i);
-            let near = x.map(|x| x / S0);
-            if near[2] > 2.0 || depth(near) > 2.0 {
-                continue;
-            }
-            let mut slope = [0.0; 3];
-            for other in &others {
-                let d = [0, 1, 2].map(|a| (x[a] - other[a]) / short);
-                let w = WendlandC2::slope(length(d).min(2.0));
-                (0..3).for_each(|a| slope[a] += w * d[a]);
-            }
-            let along = |v: [f64; 3]| v[2] * sine - v[0] * cosine;
-            with += along(slope);
-            without += along(slope) - along(dry.map(f64::from));
-        }
-        assert!(
-            without.abs() < 0.25 * with.abs(),
-            "{angle}: {without} of {with}"
-        );
-    }
 }

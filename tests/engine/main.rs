@@ -7,6 +7,7 @@ mod effect_counted;
 mod effect_level;
 mod effect_select;
 mod effect_tension;
+mod effect_wedge;
 mod effect_wetting;
 mod flow_wall;
 mod isph_operator;

@@ -10,9 +10,8 @@
 //!     D = nu sigma (cos theta_Y - cos theta_d) within -f .. f,
 //! which is sigma (cos theta_d - cos theta_A) against a line that advances, so that one at its
 //! advancing angle is free to, and likewise where it recedes.
-//! Written as a force for theta_Y, which drives, and friction up to f, which resists, the sum is the
-//! same; but the first goes on into pressure and pair forces before the second takes it back, and a
-//! drop that should rest on an incline rolls.
+//! A force for theta_Y, which drives, and friction up to f, which resists, have the same sum; but
+//! the first would reach pressures before the second takes it back.
 //!
 //! A line that rolls forward has particles at rest at the wall, which friction cannot slow. So what
 //! they do not take of (1) goes to those that move: with v along the wall (1) is

@@ -8,7 +8,7 @@
 //!     |SUM grad W over the wall| sin theta_b, g = z - 0.8 H above that height, else 0,
 //! theta_b from n of liquid particles, which sees the wall's colours less the higher they are. So
 //! the colours are found for the mean angle, and then twice more: on a straight surface the first
-//! is 4 degrees off at 120 against 90, the second below 1 (tests/engine/effect_wetting.rs).
+//! is 4 degrees off at 120 against 90, the second below 1 (tests/engine/effect_wedge.rs).
 //!
 //! On a drop it is the angle about one H above the foot; what Young's force then has at the foot,
 //! (5) of [`super`], is not in it.

@@ -1,14 +1,14 @@
 //! The angle that a contact line has, theta_d: with hysteresis the surface goes on into the wall at
 //! that, so that a line at rest feels no kink.
 //!
-//! Where it went on at one angle, as it does without hysteresis, the kink at any other pulls on
-//! other particles than friction can hold. Half of that which a drop on an incline needs made it
-//! creep.
+//! Going on at one angle, as it does without hysteresis, it has a kink at any other, which pulls on
+//! other particles than friction holds: a drop on an incline crept (docs/validation.md).
 //! (1) cos theta_d = SUM y cos theta_b W / SUM y W about the face of the wall, y = g |T_b|
 //!     |SUM grad W over the wall| sin theta_b, g = z - 0.8 H above that height, else 0,
 //! theta_b from n of liquid particles, which sees the wall's colours less the higher they are. So
-//! the colours are found for the mean angle, and then twice more: on a straight surface the first
-//! is 4 degrees off at 120 against 90, the second below 1 (tests/engine/effect_wedge.rs).
+//! the colours are found for the mean angle, and then twice more: on a straight surface at 120
+//! degrees and a mean of 90 the first is 4 degrees off, the second below 1 (what is left of the
+//! force: tests/engine/effect_wedge.rs).
 //!
 //! On a drop it is the angle about one H above the foot; what Young's force then has at the foot,
 //! (5) of [`super`], is not in it.

@@ -5,6 +5,7 @@ use super::cloud::{Cloud, OPEN, dot, length};
 use super::pack_scene::S0;
 use coronet::effect::tension::Tension;
 use coronet::effect::tension::counted::disordered;
+use coronet::effect::wetting::friction::Hold;
 use coronet::effect::wetting::typed::Typed;
 use coronet::kernel::{Kernel, WendlandC2};
 use coronet::method::surface_of;
@@ -344,7 +345,8 @@ fn particles_of_a_contact_line_are_pulled_at_the_angle() {
         for (i, held) in held.iter().enumerate() {
             let film = cloud.flow.position(i)[2] < 2.1 * S0;
             let most = if film { f32::MAX } else { 0.0 };
-            assert_eq!(held.most, [most, 0.0, 0.0]);
+            let [most, drive] = [[most, 0.0, 0.0], [0.0; 3]];
+            assert_eq!(*held, Hold { most, drive });
         }
     }
 }

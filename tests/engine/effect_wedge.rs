@@ -1,7 +1,7 @@
 //! A straight surface that meets a wall: what pulls at its foot, and what shifts it.
 
 use super::cloud::{Cloud, OPEN, length};
-use super::effect_wetting::{H, SIGMA, tension};
+use super::effect_wetting::{H, SIGMA, accelerations_by, tension};
 use super::pack_scene::S0;
 use coronet::effect::tension::Tension;
 use coronet::kernel::{Kernel, WendlandC2};
@@ -29,16 +29,12 @@ fn pull(angle: f64, places: usize, tension: impl Fn(&Cloud) -> Tension) -> [f64;
     let mut sum = [0.0; 3];
     for place in 0..places {
         let (cloud, depth) = wedge(angle, place as f64 / places as f64);
-        let mut tension = tension(&cloud);
-        let sources = cloud.flow.sources();
-        tension.update(&surface_of(&cloud.flow, &sources), |_| true);
-        let mut a = vec![[0.0; 3]; cloud.flow.liquid()];
-        tension.add(&mut a);
+        let a = accelerations_by(tension(&cloud), &cloud, |_| true);
         for (i, a) in a.iter().enumerate() {
             let x = cloud.flow.position(i).map(|x| x / S0);
             if x[2] < 6.0 && depth(x) < 9.0 {
                 let mass = cloud.flow.particles.mass / places as f64;
-                (0..3).for_each(|k| sum[k] += mass * a[k] as f64 / SIGMA);
+                (0..3).for_each(|k| sum[k] += mass * a[k] / SIGMA);
             }
         }
     }

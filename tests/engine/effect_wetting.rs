@@ -63,7 +63,14 @@ fn accelerations_near(
     angle: Option<f64>,
     flag: impl Fn(usize) -> bool + Sync,
 ) -> Vec<[f64; 3]> {
-    let mut tension = tension(cloud, angle);
+    accelerations_by(tension(cloud, angle), cloud, flag)
+}
+
+pub(super) fn accelerations_by(
+    mut tension: Tension,
+    cloud: &Cloud,
+    flag: impl Fn(usize) -> bool + Sync,
+) -> Vec<[f64; 3]> {
     let sources = cloud.flow.sources();
     let surface = surface_of(&cloud.flow, &sources);
     // Twice: the second time with what the first left in the buffers.

@@ -7,7 +7,7 @@ use coronet::measure::tradeoff::{Sample, growth, worst};
 use coronet::scene::quantity::{Unit, human};
 
 use crate::cost::Cost;
-use crate::fault;
+use crate::figures::number;
 use crate::points::Study;
 use crate::target::{Found, Target};
 use crate::trial::{Outcome, Trial};
@@ -101,24 +101,12 @@ pub fn table(
     ];
     file.write_record(["point"].into_iter().chain(axes).chain(rest))?;
     for (k, trial) in trials.iter().enumerate() {
-        let status = match &outcomes[k] {
-            Outcome::Done { .. } => "done",
-            Outcome::Failed {
-                code: fault::DIVERGED,
-                ..
-            } => "diverged",
-            Outcome::Failed { .. } => "failed",
-        };
-        let number = |value: f64| match value.is_finite() {
-            true => format!("{value}"),
-            false => String::new(),
-        };
         let mut row = vec![trial.name.clone()];
         row.extend(trial.labels.iter().cloned());
         row.extend([
             number(trial.spacing),
             number(trial.count),
-            status.to_string(),
+            outcomes[k].status().to_string(),
         ]);
         row.extend([number(samples[k].error), on_front[k].to_string()]);
         let costs = [Cost::Cpu, Cost::Wall, Cost::Memory];
@@ -306,8 +294,7 @@ fn cell(study: &Study, target: &Target, outcome: &Outcome, sample: &Sample) -> S
                 false => format!("unknown, {cost}"),
             }
         }
-        Outcome::Failed { code, .. } if *code == fault::DIVERGED => "diverged".to_string(),
-        Outcome::Failed { .. } => "failed".to_string(),
+        Outcome::Failed { .. } => outcome.status().to_string(),
     }
 }
 

@@ -4,6 +4,7 @@ mod arguments;
 mod calibrate;
 mod cost;
 mod fault;
+mod figures;
 mod finding;
 mod flight;
 mod forecast;

@@ -10,11 +10,12 @@ use serde::Deserialize;
 
 use crate::cost::Cost;
 use crate::fault::Usage;
+use crate::figures::{Curves, Figure};
 use crate::promise::{Case, Ending};
 use crate::target::Target;
 use crate::trial::Trial;
 
-/// A study file: either an `error` to be measured, or `case`s with promises.
+/// A study file: an `error` to be measured, `figure`s to be told, or `case`s with promises.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Study {
@@ -32,6 +33,10 @@ pub struct Study {
     #[serde(default)]
     except: Vec<String>,
     pub error: Option<Target>,
+    #[serde(default)]
+    pub figure: Vec<Figure>,
+    #[serde(default)]
+    pub curves: Vec<Curves>,
     #[serde(default)]
     pub case: Vec<Case>,
 }
@@ -94,10 +99,13 @@ pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
 
 impl Study {
     fn check(&self) -> Result<(), String> {
-        match (&self.error, self.case.is_empty()) {
-            (Some(error), true) => error.check().map_err(str::to_string)?,
-            (None, false) => {}
-            _ => return Err("it needs either [error] or at least one [[case]]".to_string()),
+        match (&self.error, self.figure.is_empty(), self.case.is_empty()) {
+            (Some(error), true, true) => error.check().map_err(str::to_string)?,
+            (None, false, true) | (None, true, false) => self.check_figures()?,
+            _ => return Err("it needs one of [error], [[figure]] and [[case]]".to_string()),
+        }
+        if self.figure.is_empty() && !self.curves.is_empty() {
+            return Err("[[curves]] go with [[figure]], of which there is none".to_string());
         }
         let labels: Vec<String> = self.points()?.iter().map(|p| p.0.join(", ")).collect();
         if let Some(label) = self.except.iter().find(|label| !labels.contains(label)) {

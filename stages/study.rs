@@ -1,5 +1,5 @@
-//! `coronet study`: a table of runs over one store: what accuracy costs in time, or which promises
-//! hard cases keep.
+//! `coronet study`: a table of runs over one store: what accuracy costs in time, some figures of
+//! each, or which promises hard cases keep.
 //!
 //! The points are the product of the axes, for each case. Each is an ordinary run, so finished
 //! points are never computed again, a killed study goes on, and packed and relaxed bodies are
@@ -22,7 +22,7 @@ use crate::points::{Study, load};
 use crate::promise::Verdict;
 use crate::trial::{Outcome, Trial};
 use crate::watch::duration;
-use crate::{finding, verdict};
+use crate::{figures, finding, verdict};
 
 /// The table, one row a point.
 const TABLE: &str = "study.csv";
@@ -31,6 +31,9 @@ const FIGURE: &str = "error-against-time.svg";
 const COMPARISON: &str = "found-against-theory.svg";
 /// The same for reading.
 const COSTS: &str = "study.md";
+/// The table of figures, one row a point, and the same for reading.
+const FIGURES: &str = "figures.csv";
+const READ: &str = "figures.md";
 /// The table of promises, one row each, and the page that sums it up.
 const PROMISES: &str = "promises.csv";
 const PAGE: &str = "promises.md";
@@ -40,6 +43,7 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     let out = folder(&arguments.study, &arguments.store.artifacts);
     match &study.error {
         Some(_) => tell_costs(&study, &trials, arguments, &out),
+        None if study.case.is_empty() => tell_figures(&study, &trials, arguments, &out),
         None => tell_promises(&study, &trials, arguments, &out),
     }
 }
@@ -106,6 +110,47 @@ fn tell_costs(
     println!("table    {}", out.join(TABLE).display());
     if figure.is_some() {
         println!("figure   {}", out.join(FIGURE).display());
+    }
+    Ok(())
+}
+
+fn tell_figures(
+    study: &Study,
+    trials: &[Trial],
+    arguments: &StudyArguments,
+    out: &Path,
+) -> Result<()> {
+    let outcomes = run(trials, &arguments.store.artifacts, arguments.jobs)?;
+    let folder = arguments.study.parent().unwrap_or(Path::new("."));
+    let measured = figures::from_contact(trials, &outcomes)?;
+    let found = figures::measure(study, &measured, folder)?;
+    let drawn = figures::plots(study, trials, &measured, folder)?;
+    make(out)?;
+    let table = figures::table(study, trials, &outcomes, &found)?;
+    write_file(&out.join(FIGURES), &table)?;
+    let page = figures::page(study, trials, &outcomes, &found);
+    write_file(&out.join(READ), page.as_bytes())?;
+    let mut plots = Vec::new();
+    for plot in drawn {
+        if plot.has_points() {
+            let path = out.join(plot.file_name());
+            write_file(&path, plot.svg()?.as_bytes())?;
+            plots.push(path);
+        }
+    }
+    let (table, page_path) = (out.join(FIGURES), out.join(READ));
+    if arguments.store.json {
+        println!(
+            "{}",
+            json!({ "table": table, "page": page_path, "points": trials.len(), "plots": plots })
+        );
+        return Ok(());
+    }
+    print!("{page}");
+    println!("table    {}", table.display());
+    println!("page     {}", page_path.display());
+    for plot in plots {
+        println!("plot     {}", plot.display());
     }
     Ok(())
 }

@@ -60,9 +60,11 @@ impl Theory {
 /// A number that a column comes down to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Feature {
+pub enum Feature {
     #[default]
     Largest,
+    /// When it is largest, s.
+    When,
     Last,
     Mean,
     /// Of the oscillation about the mean, s.
@@ -70,14 +72,29 @@ enum Feature {
 }
 
 impl Feature {
-    fn of(self, measures: &Series, column: &str) -> Option<f64> {
+    pub fn of(self, measures: &Series, column: &str) -> Option<f64> {
         match self {
             Feature::Largest => measures.maximum(column).map(|(value, _)| value),
+            Feature::When => measures.maximum(column).map(|(_, time)| time),
             Feature::Last => measures.column(column)?.last().copied(),
             Feature::Mean => mean(measures, column),
             Feature::Period => period(measures, column),
         }
     }
+}
+
+/// The times between which something is measured, s; all of them where nothing is said.
+///
+/// # Errors
+/// A text that is no time, in the part of the file that is named.
+pub fn window(part: &str, from: &Option<String>, to: &Option<String>) -> Result<[f64; 2], Usage> {
+    let time = |text: &Option<String>, otherwise: f64| match text {
+        None => Ok(otherwise),
+        Some(text) => {
+            parse(text, Unit::Time).map_err(|error| Usage(format!("{part}: `{text}` {error}")))
+        }
+    };
+    Ok([time(from, f64::NEG_INFINITY)?, time(to, f64::INFINITY)?])
 }
 
 /// What a study says of a point.
@@ -103,16 +120,7 @@ impl Target {
     }
 
     pub fn window(&self) -> Result<[f64; 2], Usage> {
-        let time = |text: &Option<String>, otherwise: f64| match text {
-            None => Ok(otherwise),
-            Some(text) => {
-                parse(text, Unit::Time).map_err(|error| Usage(format!("[error]: `{text}` {error}")))
-            }
-        };
-        Ok([
-            time(&self.from, f64::NEG_INFINITY)?,
-            time(&self.to, f64::INFINITY)?,
-        ])
+        window("[error]", &self.from, &self.to)
     }
 
     /// What each point has, and the range in which value or theory want it.

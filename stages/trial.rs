@@ -58,6 +58,18 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// In one word, for tables.
+    pub fn status(&self) -> &'static str {
+        match self {
+            Outcome::Done { .. } => "done",
+            Outcome::Failed {
+                code: fault::DIVERGED,
+                ..
+            } => "diverged",
+            Outcome::Failed { .. } => "failed",
+        }
+    }
+
     /// Of a point that came to its end.
     pub fn measures(&self) -> Option<&Series> {
         match self {

@@ -273,16 +273,7 @@ impl Tension {
 
     /// All particles as sources, with the current payload; `length`: smoothing length, m.
     fn field<'a>(&'a self, flow: &'a Surface, length: f64) -> Field<'a> {
-        Field {
-            grid: flow.grid,
-            at: flow.at,
-            payload: &self.payload,
-            sources: flow.sources,
-            position: flow.position,
-            own: &self.payload,
-            cutoff: 2.0 * length + flow.slack,
-            scale: flow.grid.scale(length),
-        }
+        flow.about(flow.position, flow.sources, &self.payload, length)
     }
 
     /// Sums over all particles, with the long kernel and some of the payload.

@@ -33,6 +33,7 @@
 
 pub mod friction;
 mod line;
+mod mean;
 mod pass;
 mod survey;
 pub mod typed;
@@ -94,12 +95,10 @@ pub struct Wetting {
     /// nu cot theta per wall particle, towards the liquid's side of the wall; the point above it.
     shear: [Vec<f32>; 3],
     foot: [Vec<f64>; 3],
-    /// Wall particles near a surface, after [`Wetting::colour`] those with a stress; those of each
-    /// axis.
+    /// Wall particles near a surface, after [`Wetting::leave_out`] those with a stress; those of
+    /// each axis.
     pub near: Vec<u32>,
-    /// The same before those without a stress were left out; cos theta of (2) of every wall
-    /// particle (both with hysteresis only).
-    about: Vec<u32>,
+    /// cos theta of (2) of every wall particle, with hysteresis only.
     cosines: Vec<f64>,
     pub lines: Lines,
     facing: [Vec<u32>; 3],
@@ -132,7 +131,6 @@ impl Wetting {
             shear: Default::default(),
             foot: Default::default(),
             near: Vec::new(),
-            about: Vec::new(),
             cosines: Vec::new(),
             lines: Lines::default(),
             facing: Default::default(),
@@ -151,8 +149,7 @@ impl Wetting {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let facing = self.facing.iter().map(Vec::capacity).sum::<usize>();
-        let near = self.near.capacity() + self.about.capacity();
-        let lists = facing + near + self.beside.capacity();
+        let lists = facing + self.near.capacity() + self.beside.capacity();
         let of_liquid = self.walls.capacity() + self.shorter.capacity();
         let pairs = self.slopes.capacity() + self.normals.capacity() + of_liquid;
         std::mem::size_of::<Place>() * self.places.capacity()
@@ -166,27 +163,26 @@ impl Wetting {
             + self.lines.memory()
     }
 
-    /// (1): colours of the wall particles near a surface; the others are wet or far from liquid.
-    /// `words`: a payload of at least as many words as there are particles.
-    pub fn colour<K: Kernel>(
-        &mut self,
-        flow: &Surface,
-        is_surface: impl Fn(usize) -> bool + Sync,
-        words: &[Vec<f32>; 3],
-    ) {
+    /// Finds the wall particles near a surface, the others are wet or far from liquid, and which
+    /// way the liquid is from them. Every line has the angle of the mean cosine from now on.
+    pub fn find<K: Kernel>(&mut self, flow: &Surface, is_surface: impl Fn(usize) -> bool + Sync) {
         let Some(wall) = flow.of_wall().first() else {
             return;
         };
-        if self.places.len() != flow.wall[0].len() {
+        let count = flow.wall[0].len();
+        if self.places.len() != count {
             self.places = survey(&self.setting, flow.wall);
-            self.shear = std::array::from_fn(|_| vec![0.0; flow.wall[0].len()]);
+            self.shear = std::array::from_fn(|_| vec![0.0; count]);
             self.foot = flow.wall.clone();
         }
         self.colour.clear();
-        self.colour.resize(self.places.len(), 1.0);
-        let length = self.setting.length;
+        self.colour.resize(count, 1.0);
+        self.cosines.clear();
+        self.cosines
+            .resize(if self.rubs() { count } else { 0 }, self.cosine);
         self.band.mark(flow.liquid, is_surface);
-        self.band.grow(flow.grid, FAR * length + flow.slack);
+        let far = FAR * self.setting.length + flow.slack;
+        self.band.grow(flow.grid, far);
         self.band.members_of(wall.start, &mut self.near);
         let places = &self.places;
         self.near.retain(|&j| places[j as usize].axis.is_some());
@@ -195,68 +191,65 @@ impl Wetting {
             let here = |j: &&u32| places[**j as usize].axis == Some(axis);
             facing.extend(self.near.iter().filter(here));
         }
-        self.raise(flow.wall);
-        self.lean::<K>(flow, words);
-        let shear = std::mem::take(&mut self.shear);
-        let field = Field {
-            own: &shear,
-            cutoff: 2.0 * length * self.setting.angle.stretch() + flow.slack,
-            ..about_feet(&self.foot, flow, words, length)
-        };
+        for &j in &self.near {
+            let j = j as usize;
+            (0..3).for_each(|a| self.foot[a][j] = places[j].face(flow.wall, j, a));
+        }
+        let field = flow.about(&self.foot, flow.of_liquid(), &[], self.sideways());
+        self.slopes.resize(self.near.len(), Default::default());
+        let gradient = Gradient::<K>(PhantomData);
+        sweep::runs(field, &self.near, &gradient, &mut self.slopes);
+    }
+
+    /// (1): colours of what was found.
+    pub fn colour<K: Kernel>(&mut self, flow: &Surface) {
+        self.lean::<K>(flow);
         let (dimension, spacing) = (self.setting.dimension, self.setting.spacing);
+        let length = self.setting.length;
+        let field = Field {
+            cutoff: 2.0 * length * self.setting.angle.stretch() + flow.slack,
+            ..flow
+                .about(&self.foot, flow.of_liquid(), &[], length)
+                .owning(&self.shear)
+        };
         let norm = K::norm(dimension) / length.powi(dimension as i32);
         let factor = 2.0 * flow.mass / self.setting.density * norm;
-        let edge = self.edge;
         for axis in 0..3 {
             let facing = &self.facing[axis];
             self.sums.resize(facing.len(), 0.0);
             let kernel = PhantomData::<K>;
             sweep::runs(field, facing, &Sheared { axis, kernel }, &mut self.sums);
             for (&j, sum) in facing.iter().zip(&self.sums) {
-                let beyond = (factor * *sum as f64 - 0.5) / edge;
+                let beyond = (factor * *sum as f64 - 0.5) / self.edge;
                 let part = 0.5 + beyond / spacing;
                 self.colour[j as usize] = part.clamp(0.0, 1.0) as f32;
             }
         }
-        self.shear = shear;
+    }
+
+    /// Leaves those without a stress out of what was found.
+    pub fn leave_out(&mut self) {
         let (places, colour) = (&self.places, &self.colour);
-        if self.rubs() {
-            self.about.clone_from(&self.near);
-        }
-        let pulls = |j: usize| colour[j] > 0.0 && places[j].depth < DEEP * length;
+        let deep = DEEP * self.setting.length;
+        let pulls = |j: usize| colour[j] > 0.0 && places[j].depth < deep;
         self.near.retain(|&j| pulls(j as usize));
     }
 
-    /// The points on the face of the wall right above wall particles.
-    fn raise(&mut self, wall: &[Vec<f64>; 3]) {
-        for &j in &self.near {
-            let (j, place) = (j as usize, &self.places[j as usize]);
-            (0..3).for_each(|a| self.foot[a][j] = wall[a][j]);
-            if let Some(axis) = place.axis {
-                self.foot[axis][j] += place.side * place.depth;
-            }
-        }
-    }
-
-    /// nu cot theta from the liquid's gradient along the wall, and the points that it puts above
-    /// wall particles: behind a mirror plane, their images.
-    fn lean<K: Kernel>(&mut self, flow: &Surface, words: &[Vec<f32>; 3]) {
+    /// nu cot theta along the wall towards the liquid, and the points that it puts above wall
+    /// particles: behind a mirror plane, their images.
+    fn lean<K: Kernel>(&mut self, flow: &Surface) {
         let (setting, d) = (&self.setting, self.setting.dimension);
         let mean = Angle::cotangent(setting.angle.angle);
-        let length = self.sideways();
-        let volume = flow.mass / setting.density / length.powi(d as i32);
+        let volume = flow.mass / setting.density / self.sideways().powi(d as i32);
         let least = FLAT / (K::norm(d) * volume);
-        let field = about_feet(&self.foot, flow, words, length);
-        let gradient = Gradient::<K>(PhantomData);
-        self.slopes.resize(self.near.len(), Default::default());
-        sweep::runs(field, &self.near, &gradient, &mut self.slopes);
         let domain = &self.setting.domain;
         for (&j, (slope, _)) in self.near.iter().zip(&self.slopes) {
-            let place = &self.places[j as usize];
+            let j = j as usize;
+            let place = &self.places[j];
             let Some(normal) = place.axis else {
                 continue;
             };
-            let cotangent = match self.cosines.get(j as usize) {
+            let cotangent = match self.cosines.get(j) {
                 Some(cosine) => Angle::cotangent(cosine.acos().to_degrees()),
                 None => mean,
             };
@@ -265,18 +258,18 @@ impl Wetting {
             for a in 0..3 {
                 let unit = if size > least { along[a] / size } else { 0.0 };
                 let mut shear = -cotangent * place.side * unit;
-                let x = &mut self.foot[a][j as usize];
-                *x -= shear * place.side * place.depth;
+                let mut x = place.face(flow.wall, j, a) - shear * place.side * place.depth;
                 let [low, high] = domain.boundary[a];
-                let image = match *x {
+                let image = match x {
                     x if x < 0.0 && low == Side::Mirror => -x,
                     x if x > domain.size[a] && high == Side::Mirror => 2.0 * domain.size[a] - x,
                     x => x,
                 };
-                if image != *x {
-                    (*x, shear) = (image, -shear);
+                if image != x {
+                    (x, shear) = (image, -shear);
                 }
-                self.shear[a][j as usize] = shear as f32;
+                self.foot[a][j] = x;
+                self.shear[a][j] = shear as f32;
             }
         }
     }
@@ -293,18 +286,10 @@ impl Wetting {
         self.setting.angle.hysteresis.is_some()
     }
 
-    /// Takes the angle of the mean cosine for every line, with hysteresis.
-    pub fn forget_angles(&mut self, walls: usize) {
-        self.cosines.clear();
-        if self.rubs() {
-            self.cosines.resize(walls, self.cosine);
-        }
-    }
-
     /// Takes the angles of `lines` from now on.
     pub fn take_angles<K: Kernel>(&mut self, flow: &Surface) {
         let (length, within) = (self.sideways(), self.setting.angle.cosines());
-        let (lines, feet) = (&mut self.lines, (&self.foot, self.about.as_slice()));
+        let (lines, feet) = (&mut self.lines, (&self.foot, self.near.as_slice()));
         lines.measure::<K>(flow, feet, length, within, &mut self.cosines);
     }
 
@@ -363,25 +348,6 @@ impl Wetting {
             false => self.setting.domain.size[axis] - at[axis],
         };
         height.max(0.0)
-    }
-}
-
-/// Sums over the liquid about the points `foot`, with smoothing length `length`, m.
-fn about_feet<'a>(
-    foot: &'a [Vec<f64>; 3],
-    flow: &'a Surface,
-    words: &'a [Vec<f32>; 3],
-    length: f64,
-) -> Field<'a> {
-    Field {
-        grid: flow.grid,
-        at: flow.at,
-        payload: words,
-        sources: flow.of_liquid(),
-        position: foot,
-        own: words,
-        cutoff: 2.0 * length + flow.slack,
-        scale: flow.grid.scale(length),
     }
 }
 

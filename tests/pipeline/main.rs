@@ -3,6 +3,7 @@
 #[cfg(target_os = "linux")]
 mod disk;
 mod fault;
+mod figures;
 mod golden;
 mod keys;
 mod laboratory;

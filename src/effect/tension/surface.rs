@@ -3,7 +3,7 @@
 use crate::space::grid::Grid;
 use crate::space::mirror::Mirror;
 use crate::space::sort::Cells;
-use crate::space::sweep::Source;
+use crate::space::sweep::{Field, Source};
 
 /// What the effect reads of a flow.
 pub struct Surface<'a> {
@@ -35,6 +35,27 @@ impl<'a> Surface<'a> {
     /// The wall and its images among the sources.
     pub fn of_wall(&self) -> &'a [Source<'a>] {
         &self.sources[self.liquid_sources..]
+    }
+
+    /// Sums over `sources` about the points `position`, m, which carry the same words; `length`:
+    /// smoothing length, m.
+    pub fn about<const W: usize>(
+        &'a self,
+        position: &'a [Vec<f64>; 3],
+        sources: &'a [Source<'a>],
+        words: &'a [Vec<f32>; W],
+        length: f64,
+    ) -> Field<'a, W, W> {
+        Field {
+            grid: self.grid,
+            at: self.at,
+            payload: words,
+            sources,
+            position,
+            own: words,
+            cutoff: 2.0 * length + self.slack,
+            scale: self.grid.scale(length),
+        }
     }
 
     /// Vectors of the images from those of the points.

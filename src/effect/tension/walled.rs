@@ -19,34 +19,55 @@ impl Tension {
         flow: &Surface,
         is_surface: impl Fn(usize) -> bool + Sync,
     ) {
-        let Some(wetting) = &mut self.wetting else {
+        let Some(mut wetting) = self.wetting.take() else {
             return;
         };
-        wetting.forget_angles(flow.wall[0].len());
-        let times = if wetting.rubs() { TIMES } else { 0 };
-        for time in 0..=times {
-            if let Some(wetting) = &mut self.wetting {
-                wetting.colour::<K>(flow, &is_surface, &self.payload);
-            }
-            self.sum_walled_normals::<K>(flow);
-            if time < times {
-                self.measure_lines::<K>(flow);
-            }
+        wetting.find::<K>(flow, is_surface);
+        self.sum_liquid::<K>(flow);
+        for _ in 0..if wetting.rubs() { TIMES } else { 0 } {
+            wetting.colour::<K>(flow);
+            self.sum_walls::<K>(flow, &mut wetting);
+            self.measure_lines::<K>(flow, &mut wetting);
         }
+        wetting.colour::<K>(flow);
+        wetting.leave_out();
+        self.sum_walls::<K>(flow, &mut wetting);
+        self.join_walls::<K>(flow, &mut wetting);
+        self.wetting = Some(wetting);
+    }
+
+    /// n of the liquid by itself.
+    fn sum_liquid<K: Kernel>(&mut self, flow: &Surface) {
+        let mut normals = std::mem::take(&mut self.normals);
+        normals.resize(self.near.len(), Default::default());
+        let field = flow.about(flow.position, flow.of_liquid(), &[], self.length);
+        let pass = Gradient::<K>(PhantomData);
+        sweep::runs(field, &self.near, &pass, &mut normals);
+        self.normals = normals;
+    }
+
+    /// What the walls' colours add to it.
+    fn sum_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
+        let n = flow.density.len();
+        self.payload[0][..n].fill(1.0);
+        self.payload[0][n..n + wetting.colour.len()].copy_from_slice(&wetting.colour);
+        flow.share(&mut self.payload[0]);
+        wetting.walls.resize(self.near.len(), Default::default());
+        let field = flow.about(flow.position, flow.of_wall(), &self.payload, self.length);
+        let pass = Walls::<K>(PhantomData);
+        sweep::runs(field, &self.near, &pass, &mut wetting.walls);
     }
 
     /// The angles of contact lines from the normals of the liquid at them.
-    fn measure_lines<K: Kernel>(&mut self, flow: &Surface) {
-        let Some(wetting) = &mut self.wetting else {
-            return;
-        };
+    fn measure_lines<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
         let gradient = K::norm(self.dimension) / self.length.powi(self.dimension as i32 + 1);
         let factor = gradient * flow.mass / self.density * self.length;
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         wetting.lines.clear(flow);
         for (k, (normal, _)) in self.normals.iter().enumerate() {
-            let wall = wetting.walls[k].1.map(f64::from);
-            let n = normal.map(|n| factor * n as f64);
+            let (coloured, wall) = wetting.walls[k];
+            let wall = wall.map(f64::from);
+            let n = [0, 1, 2].map(|a| factor * (normal[a] + coloured[a]) as f64);
             let (size, stress) = (dot(wall, wall).sqrt(), dot(n, n) - FAINT * FAINT);
             if size == 0.0 || stress <= 0.0 {
                 continue;
@@ -60,72 +81,30 @@ impl Tension {
         wetting.take_angles::<K>(flow);
     }
 
-    /// n with the wall's colours: of the liquid into `normals`, of wall particles into the
-    /// wetting's.
-    pub(super) fn sum_walled_normals<K: Kernel>(&mut self, flow: &Surface) {
-        let Some(mut wetting) = self.wetting.take() else {
-            return;
-        };
-        let n = flow.density.len();
-        self.payload[0][..n].fill(1.0);
-        self.payload[0][n..n + wetting.colour.len()].copy_from_slice(&wetting.colour);
-        flow.share(&mut self.payload[0]);
-        let mut normals = std::mem::take(&mut self.normals);
-        let all = self.field(flow, self.length);
-        let liquid = Field {
-            sources: flow.of_liquid(),
-            ..all
-        };
-        normals.resize(self.near.len(), Default::default());
-        sweep::runs(
-            liquid,
-            &self.near,
-            &Gradient::<K>(PhantomData),
-            &mut normals,
-        );
-        wetting.walls.resize(self.near.len(), Default::default());
-        let walled = Field {
-            sources: flow.of_wall(),
-            ..all
-        };
-        sweep::runs(
-            walled,
-            &self.near,
-            &Walls::<K>(PhantomData),
-            &mut wetting.walls,
-        );
+    /// n with the walls' colours: of the liquid, and of wall particles; what shifts beside walls.
+    fn join_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
+        let sums = &wetting.walls;
+        let slots = Slots::new(&mut self.normals);
+        each(self.near.len(), |k| {
+            let (normal, _) = unsafe { slots.at(k) };
+            (0..3).for_each(|a| normal[a] += sums[k].0[a]);
+        });
+        let pass = Walls::<K>(PhantomData);
         if let Some(short) = wetting.short {
             let beside = self.near.iter().zip(&wetting.walls);
             let beside = beside.filter_map(|(&i, sums)| (sums.1 != [0.0; 3]).then_some(i));
             wetting.beside.clear();
             wetting.beside.extend(beside);
-            let field = Field {
-                sources: flow.of_wall(),
-                ..self.field(flow, short)
-            };
-            let pass = Walls::<K>(PhantomData);
+            let field = flow.about(flow.position, flow.of_wall(), &self.payload, short);
             let shorter = &mut wetting.shorter;
             shorter.resize(wetting.beside.len(), Default::default());
             sweep::runs(field, &wetting.beside, &pass, shorter);
         }
-        let sums = &wetting.walls;
-        let slots = Slots::new(&mut normals);
-        each(self.near.len(), |k| {
-            let (normal, _) = unsafe { slots.at(k) };
-            (0..3).for_each(|a| normal[a] += sums[k].0[a]);
-        });
-        wetting
-            .normals
-            .resize(wetting.near.len(), Default::default());
-        let of_wall = Field {
-            position: flow.wall,
-            ..all
-        };
-        let pass = Walls::<K>(PhantomData);
-        sweep::runs(of_wall, &wetting.near, &pass, &mut wetting.normals);
-        self.root_walls::<K>(flow, &mut wetting);
-        self.normals = normals;
-        self.wetting = Some(wetting);
+        let normals = &mut wetting.normals;
+        normals.resize(wetting.near.len(), Default::default());
+        let field = flow.about(flow.wall, flow.sources, &self.payload, self.length);
+        sweep::runs(field, &wetting.near, &pass, normals);
+        self.root_walls::<K>(flow, wetting);
     }
 
     /// Turns n of wall particles into sqrt(c_w |T|) n / |n| / rho0.

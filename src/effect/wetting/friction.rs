@@ -20,11 +20,9 @@
 //!
 //! Cannot fail; absent, it costs nothing. Test: tests/engine/effect_wetting.rs.
 
-use super::pass::Means;
+use super::mean::Means;
 use crate::effect::tension::Surface;
 use crate::kernel::Kernel;
-use crate::space::sweep::{self, Field};
-use std::marker::PhantomData;
 
 /// What holds a particle at a contact line, m/s^2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,15 +67,13 @@ pub struct Friction {
     /// (1) of each.
     pub hold: Vec<Hold>,
     /// y and y |v| of all points.
-    words: [Vec<f32>; 2],
-    sums: Vec<[f32; 2]>,
+    means: Means,
 }
 
 impl Friction {
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let pairs = self.words[0].capacity() + self.sums.capacity();
-        std::mem::size_of::<Hold>() * self.hold.capacity() + 8 * pairs
+        std::mem::size_of::<Hold>() * self.hold.capacity() + self.means.memory()
     }
 
     /// Fills `into`, by liquid particle, with (2). `lines`: who is at a contact line; `length`: H,
@@ -89,30 +85,15 @@ impl Friction {
         velocity: &[Vec<f64>; 3],
         into: &mut [Hold],
     ) {
-        for words in &mut self.words {
-            words.clear();
-            words.resize(flow.at[0].len(), 0.0);
-        }
+        self.means.clear(flow);
         let speed = |i: usize, hold: &Hold| hold.along([0, 1, 2].map(|a| velocity[a][i]));
         for (&i, hold) in lines.iter().zip(&self.hold) {
             let weight = hold.size();
-            self.words[0][i as usize] = weight;
-            self.words[1][i as usize] = weight * speed(i as usize, hold) as f32;
+            let moving = weight * speed(i as usize, hold) as f32;
+            self.means.set(i as usize, [weight, moving]);
         }
-        self.words.iter_mut().for_each(|words| flow.share(words));
-        self.sums.resize(lines.len(), [0.0; 2]);
-        let field = Field {
-            grid: flow.grid,
-            at: flow.at,
-            payload: &self.words,
-            sources: flow.of_liquid(),
-            position: flow.position,
-            own: &self.words,
-            cutoff: 2.0 * length + flow.slack,
-            scale: flow.grid.scale(length),
-        };
-        sweep::runs(field, lines, &Means::<K>(PhantomData), &mut self.sums);
-        for ((&i, hold), [all, moving]) in lines.iter().zip(&self.hold).zip(&self.sums) {
+        let sums = self.means.sum::<K>(flow, (flow.position, lines), length);
+        for ((&i, hold), [all, moving]) in lines.iter().zip(&self.hold).zip(sums) {
             let part = match *moving > 0.0 {
                 true => (speed(i as usize, hold) as f32 * all / moving).max(1.0),
                 false => 1.0,

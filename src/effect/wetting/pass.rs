@@ -32,25 +32,6 @@ impl<K: Kernel> Pass<1> for Sheared<K> {
     }
 }
 
-/// SUM w of every word.
-pub struct Means<K>(pub PhantomData<K>);
-
-impl<K: Kernel> Pass<2> for Means<K> {
-    type Out = [f32; 2];
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 2]) {
-        unsafe {
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::fma(w, pair.other[0], sum[0]);
-            sum[1] = L::fma(w, pair.other[1], sum[1]);
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 2], out: &mut [f32; 2]) {
-        *out = sum;
-    }
-}
-
 /// No pair is as far as this, in units of H^2.
 const NONE: f32 = 1e6;
 

@@ -14,6 +14,18 @@ pub struct Place {
     pub depth: f64,
 }
 
+impl Place {
+    /// Along `axis`, the point on the face of the wall right above wall particle `j`, m.
+    pub fn face(&self, wall: &[Vec<f64>; 3], j: usize, axis: usize) -> f64 {
+        let up = if self.axis == Some(axis) {
+            self.side * self.depth
+        } else {
+            0.0
+        };
+        wall[axis][j] + up
+    }
+}
+
 /// Surveys wall particles at `wall`, m.
 pub fn survey(setting: &Setting, wall: &[Vec<f64>; 3]) -> Vec<Place> {
     let domain = &setting.domain;

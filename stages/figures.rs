@@ -1,0 +1,285 @@
+//! What a study without an error tells: figures of each point, and their curves in time together.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use coronet::measure::gauge::contact_time;
+use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
+use coronet::measure::series::Series;
+use coronet::measure::summary::{digits, mean};
+use serde::Deserialize;
+
+use crate::cost::Cost;
+use crate::fault::Usage;
+use crate::points::Study;
+use crate::target::{Feature, window};
+use crate::trial::{Outcome, Trial};
+
+/// A number that the measures of every point come down to. Times count from contact, where there is
+/// one.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Figure {
+    /// Heads its column.
+    name: String,
+    column: String,
+    #[serde(default)]
+    of: Feature,
+    from: Option<String>,
+    to: Option<String>,
+    /// The value at this time, in place of `of` between the two.
+    at: Option<String>,
+    /// Divided by the mean of this column.
+    over: Option<String>,
+    /// Divided by what this table has, from the study file.
+    reference: Option<PathBuf>,
+}
+
+/// One plot of a column of the measures for each label of an axis, one curve a point.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Curves {
+    column: String,
+    /// The axis; without it one plot has all points.
+    each: Option<String>,
+    /// A table, from the study file, for one more curve.
+    reference: Option<PathBuf>,
+}
+
+impl Figure {
+    fn times(&self) -> Result<([f64; 2], Option<f64>), Usage> {
+        let part = format!("[[figure]] `{}`", self.name);
+        let at = match &self.at {
+            None => None,
+            Some(_) => Some(window(&part, &self.at, &None)?[0]),
+        };
+        Ok((window(&part, &self.from, &self.to)?, at))
+    }
+
+    /// `None` where the measures have none.
+    fn of(&self, measures: &Series) -> Result<Option<f64>, Usage> {
+        let ([from, to], at) = self.times()?;
+        if let Some(at) = at {
+            return Ok(measures.at(&self.column, at));
+        }
+        let measures = measures.window(from, to);
+        let over = match &self.over {
+            Some(column) => mean(&measures, column),
+            None => Some(1.0),
+        };
+        let value = self.of.of(&measures, &self.column);
+        Ok(value.zip(over).map(|(value, over)| value / over))
+    }
+}
+
+impl Study {
+    /// Whether what figures and curves name is there.
+    pub fn check_figures(&self) -> Result<(), String> {
+        for figure in &self.figure {
+            figure.times().map_err(|error| error.to_string())?;
+            if figure.at.is_some() && (figure.from.is_some() || figure.to.is_some()) {
+                let name = &figure.name;
+                return Err(format!(
+                    "[[figure]] `{name}`: `at` goes without from and to"
+                ));
+            }
+        }
+        let each = self.curves.iter().filter_map(|curves| curves.each.as_ref());
+        for each in each {
+            if !self.axis.iter().any(|axis| axis.name == *each) {
+                let axes: Vec<&str> = self.axis.iter().map(|axis| axis.name.as_str()).collect();
+                let axes = axes.join(", ");
+                return Err(format!(
+                    "[[curves]] each: `{each}` is no axis; axes are {axes}"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The measures of each point that came to its end, times from contact.
+///
+/// # Errors
+/// If a scene cannot be read.
+pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option<Series>>> {
+    let points = trials.iter().zip(outcomes);
+    points
+        .map(|(trial, outcome)| {
+            let Some(measures) = outcome.measures() else {
+                return Ok(None);
+            };
+            let contact = contact_time(&trial.scene()?);
+            let mut measures = measures.clone();
+            let times = measures.column_mut("time_s").into_iter().flatten();
+            times.for_each(|time| *time -= contact);
+            Ok(Some(measures))
+        })
+        .collect()
+}
+
+/// The figures of each point, `NaN` where it has none; `folder`: of the study file.
+///
+/// # Errors
+/// A column that no point measures; a reference that cannot be read.
+pub fn measure(study: &Study, measured: &[Option<Series>], folder: &Path) -> Result<Vec<Vec<f64>>> {
+    let known = || measured.iter().flatten();
+    let of_figures = study
+        .figure
+        .iter()
+        .flat_map(|f| [Some(&f.column), f.over.as_ref()]);
+    let of_curves = study.curves.iter().map(|curves| Some(&curves.column));
+    for column in of_figures.chain(of_curves).flatten() {
+        if let Some(first) = known().next()
+            && !known().any(|measures| measures.column(column).is_some())
+        {
+            let names = first.names.join(", ");
+            bail!(Usage(format!(
+                "no point measures `{column}`; columns are {names}"
+            )));
+        }
+    }
+    let mut rows = vec![Vec::new(); measured.len()];
+    for figure in &study.figure {
+        let unit = match &figure.reference {
+            None => Some(1.0),
+            Some(path) => figure.of(&Series::read(&folder.join(path))?)?,
+        };
+        for (row, measures) in rows.iter_mut().zip(measured) {
+            let value = match measures {
+                Some(measures) => figure.of(measures)?,
+                None => None,
+            };
+            row.push(
+                value
+                    .zip(unit)
+                    .map_or(f64::NAN, |(value, unit)| value / unit),
+            );
+        }
+    }
+    Ok(rows)
+}
+
+/// One row a point, SI, as CSV.
+pub fn table(
+    study: &Study,
+    trials: &[Trial],
+    outcomes: &[Outcome],
+    found: &[Vec<f64>],
+) -> Result<Vec<u8>> {
+    let mut file = csv::Writer::from_writer(Vec::new());
+    let axes = study.axis.iter().map(|axis| axis.name.as_str());
+    let names = study.figure.iter().map(|figure| figure.name.as_str());
+    let head = ["point"].into_iter().chain(axes).chain(["status"]);
+    file.write_record(head.chain(names).chain(["cpu_s"]))?;
+    for ((trial, outcome), found) in trials.iter().zip(outcomes).zip(found) {
+        let mut row = vec![trial.name.clone()];
+        row.extend(trial.labels.iter().cloned());
+        row.push(outcome.status().to_string());
+        let cost = Cost::Cpu.of(outcome);
+        row.extend(found.iter().chain([&cost]).map(|value| number(*value)));
+        file.write_record(row)?;
+    }
+    Ok(file.into_inner()?)
+}
+
+/// A number for a table; nothing for none.
+pub fn number(value: f64) -> String {
+    match value.is_finite() {
+        true => format!("{value}"),
+        false => String::new(),
+    }
+}
+
+/// The same for reading.
+pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], found: &[Vec<f64>]) -> String {
+    let axes = study.axis.iter().map(|axis| axis.name.as_str());
+    let names = study.figure.iter().map(|figure| figure.name.as_str());
+    let heads: Vec<&str> = axes.chain(names).chain(["CPU time"]).collect();
+    let mut page = format!("# {}\n\n| {} |\n", study.title, heads.join(" | "));
+    page += &format!("|{}\n", "---|".repeat(heads.len()));
+    for ((trial, outcome), found) in trials.iter().zip(outcomes).zip(found) {
+        let mut cells = trial.labels.clone();
+        cells.extend(found.iter().map(|value| match value.is_finite() {
+            true => digits(*value),
+            false => "-".to_string(),
+        }));
+        cells.push(match outcome {
+            Outcome::Done { .. } => Cost::Cpu.short(Cost::Cpu.of(outcome)),
+            Outcome::Failed { .. } => outcome.status().to_string(),
+        });
+        page += &format!("| {} |\n", cells.join(" | "));
+    }
+    page
+}
+
+/// The plots: of more curves than colours, the second round is dashed.
+///
+/// # Errors
+/// A reference that cannot be read.
+pub fn plots(
+    study: &Study,
+    trials: &[Trial],
+    measured: &[Option<Series>],
+    folder: &Path,
+) -> Result<Vec<Plot>> {
+    let mut plots = Vec::new();
+    for curves in &study.curves {
+        let axis = study
+            .axis
+            .iter()
+            .position(|axis| Some(&axis.name) == curves.each.as_ref());
+        let reference = match &curves.reference {
+            None => None,
+            Some(path) => Some(Series::read(&folder.join(path))?),
+        };
+        let words = curves.column.replace('_', " ");
+        let mut labels: Vec<Option<&String>> = Vec::new();
+        for trial in trials {
+            let label = axis.map(|axis| &trial.labels[axis]);
+            if !labels.contains(&label) {
+                labels.push(label);
+            }
+        }
+        for label in labels {
+            let own = trials.iter().zip(measured);
+            let own = own.filter(|(trial, _)| axis.map(|axis| &trial.labels[axis]) == label);
+            let known = own.filter_map(|(trial, measures)| {
+                let others = trial.labels.iter().enumerate();
+                let others = others.filter(|(k, _)| Some(*k) != axis);
+                let name: Vec<&str> = others.map(|(_, label)| label.as_str()).collect();
+                Some((name.join(", "), measures.as_ref()?))
+            });
+            let drawn = known.enumerate().map(|(k, (name, measures))| Curve {
+                label: name,
+                points: points(measures, &curves.column),
+                line: [Line::Solid, Line::Dashed][(k / PALETTE.len()).min(1)],
+                colour: PALETTE[k % PALETTE.len()],
+            });
+            let beside = reference.iter().map(|table| Curve {
+                label: "reference".to_string(),
+                points: points(table, &curves.column),
+                line: Line::Dashed,
+                colour: REFERENCE[0],
+            });
+            plots.push(Plot {
+                title: match label {
+                    Some(label) => format!("{words} {label}"),
+                    None => words.clone(),
+                },
+                x: "time (ms)".to_string(),
+                y: words.clone(),
+                curves: drawn.chain(beside).collect(),
+                from_zero: true,
+            });
+        }
+    }
+    Ok(plots)
+}
+
+/// Times in ms and values of a column.
+fn points(table: &Series, column: &str) -> Vec<[f64; 2]> {
+    let values = table.column(column).unwrap_or(&[]);
+    let times = table.time().iter().map(|time| 1e3 * time);
+    times.zip(values).map(|(t, v)| [t, *v]).collect()
+}

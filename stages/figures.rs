@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use coronet::measure::gauge::contact_time;
 use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::measure::series::Series;
-use coronet::measure::summary::{digits, mean};
+use coronet::measure::summary::digits;
 use serde::Deserialize;
 
 use crate::cost::Cost;
@@ -29,7 +29,7 @@ pub struct Figure {
     to: Option<String>,
     /// The value at this time, in place of `of` between the two.
     at: Option<String>,
-    /// Divided by the mean of this column.
+    /// Divided by this column: its mean between the two, or its value at that time.
     over: Option<String>,
     /// Divided by what this table has, from the study file.
     reference: Option<PathBuf>,
@@ -59,15 +59,16 @@ impl Figure {
     /// `None` where the measures have none.
     fn of(&self, measures: &Series) -> Result<Option<f64>, Usage> {
         let ([from, to], at) = self.times()?;
-        if let Some(at) = at {
-            return Ok(measures.at(&self.column, at));
-        }
-        let measures = measures.window(from, to);
+        let window = measures.window(from, to);
+        let value = |column: &str, of: Feature| match at {
+            Some(at) => measures.at(column, at),
+            None => of.of(&window, column),
+        };
         let over = match &self.over {
-            Some(column) => mean(&measures, column),
+            Some(column) => value(column, Feature::Mean),
             None => Some(1.0),
         };
-        let value = self.of.of(&measures, &self.column);
+        let value = value(&self.column, self.of);
         Ok(value.zip(over).map(|(value, over)| value / over))
     }
 }
@@ -95,6 +96,14 @@ impl Study {
             }
         }
         Ok(())
+    }
+
+    /// Tables that figures and curves name, with the columns that they need.
+    pub fn tables_of_figures(&self) -> impl Iterator<Item = (&Path, &str)> {
+        let of_figures = self.figure.iter().map(|f| (&f.reference, &f.column));
+        let of_curves = self.curves.iter().map(|c| (&c.reference, &c.column));
+        let all = of_figures.chain(of_curves);
+        all.filter_map(|(path, column)| Some((path.as_deref()?, column.as_str())))
     }
 }
 

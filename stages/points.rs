@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
+use coronet::measure::series::Series;
 use coronet::scene::file;
 use coronet::scene::numbers::count;
 use serde::Deserialize;
@@ -75,6 +76,7 @@ pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
     let wrong = |what: String| Usage(format!("{}: {what}", path.display()));
     let study: Study = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     study.check().map_err(wrong)?;
+    study.check_tables(path).map_err(wrong)?;
     let points = study.points().map_err(wrong)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut trials = Vec::new();
@@ -119,6 +121,23 @@ impl Study {
         }
         if self.case.is_empty() && self.pipeline.is_none() {
             return Err("it needs `pipeline`, the file that all points change".to_string());
+        }
+        Ok(())
+    }
+
+    /// Whether the tables that it names can be read; `path`: of the study file.
+    fn check_tables(&self, path: &Path) -> Result<(), String> {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let of_error = self.error.iter().filter_map(Target::table);
+        for (table, column) in of_error.chain(self.tables_of_figures()) {
+            let read = Series::read(&folder.join(table)).map_err(|error| error.to_string())?;
+            if read.column(column).is_none() {
+                let names = read.names.join(", ");
+                let table = table.display();
+                return Err(format!(
+                    "{table} has no column `{column}`; columns are {names}"
+                ));
+            }
         }
         Ok(())
     }

@@ -119,6 +119,11 @@ impl Target {
         }
     }
 
+    /// The reference, with the column that it must have.
+    pub fn table(&self) -> Option<(&Path, &str)> {
+        Some((self.reference.as_deref()?, self.column.as_str()))
+    }
+
     pub fn window(&self) -> Result<[f64; 2], Usage> {
         window("[error]", &self.from, &self.to)
     }

@@ -54,7 +54,10 @@ pub type Failure = DrawingAreaErrorKind<std::io::Error>;
 impl Plot {
     /// Name of the file without folder.
     pub fn file_name(&self) -> String {
-        format!("{}.svg", self.title.to_lowercase().replace(' ', "-"))
+        let title = self.title.to_lowercase();
+        let words = title.split(|c: char| !(c.is_alphanumeric() || c == '.'));
+        let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+        format!("{}.svg", words.join("-"))
     }
 
     /// Whether there is a point to draw.

@@ -148,6 +148,12 @@ fn mistakes_in_figures_are_named() {
             "axes are method, seed",
         ),
         ("of = \"when\"", "of = \"whan\"", "whan"),
+        ("\"table.csv\"", "\"tuble.csv\"", "tuble.csv"),
+        (
+            "\"mass_kg\"\nat",
+            "\"kinetic_energy_J\"\nat",
+            "no column `kinetic_energy_J`",
+        ),
         (
             "at = \"0.3 ms\"",
             "at = \"0.3 ms\"\nto = \"1 ms\"",

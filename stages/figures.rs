@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use coronet::measure::gauge::contact_time;
 use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::measure::series::Series;
 use coronet::measure::summary::digits;
@@ -118,7 +117,7 @@ pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option
             let Some(measures) = outcome.measures() else {
                 return Ok(None);
             };
-            let contact = contact_time(&trial.scene()?);
+            let contact = trial.contact()?;
             let mut measures = measures.clone();
             let times = measures.column_mut("time_s").into_iter().flatten();
             times.for_each(|time| *time -= contact);

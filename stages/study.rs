@@ -126,10 +126,10 @@ fn tell_figures(
     let found = figures::measure(study, &measured, folder)?;
     let drawn = figures::plots(study, trials, &measured, folder)?;
     make(out)?;
-    let table = figures::table(study, trials, &outcomes, &found)?;
-    write_file(&out.join(FIGURES), &table)?;
+    let (table, read) = (out.join(FIGURES), out.join(READ));
+    write_file(&table, &figures::table(study, trials, &outcomes, &found)?)?;
     let page = figures::page(study, trials, &outcomes, &found);
-    write_file(&out.join(READ), page.as_bytes())?;
+    write_file(&read, page.as_bytes())?;
     let mut plots = Vec::new();
     for plot in drawn {
         if plot.has_points() {
@@ -138,17 +138,16 @@ fn tell_figures(
             plots.push(path);
         }
     }
-    let (table, page_path) = (out.join(FIGURES), out.join(READ));
     if arguments.store.json {
         println!(
             "{}",
-            json!({ "table": table, "page": page_path, "points": trials.len(), "plots": plots })
+            json!({ "table": table, "page": read, "points": trials.len(), "plots": plots })
         );
         return Ok(());
     }
     print!("{page}");
     println!("table    {}", table.display());
-    println!("page     {}", page_path.display());
+    println!("page     {}", read.display());
     for plot in plots {
         println!("plot     {}", plot.display());
     }

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use coronet::measure::gauge::contact_time;
 use coronet::measure::lamella::Lamella;
 use coronet::measure::series::{Series, compare_column};
 use coronet::measure::summary::{mean, period};
@@ -194,7 +193,7 @@ impl Target {
                 };
                 let shift = match self.finest {
                     true => 0.0,
-                    false => contact_time(&trials[k].scene()?),
+                    false => trials[k].contact()?,
                 };
                 let norm = compare_column(measures, &table, "", column, shift);
                 Ok(found(norm.map_or(f64::NAN, |norm| norm.l2)))

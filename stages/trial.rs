@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context as _, Result, bail};
+use coronet::measure::gauge::contact_time;
 use coronet::measure::series::Series;
 use coronet::pipeline::Stamp;
 use coronet::scene::{Scene, file};
@@ -82,6 +83,11 @@ impl Outcome {
 impl Trial {
     pub fn scene(&self) -> Result<Scene> {
         Ok(file::load(&self.pipeline, &self.sets)?.scene)
+    }
+
+    /// When its drop touches, s; zero where there is nothing to touch.
+    pub fn contact(&self) -> Result<f64> {
+        Ok(contact_time(&self.scene()?))
     }
 
     /// Brings the point up to date.

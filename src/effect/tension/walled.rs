@@ -9,7 +9,7 @@ use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
 use crate::space::mirror::PAIRS;
 use crate::space::parallel::{Slots, each};
-use crate::space::sweep::{self, Field};
+use crate::space::sweep;
 use std::marker::PhantomData;
 
 impl Tension {
@@ -207,10 +207,7 @@ impl Tension {
         }
         flow.turn(&mut self.payload);
         wetting.force.resize(force.len(), [0.0; 3]);
-        let field = Field {
-            sources: flow.of_wall(),
-            ..self.field(flow, self.length)
-        };
+        let field = flow.about(flow.position, flow.of_wall(), &self.payload, self.length);
         sweep::runs(field, &self.reached, pass, &mut wetting.force);
         let into = Slots::new(force);
         each(wetting.force.len(), |k| {

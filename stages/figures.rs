@@ -99,10 +99,13 @@ impl Study {
 
     /// Tables that figures and curves name, with the columns that they need.
     pub fn tables_of_figures(&self) -> impl Iterator<Item = (&Path, &str)> {
-        let of_figures = self.figure.iter().map(|f| (&f.reference, &f.column));
-        let of_curves = self.curves.iter().map(|c| (&c.reference, &c.column));
+        let of_figures = self.figure.iter().flat_map(|f| {
+            let columns = [Some(&f.column), f.over.as_ref()];
+            columns.map(|column| (&f.reference, column))
+        });
+        let of_curves = self.curves.iter().map(|c| (&c.reference, Some(&c.column)));
         let all = of_figures.chain(of_curves);
-        all.filter_map(|(path, column)| Some((path.as_deref()?, column.as_str())))
+        all.filter_map(|(path, column)| Some((path.as_deref()?, column?.as_str())))
     }
 }
 

@@ -4,7 +4,8 @@
 //! `a = √((d + 2) (⟨x²⟩ + s0²/12))`: each particle stands for a cube of side s0. The amplitude of
 //! the n = 2 oscillation follows from `r = R (1 + ε P2)` in 3-D, `r = R (1 + ε cos 2θ)` in 2-D.
 //!
-//! Spread on a dry wall: diameter of the wetted area over the drop's. Front: dam break.
+//! Spread on a dry wall: diameter of the area within the outer contact line over the drop's; holes
+//! in the film count as the film that they are in. Front: dam break.
 
 use super::region::{Class, Region};
 use crate::particle::Frame;
@@ -86,9 +87,11 @@ impl Shape {
 /// A drop on a dry wall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
-    /// Diameter of the wetted area over d.
+    /// Diameter of the area within the outer contact line over d.
     pub wetted: f64,
-    /// The same for the liquid at any height.
+    /// Part of that area that the main body does not wet.
+    pub dry: f64,
+    /// As `wetted`, for the liquid at any height.
     pub largest: f64,
     /// Highest liquid of the main body within 1.5 s0 of the axis, m above the wall.
     pub apex: Option<f64>,
@@ -98,17 +101,17 @@ impl Spread {
     /// `at`: axis; `diameter`: of the drop, m.
     pub fn new(region: &Region, at: [f64; 2], diameter: f64, dimension: Dimension) -> Spread {
         let raster = region.raster;
-        let (mut wetted, mut covered) = (0usize, 0usize);
+        let size = [raster.count[0], raster.count[1]];
+        let (mut wet, mut covered) = (Layer::new(size), Layer::new(size));
         let mut apex: Option<f64> = None;
-        for j in 0..raster.count[1] {
-            for i in 0..raster.count[0] {
-                wetted += usize::from(region.class([i, j, 0]) == Class::Main);
-                let Some(high) = region.column_high(i, j) else {
-                    continue;
-                };
-                covered += 1;
+        for j in 0..size[1] {
+            for i in 0..size[0] {
+                wet.mark([i, j], region.class([i, j, 0]) == Class::Main);
+                let high = region.column_high(i, j);
+                covered.mark([i, j], high.is_some());
+                let Some(high) = high else { continue };
                 let dx = raster.coordinate(0, i) - at[0];
-                let dy = if raster.count[1] > 1 {
+                let dy = if size[1] > 1 {
                     raster.coordinate(1, j) - at[1]
                 } else {
                     0.0
@@ -118,18 +121,77 @@ impl Spread {
                 }
             }
         }
-        let extent = |cells: usize| match dimension {
-            Dimension::Two => cells as f64 * raster.spacing[0],
+        let extent = |nodes: usize| match dimension {
+            Dimension::Two => nodes as f64 * raster.spacing[0],
             Dimension::Three => {
-                let area = cells as f64 * raster.spacing[0] * raster.spacing[1];
+                let area = nodes as f64 * raster.spacing[0] * raster.spacing[1];
                 2.0 * (area / std::f64::consts::PI).sqrt()
             }
         };
+        let (marked, enclosed) = (wet.marked(), wet.enclosed());
         Spread {
-            wetted: extent(wetted) / diameter,
-            largest: extent(covered) / diameter,
+            wetted: extent(enclosed) / diameter,
+            dry: (enclosed - marked) as f64 / enclosed.max(1) as f64,
+            largest: extent(covered.enclosed()) / diameter,
             apex,
         }
+    }
+}
+
+/// Nodes of a horizontal layer, x fastest, and which of them are marked.
+struct Layer {
+    size: [usize; 2],
+    is_marked: Vec<bool>,
+}
+
+impl Layer {
+    fn new(size: [usize; 2]) -> Layer {
+        Layer {
+            size,
+            is_marked: vec![false; size[0] * size[1]],
+        }
+    }
+
+    fn mark(&mut self, [i, j]: [usize; 2], is_marked: bool) {
+        self.is_marked[j * self.size[0] + i] = is_marked;
+    }
+
+    fn marked(&self) -> usize {
+        self.is_marked.iter().filter(|marked| **marked).count()
+    }
+
+    /// How many are marked or cannot reach the rim of the layer without crossing marked ones.
+    fn enclosed(&self) -> usize {
+        let [nx, ny] = self.size;
+        let mut is_shut = vec![true; nx * ny];
+        let mut next = Vec::new();
+        let mut open = |node: usize, next: &mut Vec<usize>| {
+            if is_shut[node] && !self.is_marked[node] {
+                is_shut[node] = false;
+                next.push(node);
+            }
+        };
+        for i in 0..nx {
+            for j in 0..ny {
+                if i == 0 || i + 1 == nx || ny > 1 && (j == 0 || j + 1 == ny) {
+                    open(j * nx + i, &mut next);
+                }
+            }
+        }
+        while let Some(node) = next.pop() {
+            let (i, j) = (node % nx, node / nx);
+            let beside = [
+                (i > 0).then(|| node - 1),
+                (i + 1 < nx).then(|| node + 1),
+                (j > 0).then(|| node - nx),
+                (j + 1 < ny).then(|| node + nx),
+            ];
+            beside
+                .into_iter()
+                .flatten()
+                .for_each(|node| open(node, &mut next));
+        }
+        is_shut.iter().filter(|shut| **shut).count()
     }
 }
 

@@ -197,6 +197,7 @@ impl Gauge {
             Kind::Wall(axis) => {
                 let spread = Spread::new(region, axis.at, axis.diameter, scene.dimension);
                 row.put("spread_factor", spread.wetted);
+                row.put("dry_part", spread.dry);
                 row.put("max_diameter_factor", spread.largest);
                 row.put("detached_part", region.detached(&frame.position));
                 row.put_some("apex_height_m", spread.apex);

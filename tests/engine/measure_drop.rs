@@ -97,6 +97,28 @@ fn a_cap_on_a_wall_has_its_spread_and_apex() {
     }
 }
 
+/// A film between two circles, open on one side or not, and liquid of its own in the middle.
+#[test]
+fn a_hole_in_a_film_counts_as_spread() {
+    let scene = without_pool(Dimension::Three, 0.2);
+    let film = |gap: f64| {
+        let frame = lattice(&scene, |x, y, z| {
+            let r = (x - 12.0).hypot(y - 12.0);
+            let in_gap = x > 12.0 && (y - 12.0).abs() < gap;
+            z < 0.8 && (r < 1.0 || r > 3.0 && r < 5.0 && !in_gap)
+        });
+        let row = Gauge::new(&scene).measure(&frame);
+        ["spread_factor", "dry_part", "max_diameter_factor"].map(|name| value(&row, name))
+    };
+    let [wetted, dry, largest] = film(0.0);
+    assert!((wetted - 2.5).abs() < 0.06, "{wetted}");
+    assert!((dry - 9.0 / 25.0).abs() < 0.02, "{dry}");
+    assert!((largest - 2.5).abs() < 0.06, "{largest}");
+    let [wetted, dry, _] = film(0.6);
+    assert!((wetted - 2.0).abs() < 0.1, "{wetted}");
+    assert_eq!(dry, 0.0);
+}
+
 #[test]
 fn a_column_has_its_front_and_height() {
     let mut scene = without_pool(Dimension::Two, 0.25);

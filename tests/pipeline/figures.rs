@@ -156,6 +156,11 @@ fn mistakes_in_figures_are_named() {
         ),
         (
             "at = \"0.3 ms\"",
+            "at = \"0.3 ms\"\nover = \"kinetic_energy_J\"",
+            "no column `kinetic_energy_J`",
+        ),
+        (
+            "at = \"0.3 ms\"",
             "at = \"0.3 ms\"\nto = \"1 ms\"",
             "without from and to",
         ),

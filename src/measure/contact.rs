@@ -41,7 +41,7 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// `diameter`: of the wetted area; `apex`: highest liquid, m.
+    /// `diameter`: of the area within the contact line; `apex`: highest liquid, m.
     pub fn new(region: &Region, diameter: f64, apex: Option<f64>) -> Contact {
         let raster = region.raster;
         let outline = outline(region);

@@ -20,9 +20,9 @@ pub mod version {
     use coronet::scene::{Density, Method, Scene, TimeStepping};
 
     pub const PACK: u32 = 2;
-    pub const CALIBRATE: u32 = 6;
+    pub const CALIBRATE: u32 = 7;
     pub const POST: u32 = 6;
-    const FLOW: u32 = 15;
+    const FLOW: u32 = 16;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with MPS, with WCSPH or with
     /// the continuity equation at one rate have.

@@ -57,16 +57,18 @@ impl Band {
         });
     }
 
-    /// The particles of marked cells, in cell order.
-    pub fn members(&self, cells: &Cells, members: &mut Vec<u32>) {
-        self.members_of(&cells.start, members);
+    /// The particles of marked cells, those of a block of cells together.
+    pub fn members(&self, grid: &Grid, cells: &Cells, members: &mut Vec<u32>) {
+        self.members_of(grid, &cells.start, members);
     }
 
     /// The same for particles of which `start` has the first of each cell, and the number of all.
-    pub fn members_of(&self, start: &[u32], members: &mut Vec<u32>) {
+    pub fn members_of(&self, grid: &Grid, start: &[u32], members: &mut Vec<u32>) {
         members.clear();
-        for (cell, _) in self.mark.iter().enumerate().filter(|(_, mark)| **mark) {
-            members.extend(start[cell]..start[cell + 1]);
-        }
+        grid.blocks(|cell| {
+            if self.mark[cell] {
+                members.extend(start[cell]..start[cell + 1]);
+            }
+        });
     }
 }

@@ -202,7 +202,7 @@ impl Tension {
             TensionForm::RawColour => {
                 let deep = DEEP * self.length + flow.slack;
                 self.band.grow(flow.grid, deep);
-                self.band.members(flow.liquid, &mut self.near);
+                self.band.members(flow.grid, flow.liquid, &mut self.near);
                 match self.wetting {
                     None => self.sum_normals(flow, &[], &Gradient::<K>(PhantomData)),
                     Some(_) => self.wet::<K>(flow, is_surface),
@@ -210,7 +210,7 @@ impl Tension {
             }
             TensionForm::CahnHilliard => {
                 self.band.grow(flow.grid, reach);
-                self.band.members(flow.liquid, &mut self.near);
+                self.band.members(flow.grid, flow.liquid, &mut self.near);
                 self.sum_normals(flow, &[], &Gradient::<K>(PhantomData));
             }
             TensionForm::NormalisedColour => self.colour::<K>(flow),
@@ -221,7 +221,7 @@ impl Tension {
         if !self.pulls() {
             return;
         }
-        self.stressed.gather(flow, &self.near, &self.payload);
+        self.stressed.gather(flow, &self.payload);
         if self.lifted {
             self.lift::<K>(flow);
         }
@@ -229,7 +229,7 @@ impl Tension {
         self.band.mark_filled(&self.stressed.start);
         self.band
             .grow(flow.grid, 2.0 * self.force_length + flow.slack);
-        self.band.members(flow.liquid, &mut self.reached);
+        self.band.members(flow.grid, flow.liquid, &mut self.reached);
         let mut force = std::mem::take(&mut self.force);
         force.resize(self.reached.len(), [0.0; 3]);
         let pass = Summed::<K> {

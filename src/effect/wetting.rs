@@ -183,7 +183,7 @@ impl Wetting {
         self.band.mark(flow.liquid, is_surface);
         let far = FAR * self.setting.length + flow.slack;
         self.band.grow(flow.grid, far);
-        self.band.members_of(wall.start, &mut self.near);
+        self.band.members_of(flow.grid, wall.start, &mut self.near);
         let places = &self.places;
         self.near.retain(|&j| places[j as usize].axis.is_some());
         for (axis, facing) in self.facing.iter_mut().enumerate() {

@@ -7,8 +7,14 @@ use super::grid::Grid;
 
 /// Most cells that a cutoff may reach to each side.
 pub const REACH: usize = 8;
-const SIDE: usize = 2 * REACH + 1;
-const MOST: usize = SIDE * SIDE;
+/// Most cells of a block to each side.
+pub const WIDE: usize = 2;
+/// Slabs of cells of an axis in whole groups.
+const SIDE: usize = (2 * REACH + WIDE).next_multiple_of(GROUP);
+const MOST: usize = (2 * REACH + WIDE) * (2 * REACH + WIDE);
+
+/// Slabs whose numbers are found together.
+const GROUP: usize = 8;
 
 /// A cell and a place in it.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +28,8 @@ pub struct Place {
 pub struct Columns<'a> {
     grid: &'a Grid,
     cutoff: f64,
+    /// Lateral cells of a block.
+    wide: i32,
     /// Lateral cell for which the rest was made.
     at: [usize; 2],
     /// Per lateral axis: first offset in cells, how many, and whether all slabs are looked at.
@@ -32,15 +40,18 @@ pub struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
+    /// `wide`: how many cells to each side, at most [`WIDE`], the blocks have.
+    ///
     /// # Panics
     /// If `cutoff`, m, reaches farther than [`REACH`] cells.
-    pub fn new(grid: &'a Grid, cutoff: f64) -> Self {
+    pub fn new(grid: &'a Grid, cutoff: f64, wide: usize) -> Self {
         for a in 0..2 {
             assert!(cutoff <= REACH as f64 * grid.edge[a], "cells too small");
         }
         Columns {
             grid,
             cutoff,
+            wide: wide as i32,
             at: [usize::MAX; 2],
             span: [(0, 0, false); 2],
             base: [0; MOST],
@@ -69,14 +80,18 @@ impl<'a> Columns<'a> {
         for i in 0..self.span[0].1 {
             let left = c2 - gaps[0][i];
             let mut range = [(0i32, 0i32); SIDE];
-            for j in 0..SIDE {
-                let r = (left - gaps[1][j]).max(0.0).sqrt() * per_edge;
-                // Finite, and far below 2^31: r is at most the cutoff in cells.
-                range[j] = unsafe {
-                    let first = (low.part[2] - r).floor().max(-1e9).to_int_unchecked();
-                    let last = (high.part[2] + r).floor().min(1e9).to_int_unchecked();
-                    (first, last)
-                };
+            let groups = gaps[1].as_chunks::<GROUP>().0.iter();
+            let ranges = range.as_chunks_mut::<GROUP>().0.iter_mut();
+            for (gaps, ranges) in groups.zip(ranges).take(rows.div_ceil(GROUP)) {
+                for j in 0..GROUP {
+                    let r = (left - gaps[j]).max(0.0).sqrt() * per_edge;
+                    // Finite, and far below 2^31: r is at most the cutoff in cells.
+                    ranges[j] = unsafe {
+                        let first = (low.part[2] - r).floor().max(-1e9).to_int_unchecked();
+                        let last = (high.part[2] + r).floor().min(1e9).to_int_unchecked();
+                        (first, last)
+                    };
+                }
             }
             for j in 0..rows {
                 if left < gaps[1][j] {
@@ -132,7 +147,7 @@ impl<'a> Columns<'a> {
         for (k, gap) in gaps.iter_mut().enumerate() {
             let offset = (first + k as i32) as f32;
             let away = (offset - high).max(low - offset - 1.0).max(0.0) * edge;
-            *gap = if first + k as i32 == 0 {
+            *gap = if (0..self.wide).contains(&(first + k as i32)) {
                 0.0
             } else {
                 away * away
@@ -149,12 +164,13 @@ impl<'a> Columns<'a> {
         for a in 0..2 {
             let (n, c) = (grid.count[a] as i32, at[a] as i32);
             let reach = (self.cutoff / grid.edge[a]).ceil() as i32;
-            self.span[a] = if grid.periodic[a] && 2 * reach + 1 >= n {
+            let up = reach + self.wide - 1;
+            self.span[a] = if grid.periodic[a] && reach + up + 1 >= n {
                 (-c, n as usize, true)
             } else if grid.periodic[a] {
-                (-reach, 2 * reach as usize + 1, false)
+                (-reach, (reach + up) as usize + 1, false)
             } else {
-                let (low, high) = ((c - reach).max(0), (c + reach).min(n - 1));
+                let (low, high) = ((c - reach).max(0), (c + up).min(n - 1));
                 (low - c, (high - low) as usize + 1, false)
             };
         }

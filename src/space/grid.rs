@@ -6,6 +6,7 @@
 //! nearest image; differences are exact and are rounded once, when they become f32.
 //! Other axes have a range four times the covered length, so that nothing wraps by accident.
 
+use super::column::WIDE;
 use super::lane::Lanes;
 use crate::scene::{Dimension, Domain, Precision, Side};
 
@@ -101,6 +102,25 @@ impl Grid {
             grid.unit[axis] = grid.range[axis] / 4294967296.0;
         }
         Ok(grid)
+    }
+
+    /// Calls `visit` for every cell, those of a block of [`WIDE`] to each side together.
+    pub fn blocks(&self, mut visit: impl FnMut(usize)) {
+        let blocks = |a: usize| (0..self.count[a]).step_by(WIDE);
+        let within = |a: usize, low: usize| low..(low + WIDE).min(self.count[a]);
+        for x in blocks(0) {
+            for y in blocks(1) {
+                for z in blocks(2) {
+                    for i in within(0, x) {
+                        for j in within(1, y) {
+                            for k in within(2, z) {
+                                visit(self.index([i, j, k]));
+                            }
+                        }
+                    }
+                }
+            }
+        }
     }
 
     /// Number of cells.

@@ -159,7 +159,7 @@ impl Job for Filling<'_> {
         let (search, first, position, chunk) = (self.search, self.first, self.position, self.chunk);
         chunk.start.clear();
         chunk.index.clear();
-        let mut columns = Columns::new(search.grid, search.cutoff);
+        let mut columns = Columns::new(search.grid, search.cutoff, 1);
         let (mut k, stop) = (self.range.start, self.range.end);
         while k < stop {
             // Targets that lie together look at the same candidates.
@@ -189,7 +189,7 @@ fn point(position: &[Vec<f64>; 3], k: usize) -> [f64; 3] {
 
 /// Makes `low..high` reach to `place` if that is in the same block of cells, which `low` begins.
 #[inline(always)]
-pub(super) fn extend(low: &mut Place, high: &mut Place, mut place: Place) -> bool {
+fn extend(low: &mut Place, high: &mut Place, mut place: Place) -> bool {
     let up = place.cell[2].wrapping_sub(low.cell[2]);
     if place.cell[..2] != low.cell[..2] || up >= BLOCK {
         return false;

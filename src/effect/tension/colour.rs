@@ -17,7 +17,6 @@ impl Tension {
     pub(super) fn colour<K: Kernel>(&mut self, flow: &Surface) {
         let d = self.dimension as i32;
         let norm = K::norm(self.dimension) / self.length.powi(d);
-        let own = K::w(0.0) as f32;
         // A wall particle far inside a wetted wall has the bulk's volume, and colour 1, as has
         // liquid far from a surface.
         let bulk = (flow.mass / self.density) as f32;
@@ -37,10 +36,9 @@ impl Tension {
             for (&i, &sum) in band.iter().zip(&sums) {
                 let i = i as usize;
                 if stage == 0 {
-                    self.payload[0][i] = (1.0 / (norm * (sum + own) as f64)) as f32;
+                    self.payload[0][i] = (1.0 / (norm * sum as f64)) as f32;
                 } else {
-                    let c = norm * (sum + own * self.payload[0][i]) as f64;
-                    self.payload[1][i] = c as f32;
+                    self.payload[1][i] = (norm * sum as f64) as f32;
                 }
             }
             flow.share(&mut self.payload[stage]);
@@ -66,7 +64,7 @@ impl Tension {
             let slack = if before == 0.0 { flow.slack } else { 0.0 };
             self.band
                 .grow(flow.grid, (depth - before) * self.length + slack);
-            self.band.members(flow.liquid, members);
+            self.band.members(flow.grid, flow.liquid, members);
             before = depth;
         }
     }

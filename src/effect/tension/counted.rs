@@ -182,7 +182,7 @@ impl Tension {
         let fixed = *counted.fixed.get_or_insert_with(made);
         let reach = self.support() + flow.slack;
         self.band.grow(flow.grid, reach);
-        self.band.members(flow.liquid, &mut self.near);
+        self.band.members(flow.grid, flow.liquid, &mut self.near);
         self.reached.clear();
         let surface = self.near.iter().filter(|i| is_surface(**i as usize));
         self.reached.extend(surface);
@@ -243,7 +243,7 @@ impl Tension {
         counted.curvature.clear();
         let mut numbers = self.near.iter().zip(&counted.numbers);
         for (&i, &n2) in self.reached.iter().zip(&counted.deeper) {
-            // Both lists are in the order of cells.
+            // Both lists are in one order.
             let [_, along @ ..] = numbers.find(|(j, _)| **j == i).map_or([0.0; 4], |n| *n.1);
             let along = along.map(f64::from);
             let size = along.iter().map(|a| a * a).sum::<f64>().sqrt();

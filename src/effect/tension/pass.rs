@@ -25,7 +25,7 @@ impl<K: Kernel> Pass<3> for Gradient<K> {
     }
 }
 
-/// SUM w without the particle itself: (1).
+/// SUM w: (1).
 pub struct Volume<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<1> for Volume<K> {
@@ -33,8 +33,7 @@ impl<K: Kernel> Pass<1> for Volume<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
-            let w = K::w_apart::<L>(L::sqrt(pair.q2), pair.q2);
-            sum[0] = L::add(sum[0], w);
+            sum[0] = L::add(sum[0], K::w_lanes::<L>(L::sqrt(pair.q2)));
         }
     }
     #[inline(always)]
@@ -43,7 +42,7 @@ impl<K: Kernel> Pass<1> for Volume<K> {
     }
 }
 
-/// SUM V_b w without the particle itself: (2). Payload 0: V.
+/// SUM V_b w: (2). Payload 0: V.
 pub struct Colour<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<1> for Colour<K> {
@@ -51,8 +50,8 @@ impl<K: Kernel> Pass<1> for Colour<K> {
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
         unsafe {
-            let w = K::w_apart::<L>(L::sqrt(pair.q2), pair.q2);
-            sum[0] = L::add(sum[0], L::mul(pair.other[0], w));
+            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
+            sum[0] = L::fma(pair.other[0], w, sum[0]);
         }
     }
     #[inline(always)]

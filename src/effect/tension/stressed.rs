@@ -63,8 +63,8 @@ impl Stressed {
         field.among(&self.at, payload, sources)
     }
 
-    /// Picks those of `near` (in cell order) whose `root` is not zero.
-    pub fn gather(&mut self, flow: &Surface, near: &[u32], root: &[Vec<f32>; 3]) {
+    /// Picks those whose `root` is not zero.
+    pub fn gather(&mut self, flow: &Surface, root: &[Vec<f32>; 3]) {
         (0..3).for_each(|a| {
             self.at[a].clear();
             self.u[a].clear();
@@ -72,8 +72,7 @@ impl Stressed {
         self.start.clear();
         self.index.clear();
         let cells = &flow.liquid.start;
-        for &i in near {
-            let i = i as usize;
+        for i in 0..flow.density.len() {
             if root.iter().all(|u| u[i] == 0.0) {
                 continue;
             }

@@ -2,14 +2,14 @@
 //! the same candidates, which are found and copied together once.
 
 use super::{Pair, Pass, splat, total};
-use crate::space::column::{Columns, Place};
+use crate::space::column::{Columns, Place, WIDE};
 use crate::space::grid::{Grid, Scale};
 use crate::space::lane::{self, Job, Lanes, WIDTH};
-use crate::space::row::{CHUNK, Source, extend, separation};
+use crate::space::row::{CHUNK, Source, separation};
 use rayon::prelude::*;
 
 /// Most targets of a block.
-const MEMBERS: usize = 16;
+const MEMBERS: usize = 48;
 
 /// Candidates that are looked at together.
 const ROOM: usize = 1024;
@@ -103,30 +103,29 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) {
         let (field, pass, targets) = (self.field, self.pass, self.targets);
-        let mut columns = Columns::new(field.grid, field.cutoff);
-        let mut near = Near::<W>::new();
+        let mut columns = Columns::new(field.grid, field.cutoff, WIDE);
+        let mut near = unsafe { Near::<L, W>::new() };
         let mut begin = 0;
         while begin < targets.len() {
             let (block, [low, high]) = Block::of(&field, pass, &columns, &targets[begin..]);
-            let (centre, reach) = block.ball(&field);
+            let (centre, half, reach) = block.bounds(&field);
             unsafe {
-                let reach = reach.lanes::<L>();
+                let (scale, reach) = (field.scale.lanes::<L>(), reach.lanes::<L>());
+                let half = L::splat3(half);
                 let mut sums = [[L::splat(0.0); N]; MEMBERS];
                 for &column in columns.about(&low, &high, field.cutoff) {
                     for source in field.sources {
                         let (mut j, end) = source.run(column);
                         while j < end {
                             if near.count + WIDTH > ROOM {
-                                block.add::<L, N, W, P>(&near, field.scale, pass, &mut sums);
-                                near.count = 0;
+                                block.add(&mut near, (centre, scale), pass, &mut sums);
                             }
-                            near.take::<L, O>(&field, j, end - j, centre, reach);
+                            near.take(&field, j, end - j, (centre, half, reach));
                             j += WIDTH;
                         }
                     }
                 }
-                block.add::<L, N, W, P>(&near, field.scale, pass, &mut sums);
-                near.count = 0;
+                block.add(&mut near, (centre, scale), pass, &mut sums);
                 for (k, sum) in sums.iter().enumerate().take(block.count) {
                     let target = targets[begin + k] as usize;
                     pass.finish(target, total::<L, N>(sum), &mut self.out[begin + k]);
@@ -155,8 +154,16 @@ impl Block {
     ) -> (Block, [Place; 2]) {
         let [x, y, z] = field.position;
         let position = |i: usize| [x[i], y[i], z[i]];
-        let mut low = columns.place(position(targets[0] as usize));
-        let mut high = low;
+        let first = columns.place(position(targets[0] as usize)).cell;
+        let cell = first.map(|c| c - c % WIDE);
+        let mut low = Place {
+            cell,
+            part: [f32::INFINITY; 3],
+        };
+        let mut high = Place {
+            cell,
+            part: [f32::NEG_INFINITY; 3],
+        };
         let mut block = Block {
             count: 0,
             at: [[0; 3]; MEMBERS],
@@ -165,8 +172,14 @@ impl Block {
         for &target in targets.iter().take(MEMBERS) {
             let i = target as usize;
             let place = columns.place(position(i));
-            if !extend(&mut low, &mut high, place) {
+            let up = [0, 1, 2].map(|a| place.cell[a].wrapping_sub(cell[a]));
+            if up.iter().any(|&up| up >= WIDE) {
                 break;
+            }
+            for a in 0..3 {
+                let part = place.part[a] + up[a] as f32;
+                low.part[a] = low.part[a].min(part);
+                high.part[a] = high.part[a].max(part);
             }
             block.at[block.count] = field.grid.fix3(position(i));
             let own = std::array::from_fn(|c| field.own.get(c).map_or(0.0, |own| own[i]));
@@ -176,11 +189,15 @@ impl Block {
         (block, [low, high])
     }
 
-    /// Centre of the targets, and what makes distances from it multiples of the radius within which
-    /// all that counts is.
+    /// Centre of the box about the targets, and, in multiples of the search radius, half its edges;
+    /// what makes distances such multiples.
     #[inline(always)]
-    fn ball<const W: usize, const O: usize>(&self, field: &Field<W, O>) -> ([i32; 3], Scale) {
-        let (mut centre, mut square) = (self.at[0], 0.0);
+    fn bounds<const W: usize, const O: usize>(
+        &self,
+        field: &Field<W, O>,
+    ) -> ([i32; 3], [f32; 3], Scale) {
+        let scale = field.grid.scale(MARGIN * field.cutoff);
+        let (mut centre, mut half) = (self.at[0], [0.0; 3]);
         for a in 0..3 {
             let (mut low, mut high) = (0, 0);
             for at in &self.at[..self.count] {
@@ -189,72 +206,101 @@ impl Block {
             }
             let middle = ((low as i64 + high as i64) / 2) as i32;
             centre[a] = centre[a].wrapping_add(middle);
-            let half = 0.5 * (high as f64 - low as f64) * field.grid.unit[a];
-            square += half * half;
+            half[a] = (0.5 * (high as f64 - low as f64) * scale.factor[a]) as f32;
         }
-        let radius = MARGIN * (field.cutoff + square.sqrt());
-        (centre, field.grid.scale(radius))
+        (centre, half, scale)
     }
 
-    /// Adds what the candidates give each target.
+    /// Adds what the candidates give each target, and forgets them.
     #[inline(always)]
     unsafe fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N>>(
         &self,
-        near: &Near<W>,
-        scale: Scale,
+        near: &mut Near<L, W>,
+        (centre, scale): ([i32; 3], [L::F; 3]),
         pass: &P,
         sums: &mut [[L::F; N]; MEMBERS],
     ) {
         unsafe {
-            let scale = scale.lanes::<L>();
-            let whole = near.count / WIDTH * WIDTH;
+            near.place(centre, scale);
+            let (whole, left) = (near.count / WIDTH, near.count % WIDTH);
             for (k, sums) in sums.iter_mut().enumerate().take(self.count) {
-                let (at, own) = (self.at[k], splat::<L>(self.own[k]));
+                let [x, y, z] = self.at[k].map(|at| [at; WIDTH]);
+                let at = [
+                    L::load_fixed(x.as_ptr()),
+                    L::load_fixed(y.as_ptr()),
+                    L::load_fixed(z.as_ptr()),
+                ];
+                let (away, own) = (separation::<L>(centre, at, scale), splat::<L>(self.own[k]));
                 let mut sum = *sums;
-                for j in (0..whole).step_by(WIDTH) {
-                    let pair = near.pair::<L>(j, at, own, scale);
+                for group in 0..whole {
+                    let pair = near.pair(group, away, own);
                     pass.pair::<L>(&pair, &mut sum);
                 }
-                if whole < near.count {
-                    let mut pair = near.pair::<L>(whole, at, own, scale);
-                    pair.q2 = L::first(near.count - whole, pair.q2, L::splat(FAR));
+                if left > 0 {
+                    let mut pair = near.pair(whole, away, own);
+                    pair.q2 = L::first(left, pair.q2, L::splat(FAR));
                     pass.pair::<L>(&pair, &mut sum);
                 }
                 *sums = sum;
             }
+            near.count = 0;
         }
     }
 }
 
+/// Groups of eight candidates.
+const GROUPS: usize = ROOM / WIDTH + 1;
+
 /// Candidates, copied together.
-struct Near<const W: usize> {
+struct Near<L: Lanes, const W: usize> {
     count: usize,
     at: [[i32; ROOM + WIDTH]; 3],
     payload: [[f32; ROOM + WIDTH]; W],
+    /// Centre of the block minus candidate, in units of the smoothing length.
+    away: [[L::F; GROUPS]; 3],
 }
 
-impl<const W: usize> Near<W> {
+impl<L: Lanes, const W: usize> Near<L, W> {
     #[inline(always)]
-    fn new() -> Self {
+    unsafe fn new() -> Self {
         Near {
             count: 0,
             at: [[0; ROOM + WIDTH]; 3],
             payload: [[0.0; ROOM + WIDTH]; W],
+            away: [[unsafe { L::splat(0.0) }; GROUPS]; 3],
         }
     }
 
-    /// Copies who of the points from `j` on, at most `left`, is within reach.
+    /// Where the candidates are from the centre of their block.
     #[inline(always)]
-    unsafe fn take<L: Lanes, const O: usize>(
+    unsafe fn place(&mut self, centre: [i32; 3], scale: [L::F; 3]) {
+        for group in 0..self.count.div_ceil(WIDTH) {
+            unsafe {
+                let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr().add(group * WIDTH));
+                let at = [L::load_fixed(x), L::load_fixed(y), L::load_fixed(z)];
+                let away = separation::<L>(centre, at, scale);
+                for (word, away) in self.away.iter_mut().zip(away) {
+                    word[group] = away;
+                }
+            }
+        }
+    }
+
+    /// Copies who of the points from `j` on, at most `left`, is within reach of a box: its centre,
+    /// half its edges.
+    #[inline(always)]
+    unsafe fn take<const O: usize>(
         &mut self,
         field: &Field<W, O>,
         j: usize,
         left: usize,
-        centre: [i32; 3],
-        reach: [L::F; 3],
+        (centre, half, reach): ([i32; 3], [L::F; 3], [L::F; 3]),
     ) {
         unsafe {
-            let d = separation::<L>(centre, L::load_fixed_at(field.at, j), reach);
+            let mut d = separation::<L>(centre, L::load_fixed_at(field.at, j), reach);
+            for a in 0..3 {
+                d[a] = L::max(L::sub(L::abs(d[a]), half[a]), L::splat(0.0));
+            }
             let mut mask = L::less_mask(L::dot(d, d), L::splat(1.0));
             if left < WIDTH {
                 mask &= (1 << left) - 1;
@@ -272,23 +318,19 @@ impl<const W: usize> Near<W> {
         }
     }
 
-    /// Eight candidates from `j` on.
+    /// A group of candidates and a target that is `away` from the centre.
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(
-        &self,
-        j: usize,
-        at: [i32; 3],
-        own: [L::F; 6],
-        scale: [L::F; 3],
-    ) -> Pair<L> {
+    unsafe fn pair(&self, group: usize, away: [L::F; 3], own: [L::F; 6]) -> Pair<L> {
         unsafe {
-            let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr().add(j));
-            let other = [L::load_fixed(x), L::load_fixed(y), L::load_fixed(z)];
-            let d = separation::<L>(at, other, scale);
+            let d = [
+                L::sub(self.away[0][group], away[0]),
+                L::sub(self.away[1][group], away[1]),
+                L::sub(self.away[2][group], away[2]),
+            ];
             let zero = L::splat(0.0);
             let mut words = [zero; 6];
             for (word, payload) in words.iter_mut().zip(&self.payload) {
-                *word = L::load(payload.as_ptr().add(j));
+                *word = L::load(payload.as_ptr().add(group * WIDTH));
             }
             Pair {
                 d,

@@ -300,6 +300,7 @@ impl Table {
 fn put_contact(contact: &Contact, is_plane: bool, row: &mut Table) {
     row.put_some("contact_angle_deg", contact.fitted);
     row.put_some("contact_angle_base_deg", contact.built);
+    row.put_some("contact_diameter_m", contact.base);
     if is_plane {
         row.put_some("contact_angle_low_x_deg", contact.flanks[0]);
         row.put_some("contact_angle_high_x_deg", contact.flanks[1]);

@@ -4,7 +4,7 @@ use coronet::measure::gauge::{Gauge, Row};
 use coronet::particle::Frame;
 use coronet::scene::*;
 
-use crate::measure_splash::{lattice, pool_scene, push};
+use crate::measure_splash::{DIAMETER, lattice, pool_scene, push};
 
 fn value(row: &Row, name: &str) -> f64 {
     let found = row.iter().find(|(n, _)| n == name);
@@ -19,37 +19,48 @@ fn dry(dimension: Dimension, spacing: f64) -> Scene {
     scene
 }
 
+/// Caps of 60 and 24 spacings, and of 30 and 12, as many as the drops of docs/validation.md,
+/// "Contact angle": how far their bases are off by circles and by the raster.
 #[test]
 fn caps_have_their_contact_angle() {
-    for (dimension, spacing) in [(Dimension::Two, 0.1), (Dimension::Three, 0.25)] {
+    let radius = 6.0;
+    for (dimension, spacing) in [
+        (Dimension::Two, 0.1),
+        (Dimension::Two, 0.2),
+        (Dimension::Three, 0.25),
+        (Dimension::Three, 0.5),
+    ] {
         let scene = dry(dimension, spacing);
-        let y = if dimension == Dimension::Two {
-            0.0
-        } else {
-            12.0
-        };
+        let is_plane = dimension == Dimension::Two;
         for angle in [45.0, 60.0, 90.0, 120.0, 150.0_f64] {
-            let radius = 6.0;
+            if spacing > 0.25 && angle < 60.0 {
+                // Too flat for an outline.
+                continue;
+            }
             let centre = -radius * angle.to_radians().cos();
-            let frame = lattice(&scene, |x, b, z| {
-                (x - 12.0).hypot(b - y).hypot(z - centre) < radius
+            let frame = lattice(&scene, |x, y, z| {
+                let y = if is_plane { 0.0 } else { y - 12.0 };
+                (x - 12.0).hypot(y).hypot(z - centre) < radius
             });
             let row = Gauge::new(&scene).measure(&frame);
             let fitted = value(&row, "contact_angle_deg");
-            assert!(
-                (fitted - angle).abs() < 1.0,
-                "{dimension:?} {angle}: {fitted}"
-            );
             let built = value(&row, "contact_angle_base_deg");
-            assert!(
-                (built - angle).abs() < 5.0,
-                "{dimension:?} {angle}: {built}"
+            let base = 2.0 * radius * angle.to_radians().sin();
+            let by_circle = 1e3 * value(&row, "contact_diameter_m") / base - 1.0;
+            let by_raster = DIAMETER * value(&row, "spread_factor") / base - 1.0;
+            println!(
+                "{dimension:?}, R = {:.0} s0, {angle}: {fitted:.1} by the outline, {built:.1} by \
+                 base, which is {by_circle:+.3} off, by the raster {by_raster:+.3}",
+                radius / spacing
             );
-            if dimension == Dimension::Two {
+            assert!((fitted - angle).abs() < 1.5, "{fitted}");
+            assert!((built - angle).abs() < 2.0, "{built}");
+            assert!(by_circle.abs() < 0.08, "{by_circle}");
+            if is_plane && spacing < 0.2 {
                 for side in ["low", "high"] {
                     let flank = value(&row, &format!("contact_angle_{side}_x_deg"));
                     // A lattice has few rows there.
-                    assert!((flank - angle).abs() < 8.0, "{angle} {side}: {flank}");
+                    assert!((flank - angle).abs() < 8.0, "{side}: {flank}");
                 }
             }
         }

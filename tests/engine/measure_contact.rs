@@ -24,11 +24,12 @@ fn dry(dimension: Dimension, spacing: f64) -> Scene {
 #[test]
 fn caps_have_their_contact_angle() {
     let radius = 6.0;
-    for (dimension, spacing) in [
-        (Dimension::Two, 0.1),
-        (Dimension::Two, 0.2),
-        (Dimension::Three, 0.25),
-        (Dimension::Three, 0.5),
+    // Most that an angle, in degrees, and a base may be off.
+    for (dimension, spacing, most, wide) in [
+        (Dimension::Two, 0.1, 1.0, 0.02),
+        (Dimension::Two, 0.2, 1.5, 0.04),
+        (Dimension::Three, 0.25, 1.0, 0.02),
+        (Dimension::Three, 0.5, 1.5, 0.08),
     ] {
         let scene = dry(dimension, spacing);
         let is_plane = dimension == Dimension::Two;
@@ -53,9 +54,9 @@ fn caps_have_their_contact_angle() {
                  base, which is {by_circle:+.3} off, by the raster {by_raster:+.3}",
                 radius / spacing
             );
-            assert!((fitted - angle).abs() < 1.5, "{fitted}");
+            assert!((fitted - angle).abs() < most, "{fitted}");
             assert!((built - angle).abs() < 2.0, "{built}");
-            assert!(by_circle.abs() < 0.08, "{by_circle}");
+            assert!(by_circle.abs() < wide, "{by_circle}");
             if is_plane && spacing < 0.2 {
                 for side in ["low", "high"] {
                     let flank = value(&row, &format!("contact_angle_{side}_x_deg"));

@@ -26,7 +26,7 @@ pub mod version {
 
     /// Of what only scenes with a contact angle, with its hysteresis, with MPS, with WCSPH or with
     /// the continuity equation at one rate have.
-    const WETTING: u32 = 1;
+    const WETTING: u32 = 2;
     const HYSTERESIS: u32 = 1;
     const MPS: u32 = 1;
     const WCSPH: u32 = 1;

@@ -19,7 +19,7 @@
 //! height dz over the length dz / sin theta_d. A surface that bends is steeper or flatter there
 //! than at its foot, so theta is that at the height z of what the stress belongs to:
 //! (5) cos theta + z d cos / dz,  d cos / dz = t . B t, t the tangent towards the wall and B the
-//!     curvature of [`super::tension::level`]; for a circle z / R.
+//!     curvature ([`rise`]); for a circle z / R.
 //!
 //! With an advancing and a receding angle theta of (2) is that which the line has ([`line`]), (4)
 //! has what lies beyond the two, and friction resists the motion of the line ([`friction`]).
@@ -35,6 +35,7 @@ pub mod friction;
 mod line;
 mod mean;
 mod pass;
+mod rise;
 mod survey;
 pub mod typed;
 
@@ -48,6 +49,7 @@ use line::Lines;
 pub(super) use line::TIMES;
 use pass::Sheared;
 pub(super) use pass::Walls;
+use rise::Rises;
 use std::marker::PhantomData;
 use survey::{Place, survey};
 
@@ -106,6 +108,9 @@ pub struct Wetting {
     sums: Vec<f32>,
     /// Per `near`: n of wall particles, then sqrt(c_w |T|) n / |n| / rho0.
     pub normals: Vec<([f32; 3], [f32; 3])>,
+    pub rises: Rises,
+    /// The same per wall particle, where lines are curved only.
+    pub roots: [Vec<f32>; 3],
     /// Per particle that the tension looks at: SUM slope d over the wall, with c_w and without.
     pub walls: Vec<([f32; 3], [f32; 3])>,
     /// Smoothing length of the gradients by which particles are shifted, m; `None`: they are not.
@@ -137,6 +142,8 @@ impl Wetting {
             slopes: Vec::new(),
             sums: Vec::new(),
             normals: Vec::new(),
+            rises: Rises::default(),
+            roots: Default::default(),
             walls: Vec::new(),
             short: None,
             beside: Vec::new(),
@@ -153,7 +160,10 @@ impl Wetting {
         let of_liquid = self.walls.capacity() + self.shorter.capacity();
         let pairs = self.slopes.capacity() + self.normals.capacity() + of_liquid;
         std::mem::size_of::<Place>() * self.places.capacity()
-            + 4 * (self.colour.capacity() + self.sums.capacity() + lists)
+            + 4 * (self.colour.capacity()
+                + self.sums.capacity()
+                + lists
+                + 3 * self.roots[0].capacity())
             + 12 * (self.shear[0].capacity() + self.force.capacity())
             + 24 * self.foot[0].capacity()
             + 8 * self.cosines.capacity()
@@ -161,6 +171,7 @@ impl Wetting {
             + self.band.memory()
             + self.friction.memory()
             + self.lines.memory()
+            + self.rises.memory()
     }
 
     /// Finds the wall particles near a surface, the others are wet or far from liquid, and which
@@ -281,6 +292,18 @@ impl Wetting {
         longer.clamp(1.0, 0.5 * FAR) * self.setting.length
     }
 
+    /// Unit vector along the wall of wall particle `j` and across `normal`; zero without one.
+    pub fn along(&self, j: usize, normal: [f64; 3]) -> [f64; 3] {
+        let Some(axis) = self.places[j].axis else {
+            return [0.0; 3];
+        };
+        let mut along = [0.0; 3];
+        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+        let size = normal[next].hypot(normal[last]).max(f64::MIN_POSITIVE);
+        (along[next], along[last]) = (normal[last] / size, -normal[next] / size);
+        along
+    }
+
     /// Whether lines have hysteresis.
     pub fn rubs(&self) -> bool {
         self.setting.angle.hysteresis.is_some()
@@ -302,14 +325,13 @@ impl Wetting {
     }
 
     /// (4) and [`friction::Hold`] as multiples of 1 / (m norm / H^(d+1)), from u, SUM
-    /// slope d over the wall, and (5): `rise` gives d cos / dz from n and the unit vector into the
-    /// wall. `at`: where, m.
+    /// slope d over the wall, and H d cos / dz of (5). `at`: where, m.
     pub fn young(
         &self,
         u: [f64; 3],
         wall: [f64; 3],
         at: [f64; 3],
-        rise: impl Fn([f64; 3], [f64; 3]) -> f64,
+        rise: f64,
     ) -> ([f64; 3], [[f64; 3]; 2]) {
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (size, root) = (dot(wall, wall).sqrt(), dot(u, u).sqrt());
@@ -320,7 +342,7 @@ impl Wetting {
         // grad c and the wall's point the same way where the angle is zero.
         let cosine = dot(n, inward);
         let along = [0, 1, 2].map(|a| cosine * inward[a] - n[a]);
-        let rise = rise(n, inward) * self.height(at, inward);
+        let rise = rise * self.height(at, inward) / self.setting.length;
         let away = self.cosine + rise.clamp(-MOST_RISE, MOST_RISE) - cosine;
         let half = self.setting.angle.friction();
         let within = away.clamp(-half, half);

@@ -156,7 +156,7 @@ fn youngs_force_has_the_strength_of_the_tension() {
         let root = (1.0 / sine).sqrt();
         let u = [-sine * root, 0.0, -cosine * root];
         let down = [0.0, 0.0, -plane(KERNEL, 2, z)];
-        let (force, _) = wetting.young(u, down, [0.0; 3], |_, _| 0.0);
+        let (force, _) = wetting.young(u, down, [0.0; 3], 0.0);
         (0..3).for_each(|a| sum[a] += step * force[a]);
     }
     let wanted = 0.5 - cosine;
@@ -181,7 +181,7 @@ fn a_line_feels_the_angle_at_its_foot() {
         let pull = |cosine: f64, bend: f64| {
             let u = [-(1.0 - cosine * cosine).sqrt(), 0.0, -cosine];
             let down = [0.0, 0.0, -1.0];
-            wetting.young(u, down, [0.0, 0.0, z], |_, _| bend).0
+            wetting.young(u, down, [0.0, 0.0, z], bend * length).0
         };
         let cosine = foot + bend * surface;
         assert!(pull(cosine, 0.0)[0] < -1e-3 * part);

@@ -3,6 +3,7 @@
 mod allocation;
 mod cloud;
 mod effect_absent;
+mod effect_cap;
 mod effect_counted;
 mod effect_level;
 mod effect_select;

@@ -16,7 +16,8 @@
 //! u the unit normals, d_t and t the parts of d and of u_b - u_a in the tangent plane: the
 //! least-squares slope of the normals along the surface. Normals that point apart belong to another
 //! surface, that across a sheet.
-//! Walls with a contact angle keep the stress where it acts.
+//! Walls with a contact angle keep the stress where it acts; where a contact line is curved,
+//! b tr(B) is taken from theirs too (`super::walled`).
 //! Fails where the surface bends within z_s inwards (a cusp): the bracket in (2) is at least 1/2.
 //! Tests: tests/engine/effect_level.rs, tests/validation/drop.rs.
 
@@ -115,10 +116,10 @@ fn lifted(root: [f64; 3], bend: &Bend, [z, b]: [f64; 2], dimension: usize) -> [f
 }
 
 /// The least curvature that counts, as a part of the bracket in (2).
-const LEAST: f64 = -0.5;
+pub(super) const LEAST: f64 = -0.5;
 
 /// Sums of (3). Payload: u, of any length.
-struct Curvature<K>(PhantomData<K>);
+pub(super) struct Curvature<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<7> for Curvature<K> {
     type Out = Bend;

@@ -1,6 +1,6 @@
 //! The tension of liquid on walls with a contact angle: numbers as in [`crate::effect::wetting`].
 
-use super::level::{Bend, curvature};
+use super::level::{Bend, Curvature, LEAST, curvature, depths};
 use super::pass::{Gradient, Summed};
 use super::{FAINT, Surface, Tension};
 use crate::effect::wetting::friction::Hold;
@@ -139,22 +139,28 @@ impl Tension {
                 feet.push(k as u32);
             }
         }
-        let mut bends = std::mem::take(&mut self.bends);
-        self.bend::<K>(flow, &lines, &mut bends);
+        let sources = self.stressed.sources();
+        let field = self.field(flow, self.length);
+        let field = self.stressed.field(field, &sources, &self.stressed.u);
+        let place = |line: usize| {
+            let k = feet[line] as usize;
+            [self.normals[k].0, wetting.walls[k].1]
+        };
+        let count = flow.density.len();
+        wetting.rises.measure::<K>(field, &lines, count, place);
         let factor = self.force_factor::<K>(flow.mass);
         let rubs = wetting.rubs();
         let mut hold = std::mem::take(&mut wetting.friction.hold);
         hold.resize(if rubs { feet.len() } else { 0 }, Hold::default());
         let holds = Slots::new(&mut hold);
         let normals = Slots::new(&mut self.normals);
-        let (length, dimension) = (self.length, self.dimension);
         each(feet.len(), |line| {
             let k = feet[line] as usize;
             let (u, own) = unsafe { normals.at(k) };
             let i = lines[line] as usize;
             let at = [0, 1, 2].map(|a| flow.position[a][i]);
-            let rise = |n, inward| rise(&bends[line], n, inward, dimension) / length;
             let wall = wetting.walls[k].1.map(f64::from);
+            let rise = wetting.rises.of[line] as f64;
             let (young, held) = wetting.young(u.map(f64::from), wall, at, rise);
             *own = young.map(|y| (factor * y) as f32);
             if rubs {
@@ -163,7 +169,7 @@ impl Tension {
             }
         });
         wetting.friction.hold = hold;
-        (self.bends, self.lines, self.feet) = (bends, lines, feet);
+        (self.lines, self.feet) = (lines, feet);
         self.wetting = Some(wetting);
     }
 
@@ -206,6 +212,9 @@ impl Tension {
             (0..3).for_each(|a| self.payload[a][n + j as usize] = root[a]);
         }
         flow.turn(&mut self.payload);
+        if self.lifted && self.dimension == 3 {
+            self.lift_walls::<K>(flow, &mut wetting);
+        }
         wetting.force.resize(force.len(), [0.0; 3]);
         let field = flow.about(flow.position, flow.of_wall(), &self.payload, self.length);
         sweep::runs(field, &self.reached, pass, &mut wetting.force);
@@ -216,17 +225,39 @@ impl Tension {
         });
         self.wetting = Some(wetting);
     }
+
+    /// Divides the stress of walls by 1 + b k, k the curvature of the surface along the contact
+    /// line: what |n|^2 has grown by, as (2) of [`super::level`] does for the liquid. Across the
+    /// line the surface goes on straight.
+    fn lift_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
+        let (n, count) = (flow.density.len(), flow.wall[0].len());
+        for (roots, words) in wetting.roots.iter_mut().zip(&self.payload) {
+            roots.clear();
+            roots.extend_from_slice(&words[n..n + count]);
+        }
+        let mut bends = std::mem::take(&mut self.bends);
+        bends.resize(wetting.near.len(), Bend::default());
+        let field = flow.about(flow.wall, flow.sources, &self.payload, self.length);
+        let (field, pass) = (field.owning(&wetting.roots), Curvature::<K>(PhantomData));
+        sweep::runs(field, &wetting.near, &pass, &mut bends);
+        let [_, b] = depths(self.kernel, self.dimension);
+        for (&j, bend) in wetting.near.iter().zip(&bends) {
+            let j = j as usize;
+            let root = [0, 1, 2].map(|a| wetting.roots[a][j] as f64);
+            let bent = along(&curvature(bend, self.dimension), wetting.along(j, root));
+            let scale = 1.0 / (1.0 + (b * bent).max(LEAST)).sqrt();
+            (0..3).for_each(|a| self.payload[a][n + j] = (scale * root[a]) as f32);
+        }
+        flow.turn(&mut self.payload);
+        self.bends = bends;
+    }
 }
 
-/// H t . B t along the surface towards the wall.
-fn rise(bend: &Bend, n: [f64; 3], inward: [f64; 3], dimension: usize) -> f64 {
-    let cosine: f64 = (0..3).map(|a| n[a] * inward[a]).sum();
-    let t = [0, 1, 2].map(|a| inward[a] - cosine * n[a]);
-    let square: f64 = t.iter().map(|t| t * t).sum();
-    let b = curvature(bend, dimension);
-    let along = PAIRS.iter().zip(b).map(|(&(i, j), b)| {
+/// t . B t.
+fn along(b: &[f64; 6], t: [f64; 3]) -> f64 {
+    let terms = PAIRS.iter().zip(b).map(|(&(i, j), b)| {
         let times = if i == j { 1.0 } else { 2.0 };
         times * b * t[i] * t[j]
     });
-    along.sum::<f64>() / square.max(f64::MIN_POSITIVE)
+    terms.sum()
 }

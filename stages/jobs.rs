@@ -21,7 +21,7 @@ pub mod version {
 
     pub const PACK: u32 = 2;
     pub const CALIBRATE: u32 = 7;
-    pub const POST: u32 = 7;
+    pub const POST: u32 = 8;
     const FLOW: u32 = 16;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with MPS, with WCSPH or with

@@ -63,17 +63,19 @@ impl Contact {
             let sides = [-1.0, 1.0].map(|side| {
                 let beside = low.clone().map(|p| [side * (p[0] - middle), 0.0, p[2]]);
                 let points: Vec<[f64; 3]> = beside.filter(|p| p[0] > 0.0).collect();
-                round(&points, &[0, 2])
+                (round(&points, &[0, 2]), points)
             });
-            contact.flanks = sides.each_ref().map(|side| side.as_ref().map(angle));
-            let feet = sides.each_ref().map(|side| side.as_ref().and_then(foot));
+            contact.flanks = sides.each_ref().map(|(side, _)| side.as_ref().map(angle));
+            let feet = sides.each_ref();
+            let feet = feet.map(|(side, points)| side.as_ref().and_then(|side| foot(side, points)));
             contact.base = feet[0].zip(feet[1]).map(|(low, high)| low + high);
         } else if let Some(sphere) = round(&above, &[0, 1, 2]) {
             contact.fitted = Some(angle(&sphere));
             let [x, y] = [sphere.0[0], sphere.0[1]];
             let about = low.map(|p| [(p[0] - x).hypot(p[1] - y), 0.0, p[2]]);
-            let side = round(&about.collect::<Vec<_>>(), &[0, 2]);
-            contact.base = side.as_ref().and_then(foot).map(|foot| 2.0 * foot);
+            let about: Vec<[f64; 3]> = about.collect();
+            let foot = round(&about, &[0, 2]).and_then(|side| foot(&side, &about));
+            contact.base = foot.map(|foot| 2.0 * foot);
         }
         let built = apex.filter(|_| diameter > 0.0);
         let base = contact.base.unwrap_or(diameter);
@@ -125,10 +127,15 @@ fn angle((centre, radius): &Round) -> f64 {
     cosine.clamp(-1.0, 1.0).acos().to_degrees()
 }
 
-/// Where a circle meets the wall, m; `None` if it does not.
-fn foot((centre, radius): &Round) -> Option<f64> {
-    let square = radius * radius - centre[1] * centre[1];
-    (square > 0.0).then(|| centre[0] + square.sqrt())
+/// Where a circle through `points` meets the wall, nearest to the lowest of them (where a film runs
+/// out of a drop the circle lies outside); m; `None` if it does not.
+fn foot((centre, radius): &Round, points: &[[f64; 3]]) -> Option<f64> {
+    let lowest = points.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
+    let half = (radius * radius - centre[1] * centre[1]).sqrt();
+    let feet = [centre[0] + half, centre[0] - half];
+    let far = |foot: &f64| (foot - lowest[0]).abs();
+    let found = feet.into_iter().filter(|foot| foot.is_finite());
+    found.min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
 /// Centre along `axes` and radius of the circle or sphere nearest to `points`, m.

@@ -68,6 +68,18 @@ fn caps_have_their_contact_angle() {
     }
 }
 
+/// Flanks that run out into a film lie on circles outside of the liquid: the base ends where they
+/// meet the wall first.
+#[test]
+fn hollow_flanks_have_their_feet_below_them() {
+    let scene = dry(Dimension::Two, 0.1);
+    let edge = |z: f64| 8.0 - (25.0 - (z - 3.0) * (z - 3.0)).sqrt();
+    let frame = lattice(&scene, |x, _, z| z < 3.0 && (x - 12.0).abs() < edge(z));
+    let row = Gauge::new(&scene).measure(&frame);
+    let base = 1e3 * value(&row, "contact_diameter_m");
+    assert!((base / (2.0 * edge(0.0)) - 1.0).abs() < 0.04, "{base}");
+}
+
 #[test]
 fn a_scene_without_contact_angle_has_no_such_column() {
     let mut scene = dry(Dimension::Two, 0.2);

@@ -104,7 +104,7 @@ pub struct Tension {
     /// Per particle and wall particle: V and c, then u = sqrt(|T|) n / |n| / rho or zero.
     payload: [Vec<f32>; 3],
     stressed: Stressed,
-    /// Per stressed particle, or per particle at a contact line: how the surface bends.
+    /// Per stressed particle, then per wall particle near a surface: how the surface bends.
     bends: Vec<level::Bend>,
     /// The particles at contact lines, and which of `near` they are.
     lines: Vec<u32>,

@@ -108,8 +108,7 @@ pub struct Wetting {
     sums: Vec<f32>,
     /// Per `near`: n of wall particles, then sqrt(c_w |T|) n / |n| / rho0.
     pub normals: Vec<([f32; 3], [f32; 3])>,
-    pub rises: Rises,
-    /// The same per wall particle, where lines are curved only.
+    /// The latter of every wall particle, in three dimensions only.
     pub roots: [Vec<f32>; 3],
     /// Per particle that the tension looks at: SUM slope d over the wall, with c_w and without.
     pub walls: Vec<([f32; 3], [f32; 3])>,
@@ -121,6 +120,7 @@ pub struct Wetting {
     /// What wall particles add to the force.
     pub force: Vec<[f32; 3]>,
     pub friction: Friction,
+    pub rises: Rises,
 }
 
 impl Wetting {
@@ -142,7 +142,6 @@ impl Wetting {
             slopes: Vec::new(),
             sums: Vec::new(),
             normals: Vec::new(),
-            rises: Rises::default(),
             roots: Default::default(),
             walls: Vec::new(),
             short: None,
@@ -150,6 +149,7 @@ impl Wetting {
             shorter: Vec::new(),
             force: Vec::new(),
             friction: Friction::default(),
+            rises: Rises::default(),
         }
     }
 
@@ -157,13 +157,11 @@ impl Wetting {
     pub fn memory(&self) -> usize {
         let facing = self.facing.iter().map(Vec::capacity).sum::<usize>();
         let lists = facing + self.near.capacity() + self.beside.capacity();
+        let roots = 3 * self.roots[0].capacity();
         let of_liquid = self.walls.capacity() + self.shorter.capacity();
         let pairs = self.slopes.capacity() + self.normals.capacity() + of_liquid;
         std::mem::size_of::<Place>() * self.places.capacity()
-            + 4 * (self.colour.capacity()
-                + self.sums.capacity()
-                + lists
-                + 3 * self.roots[0].capacity())
+            + 4 * (self.colour.capacity() + self.sums.capacity() + lists + roots)
             + 12 * (self.shear[0].capacity() + self.force.capacity())
             + 24 * self.foot[0].capacity()
             + 8 * self.cosines.capacity()

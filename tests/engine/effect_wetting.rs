@@ -17,7 +17,7 @@ use std::path::Path;
 pub(super) const SIGMA: f64 = 0.067;
 const DENSITY: f64 = 1100.0;
 pub(super) const H: f64 = 2.6;
-const KERNEL: KernelName = KernelName::WendlandC2;
+pub(super) const KERNEL: KernelName = KernelName::WendlandC2;
 
 /// A lattice rectangle of 24 spacings by `height`, from `bottom` on.
 fn rectangle(dimension: Dimension, low: Side, [bottom, height]: [f64; 2]) -> Cloud {

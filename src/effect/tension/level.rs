@@ -60,7 +60,12 @@ impl Tension {
     /// The stress (2) of every stressed particle, in place of that of its root.
     pub(super) fn lift<K: Kernel>(&mut self, flow: &Surface) {
         let mut bends = std::mem::take(&mut self.bends);
-        self.bend::<K>(flow, &self.stressed.index, &mut bends);
+        let targets = &self.stressed.index;
+        bends.resize(targets.len(), Bend::default());
+        let sources = self.stressed.sources();
+        let field = self.field(flow, self.length);
+        let field = self.stressed.field(field, &sources, &self.stressed.u);
+        sweep::runs(field, targets, &Curvature::<K>(PhantomData), &mut bends);
         let Stressed { u, stress, .. } = &mut self.stressed;
         stress.iter_mut().for_each(|s| s.resize(u[0].len(), 0.0));
         let stress = stress.each_mut().map(|s| Slots::new(s));
@@ -72,15 +77,6 @@ impl Tension {
         });
         self.stressed.turn_stress();
         self.bends = bends;
-    }
-
-    /// The sums of (3) of some particles, over those with a stress.
-    pub(super) fn bend<K: Kernel>(&self, flow: &Surface, targets: &[u32], bends: &mut Vec<Bend>) {
-        bends.resize(targets.len(), [0.0; 7]);
-        let sources = self.stressed.sources();
-        let field = self.field(flow, self.length);
-        let field = self.stressed.field(field, &sources, &self.stressed.u);
-        sweep::runs(field, targets, &Curvature::<K>(PhantomData), bends);
     }
 }
 

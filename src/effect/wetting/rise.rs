@@ -3,7 +3,8 @@
 //! (1) H t . B t = SUM w (t . u_b) (t . d) / SUM w (t . d)^2,  w = -slope max(0, u_a . u_b)
 //! u the unit normals, t the tangent towards the wall: the least-squares slope of the normals in
 //! that direction. [`crate::effect::tension::level`] divides by all of |d|^2, as good where
-//! neighbours lie all around; at 0.4 H above a wall it would have 0.83 of the slope.
+//! neighbours lie all around; at 0.4 H above a wall it would have 0.83 of the slope (integrals of
+//! w over the rest of the plane).
 
 use crate::kernel::Kernel;
 use crate::space::lane::Lanes;

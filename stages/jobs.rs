@@ -17,17 +17,18 @@ use crate::settings::list;
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
-    use coronet::scene::{Density, Method, Scene, TimeStepping};
+    use coronet::scene::{Density, Method, Scene, TensionForm, TimeStepping};
 
     pub const PACK: u32 = 2;
     pub const CALIBRATE: u32 = 7;
     pub const POST: u32 = 8;
     const FLOW: u32 = 16;
 
-    /// Of what only scenes with a contact angle, with its hysteresis, with MPS, with WCSPH or with
-    /// the continuity equation at one rate have.
+    /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,
+    /// with MPS, with WCSPH or with the continuity equation at one rate have.
     const WETTING: u32 = 2;
     const HYSTERESIS: u32 = 1;
+    const NORMALISED: u32 = 1;
     const MPS: u32 = 1;
     const WCSPH: u32 = 1;
     const ONE_RATE: u32 = 1;
@@ -40,6 +41,8 @@ pub mod version {
             .effects
             .wetting
             .is_some_and(|w| w.hysteresis.is_some());
+        let normalised = scene.effects.tension.is_some()
+            && scene.method.sph().tension_form == TensionForm::NormalisedColour;
         let of_method = match &scene.method {
             Method::Wcsph(settings) => match (settings.time_stepping, settings.density) {
                 (TimeStepping::Dual { .. }, _) | (_, Density::Summation) => WCSPH,
@@ -48,7 +51,10 @@ pub mod version {
             Method::Isph(_) => 0,
             Method::Mps(_) => MPS,
         };
-        FLOW + of_method + WETTING * u32::from(wets) + HYSTERESIS * u32::from(rubs)
+        FLOW + of_method
+            + WETTING * u32::from(wets)
+            + HYSTERESIS * u32::from(rubs)
+            + NORMALISED * u32::from(normalised)
     }
 }
 

@@ -52,14 +52,14 @@ use super::wetting::typed::Typed;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
 use crate::space::parallel::{Slots, each, slots3};
-use crate::space::sweep::{self, Field, Pass};
+use crate::space::sweep::{self, Field, Kept, Pass};
 use counted::Counted;
 pub(super) use pass::Gradient;
 use pass::{Summed, Tensor, Whole};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
-pub use surface::Surface;
+pub use surface::{Extra, Surface};
 
 /// Below |n| H = this there is no surface (Nishio Eq. 13).
 const EPSILON: f64 = 0.01;
@@ -96,8 +96,9 @@ pub struct Tension {
     band: Band,
     near: Vec<u32>,
     reached: Vec<u32>,
-    /// Particles whose volumes, then whose colours are needed.
-    wider: [Vec<u32>; 2],
+    /// Rows of those that (1) to (3) are summed for, of this sort.
+    kept: Kept,
+    kept_of: u64,
     /// Per `near`: n and, for (3), SUM slope d; then u and, for (3), the own part of (5).
     normals: Vec<([f32; 3], [f32; 3])>,
     scalars: Vec<f32>,
@@ -142,7 +143,8 @@ impl Tension {
             band: Band::default(),
             near: Vec::new(),
             reached: Vec::new(),
-            wider: Default::default(),
+            kept: Kept::default(),
+            kept_of: 0,
             normals: Vec::new(),
             scalars: Vec::new(),
             payload: Default::default(),
@@ -184,7 +186,6 @@ impl Tension {
 
     /// Evaluates a_s near the surface.
     pub fn update(&mut self, flow: &Surface, is_surface: impl Fn(usize) -> bool + Sync) {
-        self.band.mark(flow.liquid, &is_surface);
         self.clear(flow);
         match self.kernel {
             KernelName::CubicSpline => self.update_with::<CubicSpline>(flow, is_surface),
@@ -198,6 +199,9 @@ impl Tension {
         is_surface: impl Fn(usize) -> bool + Sync,
     ) {
         let reach = self.support() + flow.slack;
+        if self.form != TensionForm::NormalisedColour {
+            self.band.mark(flow.liquid, &is_surface);
+        }
         match self.form {
             TensionForm::RawColour => {
                 let deep = DEEP * self.length + flow.slack;
@@ -213,7 +217,7 @@ impl Tension {
                 self.band.members(flow.grid, flow.liquid, &mut self.near);
                 self.sum_normals(flow, &[], &Gradient::<K>(PhantomData));
             }
-            TensionForm::NormalisedColour => self.colour::<K>(flow),
+            TensionForm::NormalisedColour => self.colour::<K>(flow, is_surface),
             TensionForm::NumberDensity => return self.count::<K, true>(flow, is_surface),
             TensionForm::NumberDensityExact => return self.count::<K, false>(flow, is_surface),
         }

@@ -9,6 +9,7 @@ mod find;
 mod pack;
 mod wall;
 
+use crate::effect::tension::Extra;
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Pairs, Side};
 use crate::space::column;
@@ -83,6 +84,10 @@ pub struct Flow {
     allowed: Vec<f32>,
     /// Cutoff of the rows of each liquid and wall particle, m.
     reach: Vec<f32>,
+    /// The longest of them, m.
+    longest: f64,
+    /// How often rows were found.
+    pub sorted: u64,
     /// Mass that left through open sides, kg, and the number of particles.
     pub removed: (f64, u64),
     /// Whether the rows of the wall list wall neighbours too.
@@ -145,6 +150,8 @@ impl Flow {
             home: Default::default(),
             allowed: Vec::new(),
             reach: Vec::new(),
+            longest: 0.0,
+            sorted: 0,
             removed: (0.0, 0),
             wall_sees_wall: false,
             scratch: Scratch::default(),
@@ -217,6 +224,15 @@ impl Flow {
     /// m.
     pub fn cutoff(&self, support: f64) -> f64 {
         support + 2.0 * self.moved()
+    }
+
+    /// How much farther than the support each particle looks for neighbours.
+    pub fn extra(&self) -> Extra<'_> {
+        Extra {
+            reach: &self.reach,
+            support: self.lengths.support,
+            most: self.longest - self.lengths.support,
+        }
     }
 
     /// Whether liquid particle `i` is beyond a periodic side.

@@ -279,5 +279,7 @@ pub fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> 
         density: &flow.particles.density,
         mass: flow.particles.mass,
         slack: 2.0 * flow.moved(),
+        sorted: flow.sorted,
+        extra: flow.extra(),
     }
 }

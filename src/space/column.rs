@@ -111,6 +111,12 @@ impl<'a> Columns<'a> {
         &self.found[..count]
     }
 
+    /// [`Grid::fix3`].
+    #[inline(always)]
+    pub fn fix(&self, x: [f64; 3]) -> [i32; 3] {
+        self.grid.fix3(x)
+    }
+
     /// Where `x` m is.
     #[inline(always)]
     pub fn place(&self, x: [f64; 3]) -> Place {

@@ -52,6 +52,11 @@ impl Record {
     }
 }
 
+/// A point and one word of it: fixed-point x, y, z, then an f32, as bits. 16 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C, align(16))]
+pub struct Half(pub [u32; 4]);
+
 /// Number of lanes.
 pub const WIDTH: usize = 8;
 
@@ -95,6 +100,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     unsafe fn to_array(a: Self::F) -> [f32; WIDTH];
     /// Eight records: their coordinates and payloads, lane k of record k.
     unsafe fn gather(records: *const Record, index: *const u32) -> ([Self::I; 3], [Self::F; 5]);
+    /// Eight points: their coordinates and words, lane k of point k.
+    unsafe fn gather_halves(points: *const Half, index: *const u16) -> ([Self::I; 3], Self::F);
     /// Eight consecutive words.
     unsafe fn load(words: *const f32) -> Self::F;
     /// Eight consecutive coordinates.

@@ -174,7 +174,15 @@ impl Job for Filling<'_> {
             let count = chunk.near.gather(search, found);
             for k in k..end {
                 chunk.start.push(chunk.index.len() as u32);
-                unsafe { neighbours::<L>(search, first + k, &chunk.near, count, &mut chunk.index) };
+                let own = first + k;
+                let row = &mut chunk.index;
+                let cutoff = search.cutoff_of(own);
+                unsafe {
+                    let filled = chunk.near.within::<L>(search, (own, cutoff), count, row);
+                    let padding = row.as_mut_ptr().add(filled) as *mut [u32; WIDTH];
+                    padding.write_unaligned([own as u32; WIDTH]);
+                    row.set_len(filled.next_multiple_of(WIDTH));
+                }
             }
             k = end;
         }
@@ -204,15 +212,15 @@ fn extend(low: &mut Place, high: &mut Place, mut place: Place) -> bool {
 
 /// Candidates, copied together.
 #[derive(Clone, Debug, Default)]
-struct Near {
-    at: [Vec<i32>; 3],
-    index: Vec<u32>,
+pub(super) struct Near {
+    pub at: [Vec<i32>; 3],
+    pub index: Vec<u32>,
 }
 
 impl Near {
     /// Copies the points of `columns`; how many there are. At least eight words more can be read.
     #[inline(always)]
-    fn gather(&mut self, search: Search, columns: &[(u32, u32)]) -> usize {
+    pub fn gather(&mut self, search: Search, columns: &[(u32, u32)]) -> usize {
         let (mut count, last) = (0, search.at[0].len() - WIDTH);
         for &column in columns {
             for source in search.sources {
@@ -237,6 +245,44 @@ impl Near {
         count
     }
 
+    /// Writes the indices of those of the first `count` that are within `cutoff` m of point `own`,
+    /// itself at distance 0 among them, behind what `row` has, with eight words to spare; to where.
+    #[inline(always)]
+    pub unsafe fn within<L: Lanes>(
+        &self,
+        search: Search,
+        (own, cutoff): (usize, f64),
+        count: usize,
+        row: &mut Vec<u32>,
+    ) -> usize {
+        unsafe {
+            let scale = search.grid.scale(cutoff).lanes::<L>();
+            let [x, y, z] = search.at;
+            let at = [x[own], y[own], z[own]];
+            let one = L::splat(1.0);
+            row.reserve(count + 2 * WIDTH);
+            let mut filled = row.len();
+            let (out, words) = (row.as_mut_ptr(), self.index.as_ptr());
+            let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr());
+            let mut j = 0;
+            while j < count {
+                let other = [
+                    L::load_fixed(x.add(j)),
+                    L::load_fixed(y.add(j)),
+                    L::load_fixed(z.add(j)),
+                ];
+                let d = separation::<L>(at, other, scale);
+                let mut mask = L::less_mask(L::dot(d, d), one);
+                if count - j < WIDTH {
+                    mask &= (1 << (count - j)) - 1;
+                }
+                filled += L::compress(mask, words.add(j), out.add(filled));
+                j += WIDTH;
+            }
+            filled
+        }
+    }
+
     /// Eight points from `j` on become those from `to` on.
     #[inline(always)]
     unsafe fn copy(&mut self, at: &[Vec<i32>; 3], j: usize, to: usize) {
@@ -253,46 +299,6 @@ impl Near {
             let to = self.index.as_mut_ptr().add(to) as *mut [u32; WIDTH];
             to.write_unaligned(index);
         }
-    }
-}
-
-/// Appends the row of point `own`: who of the first `count` of `near` is within the cutoff, itself
-/// at distance 0 among them, then padding.
-#[inline(always)]
-unsafe fn neighbours<L: Lanes>(
-    search: Search,
-    own: usize,
-    near: &Near,
-    count: usize,
-    index: &mut Vec<u32>,
-) {
-    unsafe {
-        let scale = search.grid.scale(search.cutoff_of(own)).lanes::<L>();
-        let [x, y, z] = search.at;
-        let at = [x[own], y[own], z[own]];
-        let one = L::splat(1.0);
-        index.reserve(count + 2 * WIDTH);
-        let mut filled = index.len();
-        let (out, words) = (index.as_mut_ptr(), near.index.as_ptr());
-        let [x, y, z] = [0, 1, 2].map(|a| near.at[a].as_ptr());
-        let mut j = 0;
-        while j < count {
-            let other = [
-                L::load_fixed(x.add(j)),
-                L::load_fixed(y.add(j)),
-                L::load_fixed(z.add(j)),
-            ];
-            let d = separation::<L>(at, other, scale);
-            let mut mask = L::less_mask(L::dot(d, d), one);
-            if count - j < WIDTH {
-                mask &= (1 << (count - j)) - 1;
-            }
-            filled += L::compress(mask, words.add(j), out.add(filled));
-            j += WIDTH;
-        }
-        let padding = out.add(filled) as *mut [u32; WIDTH];
-        padding.write_unaligned([own as u32; WIDTH]);
-        index.set_len(filled.next_multiple_of(WIDTH));
     }
 }
 

@@ -4,6 +4,8 @@
 //! by
 //! one thread in the order of its row, so the result does not depend on the number of threads.
 
+mod block;
+mod kept;
 mod near;
 
 use super::grid::Scale;
@@ -11,6 +13,7 @@ use super::lane::{self, Job, Lanes, Record, WIDTH};
 use super::row::{CHUNK, Rows, separation};
 
 pub use super::row::Source;
+pub use kept::Kept;
 pub use near::{Field, runs};
 use rayon::prelude::*;
 

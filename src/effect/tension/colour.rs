@@ -3,69 +3,111 @@
 use super::pass::{Colour, Difference, Volume};
 use super::{Surface, Tension};
 use crate::kernel::Kernel;
+use crate::space::parallel::{Slots, each};
+use crate::space::row::Search;
+use crate::space::sweep::Pass;
 use std::array::from_ref;
 use std::marker::PhantomData;
 
-/// Depths in H. Volumes differ from the bulk's to 2 H, colours from 1 to 4 H, and (4) takes normals
-/// to 2.6 H on a lattice.
-const NORMALS: f64 = 3.0;
-const COLOURS: f64 = 4.0;
-const VOLUMES: f64 = 6.0;
+/// Depth in H to which (1)-(3) are summed. Volumes differ from m / rho to 2 H, as the support of
+/// the kernel is; colours from 1 by 2e-5 at 2.6 H, and (4) takes normals to 2.1 H, both under a
+/// flat surface on a lattice.
+const DEEP: f64 = 2.9;
 
 impl Tension {
-    /// (1)-(3): volumes, then colour, then normals, each in a narrower band.
-    pub(super) fn colour<K: Kernel>(&mut self, flow: &Surface) {
-        let d = self.dimension as i32;
-        let norm = K::norm(self.dimension) / self.length.powi(d);
-        // A wall particle far inside a wetted wall has the bulk's volume, and colour 1, as has
-        // liquid far from a surface.
-        let bulk = (flow.mass / self.density) as f32;
-        self.payload[0].fill(bulk);
-        self.payload[1].fill(1.0);
-        self.nest(flow);
-        let wider = std::mem::take(&mut self.wider);
-        for (stage, band) in wider.iter().enumerate() {
-            let mut sums = std::mem::take(&mut self.scalars);
-            sums.resize(band.len(), 0.0);
-            if stage == 0 {
-                self.runs(flow, &[], (band, &Volume::<K>(PhantomData)), &mut sums);
-            } else {
-                let volumes = from_ref(&self.payload[0]);
-                self.runs(flow, volumes, (band, &Colour::<K>(PhantomData)), &mut sums);
-            }
-            for (&i, &sum) in band.iter().zip(&sums) {
-                let i = i as usize;
-                if stage == 0 {
-                    self.payload[0][i] = (1.0 / (norm * sum as f64)) as f32;
-                } else {
-                    self.payload[1][i] = (norm * sum as f64) as f32;
-                }
-            }
-            flow.share(&mut self.payload[stage]);
-            self.scalars = sums;
+    /// (1)-(3): volumes, then colours, then normals, of the same particles: those that were near a
+    /// surface at the last sort. Deeper volumes are m / rho and deeper colours 1.
+    pub(super) fn colour<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        is_surface: impl Fn(usize) -> bool + Sync,
+    ) {
+        if self.kept_of != flow.sorted {
+            self.kept_of = flow.sorted;
+            self.keep(flow, is_surface);
         }
-        self.wider = wider;
-        let colours = std::mem::take(&mut self.payload[1]);
-        self.sum_normals(flow, from_ref(&colours), &Difference::<K>(PhantomData));
-        self.payload[1] = colours;
+        // A wall particle has the bulk's volume, and colour 1.
+        self.payload[0].fill((flow.mass / self.density) as f32);
+        let volumes = Slots::new(&mut self.payload[0]);
+        each(flow.density.len(), |i| {
+            *unsafe { volumes.at(i) } = (flow.mass / flow.density[i]) as f32;
+        });
+        flow.share(&mut self.payload[0]);
+        self.payload[1].fill(1.0);
+        let norm = K::norm(self.dimension) / self.length.powi(self.dimension as i32);
+        self.sum_scalar(flow, &[], &Volume::<K>(PhantomData));
+        self.set(flow, 0, |sum| (1.0 / (norm * sum as f64)) as f32);
+        let [volumes, colours, rest] = std::mem::take(&mut self.payload);
+        self.sum_scalar(flow, from_ref(&volumes), &Colour::<K>(PhantomData));
+        self.payload = [volumes, colours, rest];
+        self.set(flow, 1, |sum| (norm * sum as f64) as f32);
+        let [volumes, colours, rest] = std::mem::take(&mut self.payload);
+        let mut normals = std::mem::take(&mut self.normals);
+        self.sum(
+            flow,
+            from_ref(&colours),
+            &Difference::<K>(PhantomData),
+            &mut normals,
+        );
+        self.normals = normals;
+        self.payload = [volumes, colours, rest];
     }
 
-    /// Particles near a surface: of normals, of the colours that differ from 1 but by disorder, and
-    /// of the volumes that those see.
-    fn nest(&mut self, flow: &Surface) {
-        let [volumes, colours] = &mut self.wider;
-        let bands = [
-            (NORMALS, &mut self.near),
-            (COLOURS, colours),
-            (VOLUMES, volumes),
-        ];
-        let mut before = 0.0;
-        for (depth, members) in bands {
-            let slack = if before == 0.0 { flow.slack } else { 0.0 };
-            self.band
-                .grow(flow.grid, (depth - before) * self.length + slack);
-            self.band.members(flow.grid, flow.liquid, members);
-            before = depth;
-        }
+    /// Rows of the particles near a surface, until the next sort.
+    fn keep(&mut self, flow: &Surface, is_surface: impl Fn(usize) -> bool + Sync) {
+        let support = self.support();
+        let search = Search {
+            grid: flow.grid,
+            at: flow.at,
+            sources: flow.sources,
+            cutoff: support + flow.extra.most,
+            each: &[],
+        };
+        let (band, deep) = (&mut self.band, DEEP * self.length);
+        let cutoff = |i: usize| support + flow.extra.of(i);
+        self.kept.build(search, flow.position, cutoff, |targets| {
+            band.mark(flow.liquid, is_surface);
+            band.grow(flow.grid, deep);
+            band.members(flow.grid, flow.liquid, targets);
+        });
+        self.near.clear();
+        self.near.extend_from_slice(self.kept.targets());
+    }
+
+    /// Sums over kept rows into `scalars`.
+    fn sum_scalar<const W: usize, P: Pass<1, Out = f32>>(
+        &mut self,
+        flow: &Surface,
+        payload: &[Vec<f32>; W],
+        pass: &P,
+    ) {
+        let mut sums = std::mem::take(&mut self.scalars);
+        self.sum(flow, payload, pass, &mut sums);
+        self.scalars = sums;
+    }
+
+    /// Sums over kept rows.
+    fn sum<const N: usize, const W: usize, P: Pass<N>>(
+        &mut self,
+        flow: &Surface,
+        payload: &[Vec<f32>; W],
+        pass: &P,
+        out: &mut Vec<P::Out>,
+    ) where
+        P::Out: Clone + Default,
+    {
+        out.resize(self.near.len(), P::Out::default());
+        let field = flow.about(flow.position, flow.sources, payload, self.length);
+        self.kept.sum(field, pass, out);
+    }
+
+    /// Sets a word of the particles near a surface from `scalars`, and of their images.
+    fn set(&mut self, flow: &Surface, word: usize, of: impl Fn(f32) -> f32 + Sync) {
+        let words = Slots::new(&mut self.payload[word]);
+        let (near, sums) = (&self.near, &self.scalars);
+        each(near.len(), |k| {
+            *unsafe { words.at(near[k] as usize) } = of(sums[k]);
+        });
+        flow.share(&mut self.payload[word]);
     }
 }

@@ -5,9 +5,8 @@ use super::{Tension, Wetting};
 impl Tension {
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let [volumes, colours] = &self.wider;
         let lines = [&self.lines, &self.feet];
-        let indices = [&self.near, &self.reached, volumes, colours];
+        let indices = [&self.near, &self.reached];
         let indices = indices.iter().chain(&lines);
         4 * indices.map(|list| list.capacity()).sum::<usize>()
             + std::mem::size_of::<super::level::Bend>() * self.bends.capacity()
@@ -21,6 +20,7 @@ impl Tension {
                 + self.stressed.start.capacity())
             + self.stressed.images.memory()
             + self.counted.memory()
+            + self.kept.memory()
             + 8 * self.typed.as_ref().map_or(0, |typed| typed.here.capacity())
             + self.band.memory()
             + self.wetting.as_ref().map_or(0, Wetting::memory)

@@ -24,6 +24,30 @@ pub struct Surface<'a> {
     pub mass: f64,
     /// What two particles may have approached since the sort, m.
     pub slack: f64,
+    /// How often particles were sorted.
+    pub sorted: u64,
+    /// How much farther than a support each particle has to look until the next sort, and any, m.
+    pub extra: Extra<'a>,
+}
+
+/// See [`Surface::extra`].
+#[derive(Clone, Copy)]
+pub struct Extra<'a> {
+    /// Reach of each particle's rows, m; none if it is the same for all.
+    pub reach: &'a [f32],
+    /// Their support, m.
+    pub support: f64,
+    /// What is added to it at most, m.
+    pub most: f64,
+}
+
+impl Extra<'_> {
+    /// Of particle `i`, m.
+    #[inline(always)]
+    pub fn of(&self, i: usize) -> f64 {
+        let reach = self.reach.get(i);
+        reach.map_or(self.most, |&reach| reach as f64 - self.support)
+    }
 }
 
 impl<'a> Surface<'a> {

@@ -77,6 +77,8 @@ impl Flow {
     /// Finds all neighbour rows. Call after [`Flow::sort`].
     pub fn find(&mut self) {
         let cutoff = self.allow();
+        self.longest = cutoff;
+        self.sorted += 1;
         self.find_images(cutoff);
         self.place();
         let n = self.liquid();

@@ -1,6 +1,6 @@
 //! AVX2 + FMA.
 
-use super::{COMPRESS, Lanes, Record, WIDTH};
+use super::{COMPRESS, Half, Lanes, Record, WIDTH};
 use std::arch::x86_64::*;
 
 /// Of the fixed-point coordinates.
@@ -132,6 +132,29 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
                 _mm256_castps_si256(z),
             ];
             ([x, y, z], [d, e, f, g, h])
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_halves(points: *const Half, index: *const u16) -> ([__m256i; 3], __m256) {
+        unsafe {
+            let mut joined = [_mm256_setzero_ps(); 4];
+            for (k, joined) in joined.iter_mut().enumerate() {
+                let low = points.add(*index.add(k) as usize) as *const f32;
+                let high = points.add(*index.add(k + 4) as usize) as *const f32;
+                *joined = _mm256_insertf128_ps::<1>(
+                    _mm256_castps128_ps256(_mm_load_ps(low)),
+                    _mm_load_ps(high),
+                );
+            }
+            let [x, y, z, word] = transpose(joined);
+            (
+                [
+                    _mm256_castps_si256(x),
+                    _mm256_castps_si256(y),
+                    _mm256_castps_si256(z),
+                ],
+                word,
+            )
         }
     }
     #[inline(always)]
@@ -291,6 +314,16 @@ impl Lanes for Avx2Double {
         unsafe {
             let (at, [a, b, c, d, e]) = Words::gather(records, index);
             (at, [widen(a), widen(b), widen(c), widen(d), widen(e)])
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_halves(
+        points: *const Half,
+        index: *const u16,
+    ) -> ([__m256i; 3], [__m256d; 2]) {
+        unsafe {
+            let (at, word) = Words::gather_halves(points, index);
+            (at, widen(word))
         }
     }
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The scalar twins: same operations, one lane after the other.
 
-use super::{COMPRESS, Lanes, Record, WIDTH};
+use super::{COMPRESS, Half, Lanes, Record, WIDTH};
 use num_traits::{AsPrimitive, Float};
 use std::marker::PhantomData;
 
@@ -97,6 +97,17 @@ where
             let at = std::array::from_fn(|a| each(|k| records[k].at(a)));
             let payload = std::array::from_fn(|c| each(|k| records[k].payload(c).as_()));
             (at, payload)
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_halves(
+        points: *const Half,
+        index: *const u16,
+    ) -> ([[i32; WIDTH]; 3], [T; WIDTH]) {
+        unsafe {
+            let points: [Half; WIDTH] = each(|k| *points.add(*index.add(k) as usize));
+            let at = std::array::from_fn(|a| each(|k| points[k].0[a] as i32));
+            (at, each(|k| f32::from_bits(points[k].0[3]).as_()))
         }
     }
     #[inline(always)]

@@ -1,21 +1,16 @@
 //! Sums of few targets or over long supports: no list is kept. Targets that lie together look at
 //! the same candidates, which are found and copied together once.
 
+use super::block::{Block, MEMBERS};
 use super::{Pair, Pass, splat, total};
-use crate::space::column::{Columns, Place, WIDE};
+use crate::space::column::{Columns, WIDE};
 use crate::space::grid::{Grid, Scale};
 use crate::space::lane::{self, Job, Lanes, WIDTH};
 use crate::space::row::{CHUNK, Source, separation};
 use rayon::prelude::*;
 
-/// Most targets of a block.
-const MEMBERS: usize = 48;
-
 /// Candidates that are looked at together.
 const ROOM: usize = 1024;
-
-/// Room for the rounding of what decides who is a candidate.
-const MARGIN: f64 = 1.0001;
 
 /// Where the pairs of [`runs`] are.
 #[derive(Clone, Copy)]
@@ -52,6 +47,15 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
             cutoff: self.cutoff,
             scale: self.scale,
         }
+    }
+
+    /// What target `i` carries.
+    #[inline(always)]
+    pub(super) fn own_of<const N: usize, P: Pass<N>>(&self, pass: &P, i: usize) -> [f32; 6] {
+        pass.own(
+            i,
+            std::array::from_fn(|c| self.own.get(c).map_or(0.0, |own| own[i])),
+        )
     }
 
     /// The same with other payloads of the targets.
@@ -107,8 +111,10 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
         let mut near = unsafe { Near::<L, W>::new() };
         let mut begin = 0;
         while begin < targets.len() {
-            let (block, [low, high]) = Block::of(&field, pass, &columns, &targets[begin..]);
-            let (centre, half, reach) = block.bounds(&field);
+            let (block, [low, high]) = Block::of(field.position, &columns, &targets[begin..]);
+            let (centre, half, reach) = block.bounds(field.grid, field.cutoff);
+            let count = block.count;
+            let block = Carrying::of(block, (&field, pass), &targets[begin..]);
             unsafe {
                 let (scale, reach) = (field.scale.lanes::<L>(), reach.lanes::<L>());
                 let half = L::splat3(half);
@@ -126,89 +132,35 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
                     }
                 }
                 block.add(&mut near, (centre, scale), pass, &mut sums);
-                for (k, sum) in sums.iter().enumerate().take(block.count) {
+                for (k, sum) in sums.iter().enumerate().take(count) {
                     let target = targets[begin + k] as usize;
                     pass.finish(target, total::<L, N>(sum), &mut self.out[begin + k]);
                 }
             }
-            begin += block.count;
+            begin += count;
         }
     }
 }
 
-/// Targets that look at the same candidates.
-struct Block {
-    count: usize,
-    at: [[i32; 3]; MEMBERS],
+/// A block, and what its targets carry.
+struct Carrying {
+    block: Block,
     own: [[f32; 6]; MEMBERS],
 }
 
-impl Block {
-    /// The first of `targets`, and those after it that lie with it; where they are.
+impl Carrying {
+    /// `targets`: from the first of the block on.
     #[inline(always)]
     fn of<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
-        field: &Field<W, O>,
-        pass: &P,
-        columns: &Columns,
+        block: Block,
+        (field, pass): (&Field<W, O>, &P),
         targets: &[u32],
-    ) -> (Block, [Place; 2]) {
-        let [x, y, z] = field.position;
-        let position = |i: usize| [x[i], y[i], z[i]];
-        let first = columns.place(position(targets[0] as usize)).cell;
-        let cell = first.map(|c| c - c % WIDE);
-        let mut low = Place {
-            cell,
-            part: [f32::INFINITY; 3],
-        };
-        let mut high = Place {
-            cell,
-            part: [f32::NEG_INFINITY; 3],
-        };
-        let mut block = Block {
-            count: 0,
-            at: [[0; 3]; MEMBERS],
-            own: [[0.0; 6]; MEMBERS],
-        };
-        for &target in targets.iter().take(MEMBERS) {
-            let i = target as usize;
-            let place = columns.place(position(i));
-            let up = [0, 1, 2].map(|a| place.cell[a].wrapping_sub(cell[a]));
-            if up.iter().any(|&up| up >= WIDE) {
-                break;
-            }
-            for a in 0..3 {
-                let part = place.part[a] + up[a] as f32;
-                low.part[a] = low.part[a].min(part);
-                high.part[a] = high.part[a].max(part);
-            }
-            block.at[block.count] = field.grid.fix3(position(i));
-            let own = std::array::from_fn(|c| field.own.get(c).map_or(0.0, |own| own[i]));
-            block.own[block.count] = pass.own(i, own);
-            block.count += 1;
+    ) -> Self {
+        let mut own = [[0.0; 6]; MEMBERS];
+        for (own, &i) in own.iter_mut().zip(&targets[..block.count]) {
+            *own = field.own_of(pass, i as usize);
         }
-        (block, [low, high])
-    }
-
-    /// Centre of the box about the targets, and, in multiples of the search radius, half its edges;
-    /// what makes distances such multiples.
-    #[inline(always)]
-    fn bounds<const W: usize, const O: usize>(
-        &self,
-        field: &Field<W, O>,
-    ) -> ([i32; 3], [f32; 3], Scale) {
-        let scale = field.grid.scale(MARGIN * field.cutoff);
-        let (mut centre, mut half) = (self.at[0], [0.0; 3]);
-        for a in 0..3 {
-            let (mut low, mut high) = (0, 0);
-            for at in &self.at[..self.count] {
-                let away = at[a].wrapping_sub(self.at[0][a]);
-                (low, high) = (away.min(low), away.max(high));
-            }
-            let middle = ((low as i64 + high as i64) / 2) as i32;
-            centre[a] = centre[a].wrapping_add(middle);
-            half[a] = (0.5 * (high as f64 - low as f64) * scale.factor[a]) as f32;
-        }
-        (centre, half, scale)
+        Carrying { block, own }
     }
 
     /// Adds what the candidates give each target, and forgets them.
@@ -223,8 +175,8 @@ impl Block {
         unsafe {
             near.place(centre, scale);
             let (whole, left) = (near.count / WIDTH, near.count % WIDTH);
-            for (k, sums) in sums.iter_mut().enumerate().take(self.count) {
-                let [x, y, z] = self.at[k].map(|at| [at; WIDTH]);
+            for (k, sums) in sums.iter_mut().enumerate().take(self.block.count) {
+                let [x, y, z] = self.block.at[k].map(|at| [at; WIDTH]);
                 let at = [
                     L::load_fixed(x.as_ptr()),
                     L::load_fixed(y.as_ptr()),

@@ -1,0 +1,74 @@
+//! Targets that lie together and look at the same candidates.
+
+use crate::space::column::{Columns, Place, WIDE};
+use crate::space::grid::{Grid, Scale};
+
+/// Most targets of a block.
+pub const MEMBERS: usize = 48;
+
+/// Room for the rounding of what decides who is a candidate.
+const MARGIN: f64 = 1.0001;
+
+/// The targets of [`WIDE`] cells to each side: how many, and where, in fixed point.
+pub struct Block {
+    pub count: usize,
+    pub at: [[i32; 3]; MEMBERS],
+}
+
+impl Block {
+    /// The first of `targets`, and those after it that lie with it; where they are.
+    #[inline(always)]
+    pub fn of(position: &[Vec<f64>; 3], columns: &Columns, targets: &[u32]) -> (Block, [Place; 2]) {
+        let [x, y, z] = position;
+        let position = |i: usize| [x[i], y[i], z[i]];
+        let first = columns.place(position(targets[0] as usize)).cell;
+        let cell = first.map(|c| c - c % WIDE);
+        let mut low = Place {
+            cell,
+            part: [f32::INFINITY; 3],
+        };
+        let mut high = Place {
+            cell,
+            part: [f32::NEG_INFINITY; 3],
+        };
+        let mut block = Block {
+            count: 0,
+            at: [[0; 3]; MEMBERS],
+        };
+        for &target in targets.iter().take(MEMBERS) {
+            let i = target as usize;
+            let place = columns.place(position(i));
+            let up = [0, 1, 2].map(|a| place.cell[a].wrapping_sub(cell[a]));
+            if up.iter().any(|&up| up >= WIDE) {
+                break;
+            }
+            for a in 0..3 {
+                let part = place.part[a] + up[a] as f32;
+                low.part[a] = low.part[a].min(part);
+                high.part[a] = high.part[a].max(part);
+            }
+            block.at[block.count] = columns.fix(position(i));
+            block.count += 1;
+        }
+        (block, [low, high])
+    }
+
+    /// Centre of the box about the targets, and, in multiples of `cutoff` m, half its edges; what
+    /// makes distances such multiples.
+    #[inline(always)]
+    pub fn bounds(&self, grid: &Grid, cutoff: f64) -> ([i32; 3], [f32; 3], Scale) {
+        let scale = grid.scale(MARGIN * cutoff);
+        let (mut centre, mut half) = (self.at[0], [0.0; 3]);
+        for a in 0..3 {
+            let (mut low, mut high) = (0, 0);
+            for at in &self.at[..self.count] {
+                let away = at[a].wrapping_sub(self.at[0][a]);
+                (low, high) = (away.min(low), away.max(high));
+            }
+            let middle = ((low as i64 + high as i64) / 2) as i32;
+            centre[a] = centre[a].wrapping_add(middle);
+            half[a] = (0.5 * (high as f64 - low as f64) * scale.factor[a]) as f32;
+        }
+        (centre, half, scale)
+    }
+}

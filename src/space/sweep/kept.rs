@@ -1,0 +1,277 @@
+//! Rows of some targets over a long support, for several sums: targets that lie together share a
+//! list of candidates, and a row holds the places of its neighbours in it. A sum copies the
+//! candidates of a block into the nearest cache and gathers from there.
+
+use super::block::Block;
+use super::{Field, Pair, Pass, splat, total};
+use crate::space::column::{Columns, WIDE};
+use crate::space::grid::Scale;
+use crate::space::lane::{self, Half, Job, Lanes, WIDTH};
+use crate::space::row::{CHUNK, Near, Search, separation};
+use rayon::prelude::*;
+
+/// A squared distance beyond every support, in units of h^2.
+const FAR: f32 = 1e12;
+
+/// See the [module](self).
+#[derive(Default)]
+pub struct Kept {
+    targets: Vec<u32>,
+    chunks: Vec<Chunk>,
+}
+
+/// Up to [`CHUNK`] targets.
+#[derive(Default)]
+struct Chunk {
+    /// How many targets and candidates each block has.
+    blocks: Vec<[u32; 2]>,
+    candidates: Vec<u32>,
+    /// How many neighbours each target has; their places, each row padded to eight.
+    count: Vec<u32>,
+    place: Vec<u16>,
+    /// The candidates of a block, for a sum; then for the building.
+    copied: Vec<Half>,
+    near: Near,
+    row: Vec<u32>,
+}
+
+impl Kept {
+    pub fn targets(&self) -> &[u32] {
+        &self.targets
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        let of = |c: &Chunk| {
+            8 * c.blocks.capacity()
+                + 4 * (c.candidates.capacity() + c.count.capacity() + c.row.capacity())
+                + 2 * c.place.capacity()
+                + 16 * (c.copied.capacity() + c.near.index.capacity())
+        };
+        4 * self.targets.capacity() + self.chunks.iter().map(of).sum::<usize>()
+    }
+
+    /// Finds who is within `cutoff` m of each target. `choose` fills in the targets, which are best
+    /// in the order of blocks of cells; `search.cutoff`: the longest, m; `position`: of the
+    /// targets, m.
+    ///
+    /// # Panics
+    /// If a block of cells and what is about it hold 65536 points.
+    pub fn build(
+        &mut self,
+        search: Search,
+        position: &[Vec<f64>; 3],
+        cutoff: impl Fn(usize) -> f64 + Sync,
+        choose: impl FnOnce(&mut Vec<u32>),
+    ) {
+        choose(&mut self.targets);
+        let chunks = self.targets.len().div_ceil(CHUNK);
+        self.chunks.resize_with(chunks, Chunk::default);
+        let targets = self.targets.par_chunks(CHUNK);
+        let chunks = self.chunks.par_iter_mut().zip(targets);
+        chunks.for_each(|(chunk, targets)| {
+            lane::run_mixed(Filling {
+                search,
+                position,
+                cutoff: &cutoff,
+                targets,
+                chunk,
+            });
+        });
+    }
+
+    /// Sums over the neighbours; `out[k]` belongs to target `k`. Of `field` the points, what they
+    /// and the targets carry and the scale; a point carries one word at most.
+    pub fn sum<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+        &mut self,
+        field: Field<W, O>,
+        pass: &P,
+        out: &mut [P::Out],
+    ) {
+        const { assert!(W <= 1) };
+        assert_eq!(out.len(), self.targets.len());
+        let targets = self.targets.par_chunks(CHUNK);
+        let chunks = self.chunks.par_iter_mut().zip(targets);
+        let chunks = chunks.zip(out.par_chunks_mut(CHUNK));
+        chunks.for_each(|((chunk, targets), out)| {
+            let job = Summing {
+                field,
+                pass,
+                targets,
+                chunk,
+                out,
+            };
+            lane::run(field.scale.precision, job);
+        });
+    }
+}
+
+/// Some targets of [`Kept::build`].
+struct Filling<'a, C> {
+    search: Search<'a>,
+    position: &'a [Vec<f64>; 3],
+    cutoff: &'a C,
+    targets: &'a [u32],
+    chunk: &'a mut Chunk,
+}
+
+impl<C: Fn(usize) -> f64> Job for Filling<'_, C> {
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        let (search, chunk) = (self.search, self.chunk);
+        chunk.blocks.clear();
+        chunk.candidates.clear();
+        chunk.count.clear();
+        chunk.place.clear();
+        let mut columns = Columns::new(search.grid, search.cutoff, WIDE);
+        let mut targets = self.targets;
+        while !targets.is_empty() {
+            let (block, [low, high]) = Block::of(self.position, &columns, targets);
+            let (own, rest) = targets.split_at(block.count);
+            let mut longest: f64 = 0.0;
+            for &i in own {
+                longest = longest.max((self.cutoff)(i as usize));
+            }
+            let found = columns.about(&low, &high, longest);
+            let count = chunk.near.gather(search, found);
+            let bounds = block.bounds(search.grid, longest);
+            unsafe {
+                let count = chunk.gather::<L>(count, bounds);
+                for &i in own {
+                    let cutoff = (self.cutoff)(i as usize);
+                    chunk.add_row::<L>(search, (i as usize, cutoff), count);
+                }
+                chunk.blocks.push([own.len() as u32, count as u32]);
+            }
+            targets = rest;
+        }
+    }
+}
+
+impl Chunk {
+    /// Keeps who of the first `count` near points is within reach of a box, and numbers them; how
+    /// many.
+    #[inline(always)]
+    unsafe fn gather<L: Lanes>(
+        &mut self,
+        count: usize,
+        (centre, half, reach): ([i32; 3], [f32; 3], Scale),
+    ) -> usize {
+        let mut kept = 0;
+        unsafe {
+            let (half, reach) = (L::splat3(half), reach.lanes::<L>());
+            let mut j = 0;
+            while j < count {
+                let mut d = separation::<L>(centre, L::load_fixed_at(&self.near.at, j), reach);
+                for a in 0..3 {
+                    d[a] = L::max(L::sub(L::abs(d[a]), half[a]), L::splat(0.0));
+                }
+                let mut mask = L::less_mask(L::dot(d, d), L::splat(1.0));
+                if count - j < WIDTH {
+                    mask &= (1 << (count - j)) - 1;
+                }
+                // Never behind what was read.
+                for at in &mut self.near.at {
+                    let at = at.as_mut_ptr() as *mut u32;
+                    L::compress(mask, at.add(j), at.add(kept));
+                }
+                let index = self.near.index.as_mut_ptr();
+                kept += L::compress(mask, index.add(j), index.add(kept));
+                j += WIDTH;
+            }
+        }
+        assert!(kept <= 1 << 16, "{kept} points about a block of cells");
+        self.candidates.extend_from_slice(&self.near.index[..kept]);
+        for (place, index) in self.near.index[..kept].iter_mut().enumerate() {
+            *index = place as u32;
+        }
+        kept
+    }
+
+    /// Appends the row of point `own` among the first `count` candidates.
+    #[inline(always)]
+    unsafe fn add_row<L: Lanes>(&mut self, search: Search, own: (usize, f64), count: usize) {
+        self.row.clear();
+        unsafe {
+            let filled = self.near.within::<L>(search, own, count, &mut self.row);
+            self.row.set_len(filled);
+        }
+        self.count.push(self.row.len() as u32);
+        self.place
+            .extend(self.row.iter().map(|&place| place as u16));
+        let padded = self.place.len().next_multiple_of(WIDTH);
+        self.place.resize(padded, 0);
+    }
+}
+
+/// Some targets of [`Kept::sum`].
+struct Summing<'a, const N: usize, const W: usize, const O: usize, P: Pass<N>> {
+    field: Field<'a, W, O>,
+    pass: &'a P,
+    targets: &'a [u32],
+    chunk: &'a mut Chunk,
+    out: &'a mut [P::Out],
+}
+
+impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing<'_, N, W, O, P> {
+    #[inline(always)]
+    unsafe fn run<L: Lanes>(self) {
+        let (field, pass, chunk) = (self.field, self.pass, self.chunk);
+        let [x, y, z] = field.at;
+        let scale = unsafe { field.scale.lanes::<L>() };
+        let mut candidates = chunk.candidates.as_slice();
+        let mut places = chunk.place.as_slice();
+        let mut targets = self.targets.iter().zip(&chunk.count).zip(self.out);
+        for &[own, near] in &chunk.blocks {
+            let (here, rest) = candidates.split_at(near as usize);
+            candidates = rest;
+            chunk.copied.clear();
+            chunk.copied.extend(here.iter().map(|&j| {
+                let j = j as usize;
+                let word = field.payload.first().map_or(0.0, |words| words[j]);
+                Half([x[j] as u32, y[j] as u32, z[j] as u32, word.to_bits()])
+            }));
+            for ((&target, &count), out) in targets.by_ref().take(own as usize) {
+                let (i, count) = (target as usize, count as usize);
+                let (row, rest) = places.split_at(count.next_multiple_of(WIDTH));
+                places = rest;
+                unsafe {
+                    let own = ([x[i], y[i], z[i]], splat::<L>(field.own_of(pass, i)), scale);
+                    let mut sum = [L::splat(0.0); N];
+                    let (whole, left) = row.split_at(count - count % WIDTH);
+                    for group in whole.chunks_exact(WIDTH) {
+                        let pair = gathered::<L>(&chunk.copied, group, own);
+                        pass.pair::<L>(&pair, &mut sum);
+                    }
+                    if !left.is_empty() {
+                        let mut pair = gathered::<L>(&chunk.copied, left, own);
+                        pair.q2 = L::first(count % WIDTH, pair.q2, L::splat(FAR));
+                        pass.pair::<L>(&pair, &mut sum);
+                    }
+                    pass.finish(i, total::<L, N>(&sum), out);
+                }
+            }
+        }
+    }
+}
+
+/// A target and eight candidates.
+#[inline(always)]
+unsafe fn gathered<L: Lanes>(
+    candidates: &[Half],
+    places: &[u16],
+    (at, own, scale): ([i32; 3], [L::F; 6], [L::F; 3]),
+) -> Pair<L> {
+    unsafe {
+        let (other, word) = L::gather_halves(candidates.as_ptr(), places.as_ptr());
+        let d = separation::<L>(at, other, scale);
+        let mut other = [L::splat(0.0); 6];
+        other[0] = word;
+        Pair {
+            d,
+            q2: L::dot(d, d),
+            own,
+            other,
+        }
+    }
+}

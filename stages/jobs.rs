@@ -20,7 +20,7 @@ pub mod version {
     use coronet::scene::{Density, Method, Scene, TensionForm, TimeStepping};
 
     pub const PACK: u32 = 2;
-    pub const CALIBRATE: u32 = 7;
+    const CALIBRATE: u32 = 7;
     pub const POST: u32 = 8;
     const FLOW: u32 = 16;
 
@@ -33,6 +33,16 @@ pub mod version {
     const WCSPH: u32 = 1;
     const ONE_RATE: u32 = 1;
 
+    fn normalised(scene: &Scene) -> u32 {
+        let form = scene.method.sph().tension_form;
+        let is = scene.effects.tension.is_some() && form == TensionForm::NormalisedColour;
+        NORMALISED * u32::from(is)
+    }
+
+    pub fn calibrate(scene: &Scene) -> u32 {
+        CALIBRATE + normalised(scene)
+    }
+
     /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results
     /// of other scenes fresh.
     pub fn flow(scene: &Scene) -> u32 {
@@ -41,8 +51,6 @@ pub mod version {
             .effects
             .wetting
             .is_some_and(|w| w.hysteresis.is_some());
-        let normalised = scene.effects.tension.is_some()
-            && scene.method.sph().tension_form == TensionForm::NormalisedColour;
         let of_method = match &scene.method {
             Method::Wcsph(settings) => match (settings.time_stepping, settings.density) {
                 (TimeStepping::Dual { .. }, _) | (_, Density::Summation) => WCSPH,
@@ -54,7 +62,7 @@ pub mod version {
         FLOW + of_method
             + WETTING * u32::from(wets)
             + HYSTERESIS * u32::from(rubs)
-            + NORMALISED * u32::from(normalised)
+            + normalised(scene)
     }
 }
 
@@ -99,7 +107,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         jobs.push(Box::new(Calibrate {
             loaded,
             bodies: bodies.clone(),
-            identity: identity("calibrate", "", version::CALIBRATE, settings),
+            identity: identity("calibrate", "", version::calibrate(scene), settings),
         }));
         calibration = Some(jobs.len() - 1);
     }

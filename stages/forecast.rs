@@ -16,10 +16,11 @@ const ISPH: f64 = 3.4e-6;
 const MPS: f64 = 2.3e-6;
 const WCSPH_SUMMED: f64 = 0.4e-6;
 const WCSPH_CONTINUOUS: f64 = 0.6e-6;
-/// What tension adds to a step of WCSPH; the normalised colour reaches 6 H under a surface, at this
-/// for each particle within.
+/// What tension adds to a step of WCSPH; the normalised colour is summed to so many H under a
+/// surface, at this for each particle within.
 const TENSION: f64 = 0.1e-6;
-const NORMALISED: f64 = 1.6e-6;
+const BAND: f64 = 2.9;
+const NORMALISED: f64 = 1.4e-6;
 /// Iterations of conjugate gradients to 1e-6 at a million particles, which grow as N^(1/3), and CPU
 /// seconds of an unknown in one: diagonal (or none), SSOR.
 const DIAGONAL: [f64; 2] = [187.0, 53e-9];
@@ -93,12 +94,12 @@ fn iterations(scene: &Scene, settings: &Projection) -> f64 {
     count * digits * (particles(scene) * 1e-6).cbrt() * cost
 }
 
-/// Part of the deepest layer that is within 6 H of its surface.
+/// Part of the deepest layer that is within [`BAND`] H of its surface.
 fn near_surface(scene: &Scene) -> f64 {
     let long = scene.method.sph().tension_smoothing * numbers::smoothing_length(scene);
     let depth = coronet::measure::gauge::pool_depth(scene);
     if depth > 0.0 {
-        (6.0 * long / depth).min(1.0)
+        (BAND * long / depth).min(1.0)
     } else {
         1.0
     }

@@ -173,8 +173,19 @@ impl Impact<'_> {
         let bodies: Result<Vec<_>, _> = (0..self.bodies.len())
             .map(|body| read_body(context, body, body))
             .collect();
+        let scene = &self.loaded.scene;
+        let state = method::initial(scene, &bodies?);
+        if let Some((body, other, count)) = method::intruders(scene, &state) {
+            let name = |body: usize| &scene.bodies[body].name;
+            context.warn(&format!(
+                "{count} particles of body `{}` start inside body `{}`, where relaxation has \
+                 brought them; shorten relax.time, raise relax.damping, or move the bodies apart",
+                name(body),
+                name(other)
+            ));
+        }
         Ok(Start {
-            state: method::initial(&self.loaded.scene, &bodies?),
+            state,
             next: 0,
             taken: 0,
             resumed: false,

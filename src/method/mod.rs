@@ -15,7 +15,7 @@ pub mod start;
 pub mod wcsph;
 
 pub use calibrate::{Calibration, calibrate};
-pub use start::{initial, relaxed, resting};
+pub use start::{initial, intruders, relaxed, resting};
 
 use crate::effect::select;
 use crate::effect::tension::{Surface, Tension};

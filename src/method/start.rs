@@ -170,6 +170,34 @@ pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
     }
 }
 
+/// Particles of one body inside another's shape by more than half a spacing, where relaxation has
+/// brought them: body, the other, how many. None if there are none.
+pub fn intruders(scene: &Scene, state: &State) -> Option<(usize, usize, usize)> {
+    let (p, dimension) = (&state.particles, scene.dimension);
+    let half = 0.5 * scene.pack.spacing;
+    let inside = |shape: &Shape, i: usize| {
+        let x = [0, 1, 2].map(|a| p.position[a][i]);
+        let beside = |a: usize, by: f64| {
+            let mut x = x;
+            x[a] += by;
+            shape.contains(x, &scene.domain, dimension)
+        };
+        let axes = dimension.axes().iter();
+        axes.flat_map(|&a| [(a, -half), (a, half)])
+            .all(|(a, by)| beside(a, by))
+    };
+    let bodies = 0..scene.bodies.len();
+    let mut pairs = bodies
+        .clone()
+        .flat_map(|a| bodies.clone().map(move |b| (a, b)));
+    pairs.find_map(|(a, b)| {
+        let shape = &scene.bodies[b].shape;
+        let of = |&i: &usize| a != b && p.body[i] as usize == a && inside(shape, i);
+        let count = (0..p.len()).filter(of).count();
+        (count > 0).then_some((a, b, count))
+    })
+}
+
 /// Where the packed origin goes.
 fn centre(shape: &Shape) -> [f64; 3] {
     match shape {

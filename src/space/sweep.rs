@@ -17,6 +17,9 @@ pub use kept::Kept;
 pub use near::{Field, runs};
 use rayon::prelude::*;
 
+/// A squared distance beyond every support, in units of h^2.
+const FAR: f32 = 1e12;
+
 /// Lanes of one pair: separation and the two records' payloads.
 pub struct Pair<L: Lanes> {
     /// Own minus other, in units of the smoothing length.

@@ -74,3 +74,16 @@ fn particles_keep_the_mass_of_their_packing() {
         );
     }
 }
+
+#[test]
+fn particles_that_rose_into_another_body_are_counted() {
+    let scene = splash_scene("modern", 2, "");
+    let mut state = disturbed(&scene, 0.0);
+    assert_eq!(method::intruders(&scene, &state), None);
+    let p = &mut state.particles;
+    for (z, body) in p.position[2].iter_mut().zip(&p.body) {
+        *z += if *body == 0 { 1e-3 } else { 0.0 };
+    }
+    // Of the highest row, 0.4 mm below the centre of the drop, who is up to 0.6 mm from its axis.
+    assert_eq!(method::intruders(&scene, &state), Some((0, 1, 4)));
+}

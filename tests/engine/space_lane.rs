@@ -3,7 +3,7 @@
 use super::cloud::{CHANNEL, Cloud, PERIODIC};
 use super::method_scene::{self, fingerprint};
 use coronet::scene::Dimension;
-use coronet::space::lane::{Lanes, Portable, Record, WIDTH, wide};
+use coronet::space::lane::{Half, Lanes, Portable, Record, WIDTH, wide};
 use std::process::Command;
 
 /// The words of eight lanes, whatever they are of.
@@ -64,7 +64,13 @@ unsafe fn operate<L: Lanes>(x: [[f32; WIDTH]; 3], out: &mut Vec<u64>) {
 /// Loads, and every mask of a compression.
 #[inline(always)]
 unsafe fn move_about<L: Lanes>(records: &[Record], index: &[u32; WIDTH], out: &mut Vec<u64>) {
+    let half = |record: &Record| Half(std::array::from_fn(|k| record.0[k]));
+    let halves: Vec<Half> = records.iter().map(half).collect();
+    let places = index.map(|j| j as u16);
     unsafe {
+        let (at, word) = L::gather_halves(halves.as_ptr(), places.as_ptr());
+        at.into_iter().for_each(|x| store_fixed(x, out));
+        store(word, out);
         let (at, payload) = L::gather(records.as_ptr(), index.as_ptr());
         at.into_iter().for_each(|x| store_fixed(x, out));
         payload.into_iter().for_each(|x| store(x, out));

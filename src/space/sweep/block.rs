@@ -1,7 +1,9 @@
 //! Targets that lie together and look at the same candidates.
 
 use crate::space::column::{Columns, Place, WIDE};
-use crate::space::grid::{Grid, Scale};
+use crate::space::grid::Grid;
+use crate::space::lane::{Lanes, WIDTH};
+use crate::space::row::separation;
 
 /// Most targets of a block.
 pub const MEMBERS: usize = 48;
@@ -53,10 +55,9 @@ impl Block {
         (block, [low, high])
     }
 
-    /// Centre of the box about the targets, and, in multiples of `cutoff` m, half its edges; what
-    /// makes distances such multiples.
+    /// What is within `cutoff` m of the box about the targets.
     #[inline(always)]
-    pub fn bounds(&self, grid: &Grid, cutoff: f64) -> ([i32; 3], [f32; 3], Scale) {
+    pub unsafe fn bounds<L: Lanes>(&self, grid: &Grid, cutoff: f64) -> Bounds<L> {
         let scale = grid.scale(MARGIN * cutoff);
         let (mut centre, mut half) = (self.at[0], [0.0; 3]);
         for a in 0..3 {
@@ -69,6 +70,34 @@ impl Block {
             centre[a] = centre[a].wrapping_add(middle);
             half[a] = (0.5 * (high as f64 - low as f64) * scale.factor[a]) as f32;
         }
-        (centre, half, scale)
+        Bounds {
+            centre,
+            half: unsafe { L::splat3(half) },
+            scale: unsafe { scale.lanes::<L>() },
+        }
+    }
+}
+
+/// A box and a reach about it.
+pub struct Bounds<L: Lanes> {
+    pub centre: [i32; 3],
+    /// Half the edges, in multiples of the reach.
+    half: [L::F; 3],
+    /// What makes distances such multiples.
+    scale: [L::F; 3],
+}
+
+impl<L: Lanes> Bounds<L> {
+    /// Who of the points from `j` on, at most `left`, is within: a bit each.
+    #[inline(always)]
+    pub unsafe fn hold(&self, at: &[Vec<i32>; 3], j: usize, left: usize) -> u32 {
+        unsafe {
+            let mut d = separation::<L>(self.centre, L::load_fixed_at(at, j), self.scale);
+            for a in 0..3 {
+                d[a] = L::max(L::sub(L::abs(d[a]), self.half[a]), L::splat(0.0));
+            }
+            let mask = L::less_mask(L::dot(d, d), L::splat(1.0));
+            mask & u32::MAX >> (u32::BITS as usize - left.min(WIDTH))
+        }
     }
 }

@@ -2,16 +2,12 @@
 //! list of candidates, and a row holds the places of its neighbours in it. A sum copies the
 //! candidates of a block into the nearest cache and gathers from there.
 
-use super::block::Block;
-use super::{Field, Pair, Pass, splat, total};
+use super::block::{Block, Bounds};
+use super::{FAR, Field, Pair, Pass, splat, total};
 use crate::space::column::{Columns, WIDE};
-use crate::space::grid::Scale;
 use crate::space::lane::{self, Half, Job, Lanes, WIDTH};
 use crate::space::row::{CHUNK, Near, Search, separation};
 use rayon::prelude::*;
-
-/// A squared distance beyond every support, in units of h^2.
-const FAR: f32 = 1e12;
 
 /// See the [module](self).
 #[derive(Default)]
@@ -134,9 +130,9 @@ impl<C: Fn(usize) -> f64> Job for Filling<'_, C> {
             }
             let found = columns.about(&low, &high, longest);
             let count = chunk.near.gather(search, found);
-            let bounds = block.bounds(search.grid, longest);
             unsafe {
-                let count = chunk.gather::<L>(count, bounds);
+                let bounds = block.bounds::<L>(search.grid, longest);
+                let count = chunk.gather(count, &bounds);
                 for &i in own {
                     let cutoff = (self.cutoff)(i as usize);
                     chunk.add_row::<L>(search, (i as usize, cutoff), count);
@@ -152,24 +148,12 @@ impl Chunk {
     /// Keeps who of the first `count` near points is within reach of a box, and numbers them; how
     /// many.
     #[inline(always)]
-    unsafe fn gather<L: Lanes>(
-        &mut self,
-        count: usize,
-        (centre, half, reach): ([i32; 3], [f32; 3], Scale),
-    ) -> usize {
+    unsafe fn gather<L: Lanes>(&mut self, count: usize, bounds: &Bounds<L>) -> usize {
         let mut kept = 0;
         unsafe {
-            let (half, reach) = (L::splat3(half), reach.lanes::<L>());
             let mut j = 0;
             while j < count {
-                let mut d = separation::<L>(centre, L::load_fixed_at(&self.near.at, j), reach);
-                for a in 0..3 {
-                    d[a] = L::max(L::sub(L::abs(d[a]), half[a]), L::splat(0.0));
-                }
-                let mut mask = L::less_mask(L::dot(d, d), L::splat(1.0));
-                if count - j < WIDTH {
-                    mask &= (1 << (count - j)) - 1;
-                }
+                let mask = bounds.hold(&self.near.at, j, count - j);
                 // Never behind what was read.
                 for at in &mut self.near.at {
                     let at = at.as_mut_ptr() as *mut u32;

@@ -1,8 +1,8 @@
 //! Sums of few targets or over long supports: no list is kept. Targets that lie together look at
 //! the same candidates, which are found and copied together once.
 
-use super::block::{Block, MEMBERS};
-use super::{Pair, Pass, splat, total};
+use super::block::{Block, Bounds, MEMBERS};
+use super::{FAR, Pair, Pass, splat, total};
 use crate::space::column::{Columns, WIDE};
 use crate::space::grid::{Grid, Scale};
 use crate::space::lane::{self, Job, Lanes, WIDTH};
@@ -112,26 +112,25 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
         let mut begin = 0;
         while begin < targets.len() {
             let (block, [low, high]) = Block::of(field.position, &columns, &targets[begin..]);
-            let (centre, half, reach) = block.bounds(field.grid, field.cutoff);
+            let bounds = unsafe { block.bounds::<L>(field.grid, field.cutoff) };
             let count = block.count;
             let block = Carrying::of(block, (&field, pass), &targets[begin..]);
             unsafe {
-                let (scale, reach) = (field.scale.lanes::<L>(), reach.lanes::<L>());
-                let half = L::splat3(half);
+                let scale = field.scale.lanes::<L>();
                 let mut sums = [[L::splat(0.0); N]; MEMBERS];
                 for &column in columns.about(&low, &high, field.cutoff) {
                     for source in field.sources {
                         let (mut j, end) = source.run(column);
                         while j < end {
                             if near.count + WIDTH > ROOM {
-                                block.add(&mut near, (centre, scale), pass, &mut sums);
+                                block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
                             }
-                            near.take(&field, j, end - j, (centre, half, reach));
+                            near.take(&field, j, end - j, &bounds);
                             j += WIDTH;
                         }
                     }
                 }
-                block.add(&mut near, (centre, scale), pass, &mut sums);
+                block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
                 for (k, sum) in sums.iter().enumerate().take(count) {
                     let target = targets[begin + k] as usize;
                     pass.finish(target, total::<L, N>(sum), &mut self.out[begin + k]);
@@ -238,25 +237,17 @@ impl<L: Lanes, const W: usize> Near<L, W> {
         }
     }
 
-    /// Copies who of the points from `j` on, at most `left`, is within reach of a box: its centre,
-    /// half its edges.
+    /// Copies who of the points from `j` on, at most `left`, is within `bounds`.
     #[inline(always)]
     unsafe fn take<const O: usize>(
         &mut self,
         field: &Field<W, O>,
         j: usize,
         left: usize,
-        (centre, half, reach): ([i32; 3], [L::F; 3], [L::F; 3]),
+        bounds: &Bounds<L>,
     ) {
         unsafe {
-            let mut d = separation::<L>(centre, L::load_fixed_at(field.at, j), reach);
-            for a in 0..3 {
-                d[a] = L::max(L::sub(L::abs(d[a]), half[a]), L::splat(0.0));
-            }
-            let mut mask = L::less_mask(L::dot(d, d), L::splat(1.0));
-            if left < WIDTH {
-                mask &= (1 << left) - 1;
-            }
+            let mask = bounds.hold(field.at, j, left);
             let (from, to) = (j, self.count);
             for (near, at) in self.at.iter_mut().zip(field.at) {
                 let (at, near) = (at.as_ptr().add(from), near.as_mut_ptr().add(to));
@@ -293,6 +284,3 @@ impl<L: Lanes, const W: usize> Near<L, W> {
         }
     }
 }
-
-/// A squared distance beyond every support, in units of h^2.
-const FAR: f32 = 1e12;

@@ -1,4 +1,5 @@
-//! `calibrate`: relaxed bodies -> the strength of the tension on this arrangement.
+//! `calibrate`: bodies, packed or relaxed ([`method::is_of_packing`]) -> the strength of the
+//! tension on this arrangement.
 
 use coronet::method;
 use coronet::pipeline::{Context, Identity, Output, Stage, StageError};
@@ -12,7 +13,7 @@ const STRENGTH: &str = "strength";
 
 pub struct Calibrate<'a> {
     pub loaded: &'a Loaded,
-    /// Jobs of the bodies, in the order of the scene.
+    /// Jobs of the bodies that it reads, in the order of the scene.
     pub bodies: Vec<usize>,
     pub identity: Identity,
 }

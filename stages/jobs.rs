@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use coronet::method;
 use coronet::pipeline::{Identity, Pipeline, Stage};
 use coronet::scene::file::Loaded;
 use coronet::scene::key::{self, Setting};
@@ -79,7 +80,7 @@ fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>
 pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     let scene = &loaded.scene;
     let mut jobs: Vec<Box<dyn Stage + '_>> = Vec::new();
-    let mut bodies = Vec::new();
+    let (mut packed, mut bodies) = (Vec::new(), Vec::new());
     for body in 0..scene.bodies.len() {
         let part = scene.bodies[body].name.as_str();
         jobs.push(Box::new(Pack {
@@ -87,6 +88,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
             body,
             identity: identity("pack", part, version::PACK, key::pack(scene, body)?),
         }));
+        packed.push(jobs.len() - 1);
         if scene.relax.is_some() {
             jobs.push(Box::new(Relax {
                 loaded,
@@ -104,9 +106,14 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     }
     let mut calibration = None;
     if let Some(settings) = key::calibrate(scene)? {
+        let read = if method::is_of_packing(scene) {
+            packed
+        } else {
+            bodies.clone()
+        };
         jobs.push(Box::new(Calibrate {
             loaded,
-            bodies: bodies.clone(),
+            bodies: read,
             identity: identity("calibrate", "", version::calibrate(scene), settings),
         }));
         calibration = Some(jobs.len() - 1);

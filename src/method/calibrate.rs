@@ -13,13 +13,16 @@
 //! That of [`crate::effect::tension`]'s counted forms acts on one layer, which is taken to be what
 //! lies within a spacing of the surface; where that is flat they need no alpha.
 //! A block has edges, where neither holds: its alpha is that of a flat continuous liquid.
+//! (1) is read off the packed bodies: a stress that acts below the surface crushes it as it
+//! relaxes, and alpha would grow with what it had done (WCSPH `corrected`: 11 to 25 at R = 2.5 to
+//! 8 s0, 5.2 to 5.8 on the packing). (2) is read off the relaxed ones.
 //! Test: tests/validation/drop.rs.
 
 use super::model::Case;
 use super::{MethodError, Phase};
 use crate::effect::tension::level;
 use crate::particle::{Particles, wall};
-use crate::scene::{Body, Dimension, Scene, Shape, Side};
+use crate::scene::{Body, Dimension, Scene, Shape, Side, TensionLevel};
 use std::f64::consts::PI;
 
 /// Result of a calibration.
@@ -30,6 +33,11 @@ pub struct Calibration {
     /// Per body: name, area (length in 2-D) of its free surface, and sigma_eff / sigma at
     /// alpha = 1.
     pub bodies: Vec<(String, f64, f64)>,
+}
+
+/// Whether the calibration reads the bodies as they are packed, and not as they relaxed.
+pub fn is_of_packing(scene: &Scene) -> bool {
+    scene.method.sph().tension_level == TensionLevel::Inside
 }
 
 /// Calibrates on packed or relaxed `bodies`, as the pack stage leaves them: weighted by area.

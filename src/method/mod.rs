@@ -14,7 +14,7 @@ pub mod shifting;
 pub mod start;
 pub mod wcsph;
 
-pub use calibrate::{Calibration, calibrate};
+pub use calibrate::{Calibration, calibrate, is_of_packing};
 pub use start::{initial, intruders, relaxed, resting};
 
 use crate::effect::select;

@@ -272,6 +272,18 @@ fn an_absent_effect_is_in_no_key() {
     assert!(!program.path("artifacts/calibrate").exists());
 }
 
+/// Its own tension crushes what it relaxes: the strength is that of the packing.
+#[test]
+fn a_stress_inside_does_not_read_the_relaxation() {
+    let program = Program::new();
+    let inside = ["--set", "effects.tension.level=inside"];
+    program.run(&[&inside[..], &["--until", "calibrate"]].concat());
+    let plan = program.plan(&[&inside[..], &["--set", "relax.time=3 ms"]].concat());
+    let stale = stale(&plan);
+    assert!(stale.contains("relax drop"), "{stale:?}");
+    assert!(!stale.contains("calibrate"), "{stale:?}");
+}
+
 /// What only a Poisson packing reads is in no key of a lattice.
 #[test]
 fn a_lattice_has_no_seed() {

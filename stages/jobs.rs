@@ -23,7 +23,7 @@ pub mod version {
     pub const PACK: u32 = 2;
     const CALIBRATE: u32 = 7;
     pub const POST: u32 = 8;
-    const FLOW: u32 = 16;
+    const FLOW: u32 = 17;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,
     /// with MPS, with WCSPH or with the continuity equation at one rate have.

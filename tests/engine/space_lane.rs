@@ -237,6 +237,20 @@ fn whole_passes_give_the_bits_of_the_scalar_twin() {
 
 /// Positions within, beyond and far beyond the box, in runs of any length.
 #[test]
+fn payloads_of_a_record_make_no_subnormal_products() {
+    let least = 1e-18f32;
+    let faint = [1e-45, -1e-38, 0.99e-18, f32::NAN, least];
+    let mut record = Record::new([0; 3], faint);
+    let carried = [0, 1, 2, 3, 4].map(|k| record.payload(k));
+    assert_eq!(carried[..3], [0.0; 3]);
+    assert!(carried[3].is_nan(), "what is no number must stay visible");
+    assert_eq!(carried[4], least);
+    assert!((carried[4] * carried[4]).is_normal());
+    record.carry(faint);
+    assert_eq!(record.payload(0), 0.0);
+}
+
+#[test]
 fn many_positions_are_placed_as_one_is() {
     for sides in [PERIODIC, CHANNEL] {
         let cloud = Cloud::new(Dimension::Three, [7.0, 6.0, 8.0], sides, [1.3, 0.4], |_| {

@@ -206,18 +206,29 @@ impl Flow {
     /// How far particle `i` is from where the rows were made, m.
     #[inline(always)]
     fn away(&self, i: usize) -> f64 {
+        self.away_squared(i).sqrt()
+    }
+
+    #[inline(always)]
+    fn away_squared(&self, i: usize) -> f64 {
         let mut square = 0.0;
         for a in 0..3 {
             let now = self.grid.fix(a, self.particles.position[a][i]);
             let d = now.wrapping_sub(self.home[a][i]) as f64 * self.grid.unit[a];
             square += d * d;
         }
-        square.sqrt()
+        square
     }
 
     /// The farthest that any particle is from where the rows were made, m.
     pub fn moved(&self) -> f64 {
-        max(self.home[0].len(), |i| self.away(i)).max(0.0)
+        let square = max(self.home[0].len(), |i| self.away_squared(i));
+        square.max(0.0).sqrt()
+    }
+
+    /// Whether any particle is elsewhere than where the rows were made.
+    pub fn has_moved(&self) -> bool {
+        (0..self.home[0].len()).any(|i| self.away_squared(i) > 0.0)
     }
 
     /// Search radius of cell columns that covers `support` in spite of what moved since the sort,

@@ -263,7 +263,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let Some(mut tension) = self.tension.take() else {
             return;
         };
-        if self.flow.moved() > 0.0 {
+        if self.flow.has_moved() {
             self.flow.place();
         }
         let scale = self.sum_factor();

@@ -18,7 +18,9 @@ use crate::settings::list;
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
-    use coronet::scene::{Density, Method, Scene, TensionForm, TimeStepping};
+    use coronet::scene::{
+        Density, Gradient, Method, MpsGradient, Scene, TensionForm, TimeStepping,
+    };
 
     pub const PACK: u32 = 2;
     const CALIBRATE: u32 = 7;
@@ -26,11 +28,13 @@ pub mod version {
     const FLOW: u32 = 17;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,
-    /// with MPS, with WCSPH or with the continuity equation at one rate have.
+    /// with MPS, with a corrected gradient, with WCSPH or with the continuity equation at one rate
+    /// have.
     const WETTING: u32 = 2;
     const HYSTERESIS: u32 = 1;
     const NORMALISED: u32 = 1;
     const MPS: u32 = 1;
+    const CORRECTED: u32 = 1;
     const WCSPH: u32 = 1;
     const ONE_RATE: u32 = 1;
 
@@ -57,8 +61,12 @@ pub mod version {
                 (TimeStepping::Dual { .. }, _) | (_, Density::Summation) => WCSPH,
                 (_, Density::Continuity { .. }) => WCSPH + ONE_RATE,
             },
-            Method::Isph(_) => 0,
-            Method::Mps(_) => MPS,
+            Method::Isph(settings) => {
+                CORRECTED * u32::from(settings.gradient == Gradient::Corrected)
+            }
+            Method::Mps(settings) => {
+                MPS + CORRECTED * u32::from(settings.gradient == MpsGradient::Corrected)
+            }
         };
         FLOW + of_method
             + WETTING * u32::from(wets)

@@ -133,6 +133,10 @@ impl<K: Kernel> Scheme for Isph<K> {
         self.gradient == Gradient::Symmetric
     }
 
+    fn is_corrected(&self) -> bool {
+        self.gradient == Gradient::Corrected
+    }
+
     fn walls_are_dense(p: &Projection<Self>) -> bool {
         p.is_printed()
     }

@@ -187,6 +187,10 @@ impl Scheme for Mps {
         self.gradient == MpsGradient::Symmetric
     }
 
+    fn is_corrected(&self) -> bool {
+        self.gradient == MpsGradient::Corrected
+    }
+
     fn walls_are_dense(p: &Projection<Self>) -> bool {
         p.is_printed() || p.scheme.closure == MpsClosure::Threshold
     }

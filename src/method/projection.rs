@@ -15,7 +15,8 @@
 //!
 //! What [`super::isph`] and [`super::mps`] do each in their own way is a [`Scheme`]: sums, weights,
 //! gradients. The rest is here: walls are [`walls`], free surfaces [`surface`], the equation and
-//! its solvers [`super::pressure`], shifting [`shift`].
+//! its solvers [`super::pressure`], shifting [`shift`], the momentum of corrected gradients
+//! [`closed`].
 //!
 //! Time step: courant s0 / u, u the largest speed of what is not spray (and no spray crosses more
 //! than a spacing), and the viscous, capillary and force limits of [`super::limit`],
@@ -27,6 +28,7 @@
 //! Fails where: (2) and (3) are not the same operator, so that v^(n+1) keeps some divergence.
 //! Tests: tests/engine/{projection,pressure}_*.rs, tests/validation.
 
+mod closed;
 pub mod correction;
 pub mod look;
 mod report;
@@ -50,6 +52,7 @@ use crate::particle::{Frame, State};
 use crate::scene::{PoissonSource, Projection as Settings};
 use crate::space::grid::Scale;
 use crate::space::parallel::max;
+use closed::Closed;
 use look::{Local, Sums};
 use std::mem::size_of;
 use std::ops::Index;
@@ -81,6 +84,8 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn completion(&self, case: &Case) -> Completion;
     /// Whether the gradient has p_a + p_b, so that pressure alone pushes particles apart.
     fn is_symmetric(&self) -> bool;
+    /// Whether the gradient is exact for a linear p and keeps no momentum by itself.
+    fn is_corrected(&self) -> bool;
     /// Whether wall particles have a density.
     fn walls_are_dense(p: &Projection<Self>) -> bool;
     /// Fills `around` at r^n, and `held` with the acceleration of viscosity.
@@ -142,6 +147,7 @@ pub(super) struct Projection<S: Scheme> {
     before: [[Vec<f64>; 3]; 2],
     pub walls: Walls,
     pub closure: Completion,
+    closed: Closed,
     pub equation: Equation,
     pub sums: Vec<S::Row>,
     solver: PressureSolver,
@@ -208,6 +214,7 @@ impl<S: Scheme> Projection<S> {
             before: Default::default(),
             walls,
             closure,
+            closed: Closed::default(),
             equation: Equation::default(),
             sums: Vec::new(),
             solver: PressureSolver::default(),
@@ -250,16 +257,6 @@ impl<S: Scheme> Projection<S> {
     /// Axes along which anything varies.
     pub fn active(&self) -> [bool; 3] {
         self.flow.grid.unit.map(|unit| unit > 0.0)
-    }
-
-    /// Where multigrid lays its grids.
-    fn domain(&self) -> Domain {
-        Domain {
-            active: self.active(),
-            periodic: self.flow.grid.periodic,
-            size: self.case.domain.size,
-            pitch: 2.0 * self.case.h,
-        }
     }
 
     /// Largest speed now, m/s.
@@ -382,6 +379,7 @@ impl<S: Scheme> Solver for Projection<S> {
             + size_of::<Sums<S::Own>>() * self.around.capacity() * 2
             + size_of::<S::Row>() * self.sums.capacity()
             + self.scheme.memory()
+            + self.closed.memory()
             + self.scratch.near.capacity()
             + std::mem::size_of::<Hold>() * self.scratch.friction.capacity()
             + self.scratch.band.memory()

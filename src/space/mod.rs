@@ -1,11 +1,12 @@
 //! Where things are: fixed-point coordinates, cells, neighbour rows, lanes.
 //!
 //! Reading order: [`grid`] (fixed-point positions and cells), [`sort`] (particles along cells),
-//! [`column`] (cells about a point), [`dilate`] (largest values about a cell), [`row`] (neighbour
-//! lists), [`sweep`] (pair sums over lists or over cell runs), [`mirror`] (images of points),
-//! [`lane`].
+//! [`column`] (cells about a point), [`dilate`] (largest values about a cell), [`component`]
+//! (bodies that no pair connects), [`row`] (neighbour lists), [`sweep`] (pair sums over lists or
+//! over cell runs), [`mirror`] (images of points), [`lane`].
 
 pub mod column;
+pub mod component;
 pub mod dilate;
 pub mod grid;
 pub mod lane;

@@ -52,5 +52,6 @@ mod scene_quantity;
 mod scene_schema;
 mod scene_symmetry;
 mod scene_wetting;
+mod space_component;
 mod space_lane;
 mod space_row;

@@ -4,6 +4,7 @@ use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
 use crate::method::pass::Extrapolation;
 use crate::method::pressure::Outcome;
+use crate::method::pressure::multigrid::Domain;
 use crate::method::shifting::LOOSE;
 use crate::scene::{PoissonSource, Preconditioner};
 use crate::space::parallel::{Slots, each};
@@ -26,6 +27,9 @@ impl<S: Scheme> Projection<S> {
             let n = self.flow.liquid();
             self.pressure.copy_from_slice(&self.unknown[..n]);
             S::slope(self);
+            if self.scheme.is_corrected() {
+                self.keep_momentum();
+            }
         }
         outcome
     }
@@ -206,6 +210,16 @@ impl<S: Scheme> Projection<S> {
         self.unknown.resize(self.equation.len(), 0.0);
         self.unknown[..n].copy_from_slice(&self.pressure);
         self.unknown[n..].copy_from_slice(&self.walls.guess);
+    }
+
+    /// Where multigrid lays its grids.
+    pub(super) fn domain(&self) -> Domain {
+        Domain {
+            active: self.active(),
+            periodic: self.flow.grid.periodic,
+            size: self.case.domain.size,
+            pitch: 2.0 * self.case.h,
+        }
     }
 
     /// With the preconditioner of the settings, then with the safest.

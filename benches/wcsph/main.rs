@@ -1,9 +1,10 @@
 //! Cost of a WCSPH step, as lines `name value unit`; what they say: docs/performance.md.
 //!
 //! `cargo bench --bench wcsph [-- PART ...] [N ...]`. PART: `machine`, `step`, `part`, `effect`,
-//! `tension`, `record`; all if none is named. N: sides of the periodic box in particles, 46 and 100
-//! if none is given. A rate is of CPU seconds, so that other programs disturb it little; a line is
-//! a median of several repeats, and what a ratio compares is measured in turns.
+//! `tension`, `paper` (its tension), `record`; all if none is named. N: sides of the periodic box
+//! in particles, 46 and 100 if none is given. A rate is of CPU seconds, so that other programs
+//! disturb it little; a line is a median of several repeats, and what a ratio compares is measured
+//! in turns.
 
 mod hand;
 mod machine;
@@ -20,7 +21,9 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::Instant;
 
 /// What is not yet named is run.
-const ALL: [&str; 6] = ["machine", "step", "part", "effect", "tension", "record"];
+const ALL: [&str; 7] = [
+    "machine", "step", "part", "effect", "tension", "paper", "record",
+];
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -49,6 +52,9 @@ fn main() {
     }
     if wanted("tension") {
         pool::tension(&threads[1]);
+    }
+    if wanted("paper") {
+        pool::paper(&threads[1]);
     }
     if wanted("record") {
         pool::record(&threads[1]);

@@ -1,5 +1,6 @@
-//! What tension, and what logging and checkpoints cost in the default scene: a drop on a pool of
-//! 128,000 particles, placed on a lattice.
+//! What tension, and what logging and checkpoints cost in the default scene, a drop on a pool of
+//! 128,000 particles, and what the tension of Nishio et al. costs in theirs, of a million; placed
+//! on a lattice.
 
 use crate::meter::{cpu_seconds, line, median};
 use crate::{advance, scene};
@@ -19,9 +20,9 @@ const CRATER: f64 = 10e-3;
 const EVERY: f64 = 30.0;
 
 /// Solver of the pool without and with tension, from `state` or from the start.
-fn pair(state: Option<&State>) -> [Box<dyn Solver>; 2] {
+fn pair(of: &[&str], state: Option<&State>) -> [Box<dyn Solver>; 2] {
     [false, true].map(|tension| {
-        let (scene, start, strength) = scene::pool(tension);
+        let (scene, start, strength) = scene::pool(of, tension);
         let state = state.cloned().unwrap_or(start);
         build(&scene, state, Phase::Impact, strength).expect("the scene can be built")
     })
@@ -29,15 +30,42 @@ fn pair(state: Option<&State>) -> [Box<dyn Solver>; 2] {
 
 /// What tension adds to a step and to a simulated second: before the impact and with a crater.
 pub fn tension(pool: &ThreadPool) {
-    let mut solver = pool.install(|| pair(None));
+    let mut solver = pool.install(|| pair(&scene::DEFAULT, None));
     compare("start", &mut solver, pool);
     let [_, mut with] = solver;
     while with.time() < CRATER {
         advance(with.as_mut(), pool);
     }
     let state = with.state();
-    let mut solver = pool.install(|| pair(Some(&state)));
+    let mut solver = pool.install(|| pair(&scene::DEFAULT, Some(&state)));
     compare("crater", &mut solver, pool);
+}
+
+/// A step of the pool of Nishio et al., without their tension, with it and with it held.
+pub fn paper(pool: &ThreadPool) {
+    let [without, with] = pool.install(|| pair(&scene::NISHIO, None));
+    let [_, held] = pool.install(|| pair(&scene::HELD, None));
+    let mut solver = [without, with, held];
+    for solver in solver.iter_mut() {
+        advance(solver.as_mut(), pool);
+    }
+    let (mut rates, mut ratios) = ([vec![], vec![], vec![]], [vec![], vec![], vec![]]);
+    for _ in 0..5 {
+        let now = [0, 1, 2].map(|k| {
+            let [work, cpu, _] = advance(solver[k].as_mut(), pool);
+            work / cpu
+        });
+        for k in 0..3 {
+            rates[k].push(now[k]);
+            ratios[k].push(now[k] / now[0]);
+        }
+    }
+    let n = solver[0].len();
+    for (k, what) in ["no_tension", "tension", "held_tension"].iter().enumerate() {
+        let name = format!("wcsph.paper.pool.{what}.n{n}");
+        line(&name, median(&mut rates[k]), "particle-steps/s/core");
+        line(&name, median(&mut ratios[k]), "x_rate_without");
+    }
 }
 
 /// Few steps: without tension a crater that tension made soon sheds spray.
@@ -64,7 +92,7 @@ fn compare(when: &str, solver: &mut [Box<dyn Solver>; 2], pool: &ThreadPool) {
 /// A quarter of the default impact as its stage runs it, with what frames and checkpoints take:
 /// CPU time of their threads, and for how long the solver stands still for them.
 pub fn record(pool: &ThreadPool) {
-    let (scene, state, strength) = pool.install(|| scene::pool(true));
+    let (scene, state, strength) = pool.install(|| scene::pool(&scene::DEFAULT, true));
     let folder = tempfile::tempdir().expect("a folder for results");
     let setup = LogSetup::new(&scene, &wall::build(&scene), String::new(), Vec::new());
     let log = LogWriter::create(folder.path(), 0, None, &setup);

@@ -3,7 +3,7 @@
 use coronet::method::{calibrate, initial};
 use coronet::particle::pack::pack;
 use coronet::particle::{Particles, State};
-use coronet::scene::{Method, Scene, Wcsph, file};
+use coronet::scene::{Method, Scene, TensionStrength, Wcsph, file};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -74,11 +74,24 @@ pub fn state(scene: &Scene, side: usize) -> State {
     }
 }
 
-/// The default scene on a lattice, its state at t = 0 and the strength of its tension; without
-/// tension if `tension` does not hold.
-pub fn pool(tension: bool) -> (Scene, State, Option<f64>) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipeline.toml");
-    let sets = ["pack.arrangement=\"lattice\"".to_string()];
+/// The default scene, the pool of Nishio et al. by their method as printed but with the step of
+/// stability, and with the tension held over steps.
+pub const DEFAULT: [&str; 1] = ["pipeline.toml"];
+pub const NISHIO: [&str; 2] = [
+    "scenes/nishio-2010/u3.13.toml",
+    "method.wcsph.time_stepping={adaptive={safety=1}}",
+];
+pub const HELD: [&str; 2] = [
+    NISHIO[0],
+    "method.wcsph.time_stepping={adaptive={safety=1,tension=\"held\"}}",
+];
+
+/// A scene, a file and changes to it, on a lattice, its state at t = 0 and the strength of its
+/// tension; without tension if `tension` does not hold.
+pub fn pool(of: &[&str], tension: bool) -> (Scene, State, Option<f64>) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(of[0]);
+    let mut sets = vec!["pack.arrangement=\"lattice\"".to_string()];
+    sets.extend(of[1..].iter().map(|set| set.to_string()));
     let mut scene = file::load(&path, &sets)
         .unwrap_or_else(|error| panic!("{error}"))
         .scene;
@@ -94,8 +107,12 @@ pub fn pool(tension: bool) -> (Scene, State, Option<f64>) {
         scene.effects.tension = None;
         return (scene.clone(), initial(&scene, &bodies), None);
     }
-    let strength = calibrate(&scene, &bodies)
-        .expect("the pool has a surface")
-        .strength;
+    let strength = match settings(&scene).sph.tension_strength {
+        TensionStrength::Fixed(strength) => strength,
+        _ => {
+            let found = calibrate(&scene, &bodies);
+            found.expect("the pool has a surface").strength
+        }
+    };
     (scene.clone(), initial(&scene, &bodies), Some(strength))
 }

@@ -16,7 +16,7 @@ use crate::space::column;
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
 use crate::space::mirror::{Mirror, Planes};
-use crate::space::parallel::{each, max, slots3};
+use crate::space::parallel::{each, larger, slots3};
 use crate::space::row::Rows;
 use crate::space::sort::Cells;
 use rayon::prelude::*;
@@ -199,14 +199,30 @@ impl Flow {
 
     /// Whether a pair could be missed after each particle moves by another `step(i)` m.
     pub fn stale(&self, step: impl Fn(usize) -> f64 + Sync) -> bool {
-        let beyond = |i: usize| self.away(i) + step(i) - self.allowed[i] as f64;
-        max(self.liquid(), beyond) > 0.0
+        self.most(|i, square| square.sqrt() + step(i) - self.allowed[i] as f64) > 0.0
     }
 
-    /// How far particle `i` is from where the rows were made, m.
-    #[inline(always)]
-    fn away(&self, i: usize) -> f64 {
-        self.away_squared(i).sqrt()
+    /// The largest `f(i, d2)`, d2 the [`Flow::away_squared`] of particle `i`.
+    fn most(&self, f: impl Fn(usize, f64) -> f64 + Sync) -> f64 {
+        let n = self.home[0].len();
+        let of_part = |part: usize| {
+            let (first, count) = (part * PART, PART.min(n - part * PART));
+            let (mut now, mut square) = ([0; PART], [0.0; PART]);
+            for a in 0..3 {
+                let here = &self.particles.position[a][first..first + count];
+                self.grid.fix_all(a, here, &mut now);
+                for ((square, now), home) in square.iter_mut().zip(now).zip(&self.home[a][first..])
+                {
+                    let d = now.wrapping_sub(*home) as f64 * self.grid.unit[a];
+                    *square += d * d;
+                }
+            }
+            (0..count).fold(f64::NEG_INFINITY, |most, k| {
+                larger(f(first + k, square[k]), most)
+            })
+        };
+        let parts = (0..n.div_ceil(PART)).into_par_iter();
+        parts.map(of_part).reduce(|| f64::NEG_INFINITY, larger)
     }
 
     #[inline(always)]
@@ -222,8 +238,7 @@ impl Flow {
 
     /// The farthest that any particle is from where the rows were made, m.
     pub fn moved(&self) -> f64 {
-        let square = max(self.home[0].len(), |i| self.away_squared(i));
-        square.max(0.0).sqrt()
+        self.most(|_, square| square).max(0.0).sqrt()
     }
 
     /// Whether any particle is elsewhere than where the rows were made.

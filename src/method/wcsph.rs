@@ -16,6 +16,7 @@ mod control;
 mod dual;
 mod report;
 mod sums;
+mod tension;
 mod verlet;
 mod walls;
 
@@ -31,7 +32,7 @@ use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
 use crate::space::grid::Scale;
-use crate::space::parallel::{Slots, each, max, slots3};
+use crate::space::parallel::{Slots, each, max};
 use std::marker::PhantomData;
 
 /// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
@@ -48,6 +49,8 @@ pub struct Wcsph<K, V> {
     pub(super) flow: Flow,
     viscosity: V,
     tension: Option<Tension>,
+    /// For how long the tension has been held, s; infinite if it must be found.
+    tension_age: f64,
     time: f64,
     step: u64,
     last_step: f64,
@@ -110,6 +113,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             flow,
             viscosity,
             tension,
+            tension_age: f64::INFINITY,
             time: state.time,
             step: state.step,
             last_step: named("time_step_s").unwrap_or(0.0),
@@ -132,11 +136,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             .walls
             .resize(solver.flow.walls(), solver.model.density);
         if let Some(sums) = array("kernel_sum") {
-            solver
-                .around
-                .iter_mut()
-                .zip(sums)
-                .for_each(|(s, x)| s.sum = *x as f32);
+            let around = solver.around.iter_mut().zip(sums);
+            around.for_each(|(s, x)| s.sum = *x as f32);
         }
         solver.fastest = solver.speed();
         solver.connected = named("connected_speed_m_s").unwrap_or(solver.fastest);
@@ -218,6 +219,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             super::flow::retain(&mut self.around, &keep);
         }
         self.friction.clear();
+        self.tension_age = f64::INFINITY;
         self.sort();
         self.look();
         if self.model.compaction().is_finite() {
@@ -256,36 +258,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         cells.permute(&mut self.around, &mut self.scratch.around);
         self.force.resize(self.flow.liquid(), [0.0; 3]);
         self.flow.find();
-    }
-
-    /// Adds a_s to `held` or `force`, whichever is given.
-    fn add_tension(&mut self, into: fn(&mut Self) -> &mut Vec<[f32; 3]>) {
-        let Some(mut tension) = self.tension.take() else {
-            return;
-        };
-        if self.flow.has_moved() {
-            self.flow.place();
-        }
-        let scale = self.sum_factor();
-        let around = &self.around;
-        let sources = self.flow.sources();
-        let flow = super::surface_of(&self.flow, &sources);
-        tension.update(&flow, |i| around[i].kernel_sum(scale) < SURFACE);
-        let velocity = &self.flow.particles.velocity;
-        tension.friction(&flow, velocity, &mut self.friction);
-        drop(sources);
-        tension.add(into(self));
-        self.tension = Some(tension);
-    }
-
-    /// Lets friction act on contact lines for `dt` s.
-    fn rub(&mut self, dt: f64) {
-        let friction = &self.friction;
-        let v = slots3(&mut self.flow.particles.velocity);
-        each(friction.len(), |i| {
-            let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
-            [*x, *y, *z] = friction[i].slowed([*x, *y, *z], dt);
-        });
     }
 }
 

@@ -299,10 +299,18 @@ pub enum TensionStrength {
 pub enum TimeStepping {
     /// Velocity Verlet with a fixed step, s.
     Fixed { step: f64 },
-    /// Velocity Verlet, step = the least of the limits x `safety`.
-    Adaptive { safety: f64 },
+    /// Velocity Verlet, step = the least of the limits x `safety`; tension found in each step, or
+    /// held over several up to its own limit.
+    Adaptive { safety: f64, holds: bool },
     /// Dual-criteria (Zhang, Rezavand & Hu 2020): advective and acoustic CFL numbers.
     Dual { advective: f64, acoustic: f64 },
+}
+
+impl TimeStepping {
+    /// Whether single-rate steps hold the tension over several.
+    pub fn holds(self) -> bool {
+        matches!(self, TimeStepping::Adaptive { holds: true, .. })
+    }
 }
 
 /// How walls give pressure.

@@ -53,7 +53,10 @@ pub fn wcsph_corrected() -> Wcsph {
             tension_strength: TensionStrength::Virial,   // alpha depends on the arrangement
             ..paper.sph
         },
-        time_stepping: TimeStepping::Adaptive { safety: 1.0 },
+        time_stepping: TimeStepping::Adaptive {
+            safety: 1.0,
+            holds: false,
+        },
         ..paper
     }
 }
@@ -223,7 +226,8 @@ fn stepping(value: &Cursor<'_>) -> Result<TimeStepping, SceneError> {
     }
     if let Some(adaptive) = value.get("adaptive") {
         let safety = adaptive.number_at("safety")?;
-        return Ok(TimeStepping::Adaptive { safety });
+        let holds = adaptive.text_at("tension")? == "held";
+        return Ok(TimeStepping::Adaptive { safety, holds });
     }
     let dual = value.need("dual")?;
     Ok(TimeStepping::Dual {

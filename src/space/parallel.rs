@@ -48,9 +48,14 @@ pub fn each(n: usize, f: impl Fn(usize) + Sync) {
     });
 }
 
-/// Largest `f(i)`; negative infinity for none. NaN wins, so that it cannot hide.
+/// The larger of two. NaN wins, so that it cannot hide.
+#[inline(always)]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+/// Largest `f(i)`; negative infinity for none. NaN wins.
 pub fn max(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
-    let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
     (0..n.div_ceil(CHUNK))
         .into_par_iter()
         .map(|c| {

@@ -1,6 +1,6 @@
 //! The step controller of WCSPH.
 
-use super::method_scene::{EFFECTS, GRAVITY, disturbed, splash_scene, words};
+use super::method_scene::{EFFECTS, GRAVITY, disturbed, drop_scene, splash_scene, words};
 use coronet::method::{self, Phase, Solver};
 use coronet::scene::{Method, Scene, TimeStepping};
 
@@ -11,7 +11,10 @@ const DUAL: TimeStepping = TimeStepping::Dual {
 };
 
 /// One rate, ten times too long.
-const ADAPTIVE: TimeStepping = TimeStepping::Adaptive { safety: 10.0 };
+const ADAPTIVE: TimeStepping = TimeStepping::Adaptive {
+    safety: 10.0,
+    holds: false,
+};
 
 /// A splash with such steps.
 fn hasty(stepping: TimeStepping) -> Scene {
@@ -90,10 +93,50 @@ fn a_restart_amid_shorter_steps_goes_on_bit_for_bit() {
 /// With one rate, too, at steps of which none is rejected.
 #[test]
 fn a_restart_with_one_rate_goes_on_bit_for_bit() {
-    let scene = hasty(TimeStepping::Adaptive { safety: 1.0 });
-    let mut whole = start(&scene);
-    (0..5).for_each(|_| whole.advance(&mut |_| ()).unwrap());
-    restart(&scene, whole);
+    for holds in [false, true] {
+        let scene = hasty(TimeStepping::Adaptive { safety: 1.0, holds });
+        let mut whole = start(&scene);
+        (0..5).for_each(|_| whole.advance(&mut |_| ()).unwrap());
+        restart(&scene, whole);
+    }
+}
+
+/// Tension that is held while rows last moves a drop as tension that is found in each step.
+#[test]
+fn held_tension_moves_a_drop_as_that_of_each_step() {
+    let [mut each, mut held] = [false, true].map(|holds| {
+        let mut scene = drop_scene("corrected", 2, EFFECTS);
+        if let Method::Wcsph(settings) = &mut scene.method {
+            settings.time_stepping = TimeStepping::Adaptive { safety: 1.0, holds };
+        }
+        start(&scene)
+    });
+    let (mut moved, mut apart) = (0.0f64, 0.0f64);
+    let places = |solver: &dyn Solver| {
+        let p = solver.state().particles;
+        let mut at = vec![[0.0; 2]; p.len()];
+        for i in 0..p.len() {
+            at[p.id[i] as usize] = [p.position[0][i], p.position[2][i]];
+        }
+        at
+    };
+    let first = places(each.as_ref());
+    for solver in [&mut each, &mut held] {
+        while solver.time() < 2e-3 {
+            solver.advance(&mut |_| ()).unwrap();
+        }
+    }
+    let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let (a, b) = (places(each.as_ref()), places(held.as_ref()));
+    for i in 0..first.len() {
+        moved = moved.max(far(a[i], first[i]));
+        apart = apart.max(far(a[i], b[i]));
+    }
+    println!("moved {moved:e} m, apart {apart:e} m");
+    assert!(
+        apart > 0.0 && apart < 0.02 * moved,
+        "{apart:e} of {moved:e} m"
+    );
 }
 
 /// The same bits after 60 advances from the state of `whole` as without a restart.

@@ -118,7 +118,10 @@ fn overrides_replace_what_the_file_says() {
     assert_eq!(scene.post.panels, [0.001, 0.002]);
     let mut expected = preset::wcsph_paper();
     expected.sph.smoothing = 1.2;
-    expected.time_stepping = TimeStepping::Adaptive { safety: 0.5 };
+    expected.time_stepping = TimeStepping::Adaptive {
+        safety: 0.5,
+        holds: false,
+    };
     assert_eq!(settings(&loaded), expected);
     let again = file::read(&loaded.text, Path::new("small.toml"), &[]).unwrap();
     assert_eq!(again.scene, *scene, "{}", loaded.text);

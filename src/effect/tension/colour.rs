@@ -26,6 +26,7 @@ impl Tension {
             self.kept_of = flow.sorted;
             self.keep(flow, is_surface);
         }
+        self.kept.place(flow.at);
         // A wall particle has the bulk's volume, and colour 1.
         self.payload[0].fill((flow.mass / self.density) as f32);
         let volumes = Slots::new(&mut self.payload[0]);

@@ -135,8 +135,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let (model, p, held) = (&self.model, &self.flow.particles, &self.held);
         let speed = 2.0 * self.fastest + 0.1 * model.sound_speed + self.hardest * dt;
         let [energy] = sum_in(&mut self.control.parts, p.len(), |i| {
-            let v = [0, 1, 2].map(|a| p.velocity[a][i] + held[i][a] as f64 * dt);
-            let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            let mut square = 0.0;
+            for (v, held) in p.velocity.iter().zip(&held[i]) {
+                square += (v[i] + *held as f64 * dt).powi(2);
+            }
             let compressed = p.density[i] / model.density - 1.0;
             [0.5 * p.mass * (square + (model.sound_speed * compressed).powi(2))]
         });

@@ -59,6 +59,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let outcome = self.check().and_then(|()| self.check_energy());
         if outcome.is_err() {
             std::mem::swap(&mut self.held, &mut self.force);
+            self.tension_age = f64::INFINITY;
         }
         outcome
     }
@@ -66,7 +67,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn next_step(&self) -> f64 {
         match self.model.settings.time_stepping {
             TimeStepping::Fixed { step } => step,
-            TimeStepping::Adaptive { safety } => safety * self.limits_now().least(),
+            TimeStepping::Adaptive { safety, .. } => safety * self.limits_now().least(),
             TimeStepping::Dual { .. } => unreachable!("dual stepping has its own loop"),
         }
     }
@@ -124,7 +125,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if let Some(g) = self.model.effects.gravity {
             gravity::add(g, &mut self.force);
         }
-        self.add_tension(|s| &mut s.force);
+        self.add_tension_of_step(dt);
         std::mem::swap(&mut self.held, &mut self.force);
         self.hardest = self.acceleration();
     }

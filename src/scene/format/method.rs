@@ -312,12 +312,20 @@ pub static STEPPING: &[Field] = &[
 
 pub static FIXED: &[Field] = &[required("step", TIME, "The step.")];
 
-pub static ADAPTIVE: &[Field] = &[default(
-    "safety",
-    Kind::Number(Range::Between(0.01, 5.0)),
-    "1",
-    "Factor on the limits.",
-)];
+pub static ADAPTIVE: &[Field] = &[
+    default(
+        "safety",
+        Kind::Number(Range::Between(0.01, 5.0)),
+        "1",
+        "Factor on the limits.",
+    ),
+    default(
+        "tension",
+        Kind::Word(&["each", "held"]),
+        "\"each\"",
+        "Found in each step, or held while neighbour rows last, up to the capillary limit.",
+    ),
+];
 
 pub static DUAL: &[Field] = &[
     default(

@@ -193,7 +193,10 @@ pub(super) fn flow(list: &mut List, scene: &Scene, walled: bool) {
     pairs(list, scene);
     kernel(list, scene);
     match &scene.method {
-        Method::Wcsph(settings) => wcsph(list, settings, walled && has_wall(scene)),
+        Method::Wcsph(settings) => {
+            let has = [walled && has_wall(scene), scene.effects.tension.is_some()];
+            wcsph(list, settings, has)
+        }
         Method::Isph(settings) => isph::settings(list, settings),
         Method::Mps(settings) => mps::settings(list, settings),
     }
@@ -231,7 +234,7 @@ fn has_wall(scene: &Scene) -> bool {
     sides.any(|side| *side == Side::Wall)
 }
 
-fn wcsph(list: &mut List, settings: &Wcsph, walled: bool) {
+fn wcsph(list: &mut List, settings: &Wcsph, [walled, pulled]: [bool; 2]) {
     match settings.density {
         Density::Summation => list.word("method.wcsph.density", "summation"),
         Density::Continuity {
@@ -271,15 +274,18 @@ fn wcsph(list: &mut List, settings: &Wcsph, walled: bool) {
         list.word("method.wcsph.wall_pressure", wall_pressure);
     }
     list.number("method.wcsph.shifting", settings.shifting, Unit::One);
-    stepping(list, settings.time_stepping);
+    stepping(list, settings.time_stepping, pulled);
 }
 
-fn stepping(list: &mut List, stepping: TimeStepping) {
+fn stepping(list: &mut List, stepping: TimeStepping, pulled: bool) {
     const KEY: &str = "method.wcsph.time_stepping";
     match stepping {
         TimeStepping::Fixed { step } => list.number(&format!("{KEY}.fixed.step"), step, Unit::Time),
-        TimeStepping::Adaptive { safety } => {
+        TimeStepping::Adaptive { safety, holds } => {
             list.number(&format!("{KEY}.adaptive.safety"), safety, Unit::One);
+            if holds && pulled {
+                list.word(&format!("{KEY}.adaptive.tension"), "held");
+            }
         }
         TimeStepping::Dual {
             advective,

@@ -14,6 +14,8 @@ use rayon::prelude::*;
 pub struct Kept {
     targets: Vec<u32>,
     chunks: Vec<Chunk>,
+    /// All points, without words: copied at one stroke.
+    points: Vec<Half>,
 }
 
 /// Up to [`CHUNK`] targets.
@@ -44,7 +46,9 @@ impl Kept {
                 + 2 * c.place.capacity()
                 + 16 * (c.copied.capacity() + c.near.index.capacity())
         };
-        4 * self.targets.capacity() + self.chunks.iter().map(of).sum::<usize>()
+        4 * self.targets.capacity()
+            + 16 * self.points.capacity()
+            + self.chunks.iter().map(of).sum::<usize>()
     }
 
     /// Finds who is within `cutoff` m of each target. `choose` fills in the targets, which are best
@@ -76,8 +80,16 @@ impl Kept {
         });
     }
 
-    /// Sums over the neighbours; `out[k]` belongs to target `k`. Of `field` the points, what they
-    /// and the targets carry and the scale; a point carries one word at most.
+    /// Takes over where the points are now, in fixed point.
+    pub fn place(&mut self, [x, y, z]: &[Vec<i32>; 3]) {
+        let at = x.par_iter().zip(y).zip(z).with_min_len(CHUNK);
+        at.map(|((x, y), z)| Half([*x as u32, *y as u32, *z as u32, 0]))
+            .collect_into_vec(&mut self.points);
+    }
+
+    /// Sums over the neighbours, where [`Kept::place`] has seen them; `out[k]` belongs to target
+    /// `k`. Of `field` what the points and the targets carry, and the scale; a point carries one
+    /// word at most.
     pub fn sum<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
         &mut self,
         field: Field<W, O>,
@@ -89,9 +101,11 @@ impl Kept {
         let targets = self.targets.par_chunks(CHUNK);
         let chunks = self.chunks.par_iter_mut().zip(targets);
         let chunks = chunks.zip(out.par_chunks_mut(CHUNK));
+        let points = self.points.as_slice();
         chunks.for_each(|((chunk, targets), out)| {
             let job = Summing {
                 field,
+                points,
                 pass,
                 targets,
                 chunk,
@@ -191,6 +205,7 @@ impl Chunk {
 /// Some targets of [`Kept::sum`].
 struct Summing<'a, const N: usize, const W: usize, const O: usize, P: Pass<N>> {
     field: Field<'a, W, O>,
+    points: &'a [Half],
     pass: &'a P,
     targets: &'a [u32],
     chunk: &'a mut Chunk,
@@ -201,7 +216,7 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
     #[inline(always)]
     unsafe fn run<L: Lanes>(self) {
         let (field, pass, chunk) = (self.field, self.pass, self.chunk);
-        let [x, y, z] = field.at;
+        let points = self.points;
         let scale = unsafe { field.scale.lanes::<L>() };
         let mut candidates = chunk.candidates.as_slice();
         let mut places = chunk.place.as_slice();
@@ -210,17 +225,21 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
             let (here, rest) = candidates.split_at(near as usize);
             candidates = rest;
             chunk.copied.clear();
-            chunk.copied.extend(here.iter().map(|&j| {
-                let j = j as usize;
-                let word = field.payload.first().map_or(0.0, |words| words[j]);
-                Half([x[j] as u32, y[j] as u32, z[j] as u32, word.to_bits()])
-            }));
+            chunk
+                .copied
+                .extend(here.iter().map(|&j| points[j as usize]));
+            if let Some(words) = field.payload.first() {
+                for (point, &j) in chunk.copied.iter_mut().zip(here) {
+                    point.0[3] = words[j as usize].to_bits();
+                }
+            }
             for ((&target, &count), out) in targets.by_ref().take(own as usize) {
                 let (i, count) = (target as usize, count as usize);
                 let (row, rest) = places.split_at(count.next_multiple_of(WIDTH));
                 places = rest;
                 unsafe {
-                    let own = ([x[i], y[i], z[i]], splat::<L>(field.own_of(pass, i)), scale);
+                    let [x, y, z, _] = points[i].0.map(|word| word as i32);
+                    let own = ([x, y, z], splat::<L>(field.own_of(pass, i)), scale);
                     let mut sum = [L::splat(0.0); N];
                     let (whole, left) = row.split_at(count - count % WIDTH);
                     for group in whole.chunks_exact(WIDTH) {

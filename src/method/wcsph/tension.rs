@@ -1,0 +1,57 @@
+//! Tension and contact lines in a step.
+//!
+//! Waves of tension are some 30 times slower than sound at d/15, so that the force of tension may
+//! be held over steps (multiple time steps: Tuckerman, Berne & Martyna 1992; over a whole advective
+//! step: Zhang, Rezavand & Hu 2020).
+
+use super::{SURFACE, Wcsph};
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::method::surface_of;
+use crate::space::parallel::{each, slots3};
+
+impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    /// Adds a_s, found now, to `held` or `force`, whichever is given.
+    pub(super) fn add_tension(&mut self, into: fn(&mut Self) -> &mut Vec<[f32; 3]>) {
+        let Some(mut tension) = self.tension.take() else {
+            return;
+        };
+        self.tension_age = 0.0;
+        if self.flow.has_moved() {
+            self.flow.place();
+        }
+        let scale = self.sum_factor();
+        let around = &self.around;
+        let sources = self.flow.sources();
+        let flow = surface_of(&self.flow, &sources);
+        tension.update(&flow, |i| around[i].kernel_sum(scale) < SURFACE);
+        let velocity = &self.flow.particles.velocity;
+        tension.friction(&flow, velocity, &mut self.friction);
+        drop(sources);
+        tension.add(into(self));
+        self.tension = Some(tension);
+    }
+
+    /// The same for the end of a single-rate step of `dt` s: found on new rows, after a rejected
+    /// step, and in each step unless it is held; then where it would be older than the capillary
+    /// limit of a step.
+    pub(super) fn add_tension_of_step(&mut self, dt: f64) {
+        let holds = self.model.settings.time_stepping.holds();
+        self.tension_age += dt;
+        if !holds || self.tension_age > self.limits_now().capillary() {
+            self.add_tension(|s| &mut s.force);
+        } else if let Some(tension) = &self.tension {
+            tension.add(&mut self.force);
+        }
+    }
+
+    /// Lets friction act on contact lines for `dt` s.
+    pub(super) fn rub(&mut self, dt: f64) {
+        let friction = &self.friction;
+        let v = slots3(&mut self.flow.particles.velocity);
+        each(friction.len(), |i| {
+            let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
+            [*x, *y, *z] = friction[i].slowed([*x, *y, *z], dt);
+        });
+    }
+}

@@ -65,7 +65,8 @@ pub mod version {
                 CORRECTED * u32::from(settings.gradient == Gradient::Corrected)
             }
             Method::Mps(settings) => {
-                MPS + CORRECTED * u32::from(settings.gradient == MpsGradient::Corrected)
+                let corrected = [MpsGradient::Corrected, MpsGradient::Blended];
+                MPS + CORRECTED * u32::from(corrected.contains(&settings.gradient))
             }
         };
         FLOW + of_method

@@ -16,6 +16,8 @@
 //! it (Khayyer & Gotoh 2008) would leave nothing of a linear p on a lattice.
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
+//! `blended` is `corrected` with the gradient of the smooth kernel in place of w / r^2 where a
+//! surface is in the support: a drop at rest stirs by 0.4 of it, a splash is coarser.
 //! `closure.completed` is that of ISPH, [`surface`], with the weights of (4); there and in the
 //! shifting a smooth kernel of h = r_e / 2 shows the surface. The step, its limits, walls and
 //! shifting: [`super::projection`].
@@ -39,7 +41,7 @@ use crate::kernel::WendlandC2;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, Pressure};
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
-use pass::{Around, Look, NEAREST, Number, PressureSlope, Viscous, Weights};
+use pass::{Around, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
 
 /// The kernel of walls, of the free surface and of the shifting.
 pub type Smooth = WendlandC2;
@@ -136,8 +138,8 @@ impl Mps {
         2.0 * case.dimension.count() as f64 / spread
     }
 
-    fn look_with<const CORRECTED: bool>(p: &mut Projection<Self>) {
-        let pass = Look::<CORRECTED> {
+    fn look_with<const CORRECTED: bool, const BLENDED: bool>(p: &mut Projection<Self>) {
+        let pass = Look::<CORRECTED, BLENDED> {
             reach: p.scheme.reach(&p.case),
             core: p.scheme.core(&p.case),
             number: 1.0 / p.scheme.lattice.number,
@@ -145,10 +147,26 @@ impl Mps {
             length: p.case.h,
             smooth: p.factor(0),
             active: p.active(),
-            marks: &p.marks,
+            surface: Surface {
+                marks: &p.marks,
+                even: p.factor(0) / p.scheme.gradient_factor(&p.case),
+            },
         };
         let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
         sweep::rows(records, rows, scale, &pass, &mut p.local);
+    }
+
+    fn slope_with<const SYMMETRIC: bool, const BLENDED: bool>(p: &mut Projection<Self>) {
+        let pass = PressureSlope::<SYMMETRIC, BLENDED> {
+            reach: p.scheme.reach(&p.case),
+            core: p.scheme.core(&p.case),
+            surface: Surface {
+                marks: &p.marks,
+                even: p.factor(0) / p.scheme.gradient_factor(&p.case),
+            },
+        };
+        let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
+        sweep::rows(records, rows, scale, &pass, &mut p.push);
     }
 
     /// Unknowns whose p is zero because n < beta n0.
@@ -188,7 +206,7 @@ impl Scheme for Mps {
     }
 
     fn is_corrected(&self) -> bool {
-        self.gradient == MpsGradient::Corrected
+        matches!(self.gradient, MpsGradient::Corrected | MpsGradient::Blended)
     }
 
     fn walls_are_dense(p: &Projection<Self>) -> bool {
@@ -225,8 +243,9 @@ impl Scheme for Mps {
 
     fn look(p: &mut Projection<Self>) {
         match p.scheme.gradient {
-            MpsGradient::Corrected => Self::look_with::<true>(p),
-            _ => Self::look_with::<false>(p),
+            MpsGradient::Corrected => Self::look_with::<true, false>(p),
+            MpsGradient::Blended => Self::look_with::<true, true>(p),
+            _ => Self::look_with::<false, false>(p),
         }
     }
 
@@ -303,20 +322,15 @@ impl Scheme for Mps {
             p.pressure.copy_from_slice(&p.unknown[..n]);
         }
         p.push.resize(n, [0.0; 3]);
-        let scale = p.scale();
-        let (reach, core) = (p.scheme.reach(&p.case), p.scheme.core(&p.case));
         p.pack_pressure();
-        let (records, rows) = (&p.flow.records, &p.flow.rows);
-        if p.scheme.gradient == MpsGradient::Symmetric {
-            let pass = PressureSlope::<true> { reach, core };
-            sweep::rows(records, rows, scale, &pass, &mut p.push);
-        } else {
-            let pass = PressureSlope::<false> { reach, core };
-            sweep::rows(records, rows, scale, &pass, &mut p.push);
+        match p.scheme.gradient {
+            MpsGradient::Symmetric => Self::slope_with::<true, false>(p),
+            MpsGradient::Blended => Self::slope_with::<false, true>(p),
+            _ => Self::slope_with::<false, false>(p),
         }
         // d = r_i - r_j: the sign of (3) and that of the acceleration cancel.
         let factor = p.scheme.gradient_factor(&p.case) / (p.case.h * p.case.density);
-        let corrected = p.scheme.gradient == MpsGradient::Corrected;
+        let corrected = p.scheme.is_corrected();
         let (local, push) = (&p.local, Slots::new(&mut p.push));
         each(n, |i| {
             let push = unsafe { push.at(i) };

@@ -46,10 +46,10 @@ impl Decision {
     }
 }
 
-/// A finished input: its key and the digest of what it contains.
 /// Setting by which earlier results are told apart: methods take their own time.
 const METHOD: &str = "method.name";
 
+/// A finished input: its key and the digest of what it contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Done {
     pub key: Digest,

@@ -18,8 +18,10 @@ pub enum MpsGradient {
     Minimum,
     /// With the sum of both pressures: keeps momentum (Tanaka & Masunaga 2010).
     Symmetric,
-    /// With a matrix that makes it exact for linear pressure.
+    /// With a matrix that makes it exact for linear pressure, but near a surface.
     Corrected,
+    /// The same, near a surface with the gradient of the smooth kernel.
+    Blended,
 }
 
 /// Every setting of MPS, after the preset and the overrides.

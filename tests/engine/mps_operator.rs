@@ -2,8 +2,9 @@
 
 use super::cloud::{Cloud, OPEN};
 use super::pack_scene::S0;
-use coronet::method::mps::Lattice;
-use coronet::method::mps::pass::{Look, Number, PressureSlope, Viscous, Weights};
+use coronet::kernel::Kernel;
+use coronet::method::mps::pass::{Look, Number, PressureSlope, Surface, Viscous, Weights};
+use coronet::method::mps::{Lattice, Smooth};
 use coronet::method::projection::correction::times;
 use coronet::method::projection::look::Local;
 use coronet::scene::Dimension;
@@ -163,7 +164,11 @@ fn gradient_and_divergence_are_exact_for_linear_fields() {
         let marks = vec![0.0; cloud.flow.liquid()];
         // A lattice does not see that the weight ends to grow at its spacing.
         let core = (1.0 / SMOOTHING) as f32;
-        let look = Look::<true> {
+        let surface = Surface {
+            marks: &marks,
+            even: 1.0,
+        };
+        let look = Look::<true, false> {
             reach: REACH,
             core,
             number: 1.0 / lattice.number,
@@ -171,7 +176,7 @@ fn gradient_and_divergence_are_exact_for_linear_fields() {
             length: SMOOTHING,
             smooth: 1.0,
             active: [true, d == 3, true],
-            marks: &marks,
+            surface,
         };
         let v = |[x, b, z]: [f64; 3]| {
             let b = y * b;
@@ -181,7 +186,11 @@ fn gradient_and_divergence_are_exact_for_linear_fields() {
         let slope = [4.0, -2.0 * y, 1.5];
         let p = |x: [f64; 3]| (0..3).map(|a| slope[a] * x[a]).sum::<f64>();
         // With the own pressure as the least: (p_j - p_i).
-        let pass = PressureSlope::<false> { reach: REACH, core };
+        let pass = PressureSlope::<false, false> {
+            reach: REACH,
+            core,
+            surface,
+        };
         let found = sums(&mut cloud, &pass, |x| [p(x), p(x), 0.0, 0.0, 0.0]);
         let unit = -(d as f64) / (lattice.number * SMOOTHING);
         for i in inside(&cloud) {
@@ -194,6 +203,52 @@ fn gradient_and_divergence_are_exact_for_linear_fields() {
                 assert!(exact(corrected[a]), "{dimension:?} {corrected:?}");
                 assert!(jitter > 0.0 || exact(plain[a]), "{dimension:?} {plain:?}");
             }
+        }
+    }
+}
+
+/// `blended`, a surface near: (p_j - p_i) W' / q d by hand, times `even`; none near: as ever.
+#[test]
+fn near_a_surface_a_blended_gradient_is_that_of_the_smooth_kernel() {
+    for dimension in BOTH {
+        let mut cloud = cloud(dimension, 0.2);
+        let n = cloud.flow.liquid();
+        let marks: Vec<f32> = (0..n).map(|i| (i % 2) as f32).collect();
+        let surface = Surface {
+            marks: &marks,
+            even: 0.4,
+        };
+        let core = (0.85 / SMOOTHING) as f32;
+        let blended = PressureSlope::<false, true> {
+            reach: REACH,
+            core,
+            surface,
+        };
+        let plain = PressureSlope::<false, false> {
+            reach: REACH,
+            core,
+            surface,
+        };
+        let p = |[x, y, z]: [f64; 3]| 1.0 + 0.3 * x - 0.2 * y + 0.1 * z * z;
+        let payload = |x| [p(x), p(x), 0.0, 0.0, 0.0];
+        let found = sums(&mut cloud, &blended, payload);
+        let inside = sums(&mut cloud, &plain, payload);
+        for i in 0..n {
+            let x = cloud.position(i);
+            let mut sum = [0.0; 3];
+            for y in (0..n).filter(|j| *j != i).map(|j| cloud.position(j)) {
+                let d = [0, 1, 2].map(|a| (x[a] - y[a]) / cloud.h);
+                let q = d.iter().map(|d| d * d).sum::<f64>().sqrt();
+                let f = -0.4 * Smooth::slope(q) * (p(y.map(|y| y / S0)) - p(x.map(|x| x / S0)));
+                (0..3).for_each(|a| sum[a] += f * d[a]);
+            }
+            let wanted = match marks[i] > 0.0 {
+                true => sum,
+                false => inside[i].map(f64::from),
+            };
+            let far = (0..3).map(|a| (found[i][a] as f64 - wanted[a]).abs());
+            let far = far.fold(0.0, f64::max);
+            assert!(far < 1e-4, "{dimension:?} {i}: {far}");
         }
     }
 }

@@ -240,6 +240,7 @@ fn every_setting_of_mps_can_be_overridden() {
     assert_eq!(flow("closure=threshold").closure, MpsClosure::Threshold);
     assert_eq!(flow("gradient=minimum").gradient, MpsGradient::Minimum);
     assert_eq!(flow("gradient=symmetric").gradient, MpsGradient::Symmetric);
+    assert_eq!(flow("gradient=blended").gradient, MpsGradient::Blended);
     assert_eq!(flow("pressure=clipped").pressure, Pressure::Clipped);
     every_setting_of_the_projection(|set| flow(set).projection);
     let strength = with("effects.tension.strength=flat").sph.tension_strength;

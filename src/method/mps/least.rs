@@ -21,8 +21,8 @@ impl Projection<Mps> {
                 let q = match gradient {
                     MpsGradient::Symmetric => 0.0,
                     MpsGradient::Minimum => least[i],
-                    MpsGradient::Corrected if marks[i] > 0.0 => -x[i],
-                    MpsGradient::Corrected => x[i],
+                    _ if marks[i] > 0.0 => -x[i],
+                    _ => x[i],
                 };
                 [x[i] as f32, q as f32, 0.0, 0.0, 0.0]
             },

@@ -42,6 +42,36 @@ unsafe fn steep<L: Lanes>(q2: L::F, reach: f32, core: f32) -> L::F {
     }
 }
 
+/// What a pass over gradients knows of free surfaces.
+#[derive(Clone, Copy)]
+pub struct Surface<'a> {
+    /// Above 0 for particles with a surface in the support.
+    pub marks: &'a [f32],
+    /// V norm / h^d of the smooth kernel over d / n0.
+    pub even: f64,
+}
+
+impl Surface<'_> {
+    /// The payload of `target`, and whether a surface is near, 0 or 1.
+    #[inline(always)]
+    fn seen(&self, target: usize, payload: [f32; 6]) -> [f32; 6] {
+        let [a, b, c, d, e, _] = payload;
+        [a, b, c, d, e, f32::from(self.marks[target] > 0.0)]
+    }
+
+    /// The weight of gradients, `f` inside and -W' / q near a surface; `slope`: W' / q.
+    ///
+    /// # Safety
+    /// The processor has the features of `L`.
+    #[inline(always)]
+    unsafe fn blend<L: Lanes>(&self, near: L::F, f: L::F, slope: L::F) -> L::F {
+        unsafe {
+            let smooth = L::mul(L::splat(-self.even as f32), slope);
+            L::fma(near, L::sub(smooth, f), f)
+        }
+    }
+}
+
 /// Weights of the Laplacian (Eq. 6). Payload: 1 inside and 0 where p = 0 is given, 1 / n with the
 /// density n of `surface::Share`, unused, offset c of a wall particle, Pa, unused.
 ///
@@ -78,8 +108,9 @@ impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
 }
 
 /// Fills [`Local`]. Payload: v* (3), unused (2).
-/// `CORRECTED`: divergence and gradients are exact for linear fields, else as in Eq. 5.
-pub struct Look<'a, const CORRECTED: bool> {
+/// `CORRECTED`: divergence and gradients are exact for linear fields but near a surface, else as in
+/// Eq. 5. `BLENDED`: near a surface they have the weight of the smooth kernel.
+pub struct Look<'a, const CORRECTED: bool, const BLENDED: bool> {
     /// r_e / h, where the weight of gradients ends to grow, in h, 1 / n0 and d / n0.
     pub reach: f32,
     pub core: f32,
@@ -91,12 +122,18 @@ pub struct Look<'a, const CORRECTED: bool> {
     pub smooth: f64,
     /// Axes along which anything varies.
     pub active: [bool; 3],
-    /// Above 0 for particles near a surface, whose gradients stay as in Eq. 5.
-    pub marks: &'a [f32],
+    pub surface: Surface<'a>,
 }
 
-impl<const CORRECTED: bool> Pass<21> for Look<'_, CORRECTED> {
+impl<const CORRECTED: bool, const BLENDED: bool> Pass<21> for Look<'_, CORRECTED, BLENDED> {
     type Out = Local;
+    #[inline(always)]
+    fn own(&self, target: usize, payload: [f32; 6]) -> [f32; 6] {
+        match BLENDED {
+            true => self.surface.seen(target, payload),
+            false => payload,
+        }
+    }
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 21]) {
         unsafe {
@@ -105,7 +142,10 @@ impl<const CORRECTED: bool> Pass<21> for Look<'_, CORRECTED> {
             let smooth = Smooth::w_apart::<L>(q, pair.q2);
             sum[1] = L::add(sum[1], smooth);
             let slope = Smooth::slope_lanes::<L>(q);
-            let f = steep::<L>(pair.q2, self.reach, self.core);
+            let mut f = steep::<L>(pair.q2, self.reach, self.core);
+            if BLENDED {
+                f = self.surface.blend::<L>(pair.own[5], f, slope);
+            }
             let (mut g, mut v) = (pair.d, pair.d);
             for a in 0..3 {
                 sum[2 + a] = L::fma(slope, pair.d[a], sum[2 + a]);
@@ -131,7 +171,7 @@ impl<const CORRECTED: bool> Pass<21> for Look<'_, CORRECTED> {
         out.slope = [s[2], s[3], s[4]].map(|s| (self.smooth / self.length * s as f64) as f32);
         out.moment = std::array::from_fn(|k| (self.value * s[5 + k] as f64) as f32);
         complete(&mut out.moment, self.active);
-        out.correction = if CORRECTED && self.marks[target] == 0.0 {
+        out.correction = if CORRECTED && self.surface.marks[target] == 0.0 {
             inverse(&out.moment)
         } else {
             IDENTITY
@@ -161,14 +201,23 @@ impl Pass<1> for Number {
 }
 
 /// SUM (P_b + P_a) d w / q^2 with `SYMMETRIC`, else SUM (P_b - Q_a) d w / q^2. Payload: P, Q.
-pub struct PressureSlope<const SYMMETRIC: bool> {
+/// `BLENDED`: as in [`Look`].
+pub struct PressureSlope<'a, const SYMMETRIC: bool, const BLENDED: bool> {
     /// r_e / h, and where the weight ends to grow, in h.
     pub reach: f32,
     pub core: f32,
+    pub surface: Surface<'a>,
 }
 
-impl<const SYMMETRIC: bool> Pass<3> for PressureSlope<SYMMETRIC> {
+impl<const SYMMETRIC: bool, const BLENDED: bool> Pass<3> for PressureSlope<'_, SYMMETRIC, BLENDED> {
     type Out = [f32; 3];
+    #[inline(always)]
+    fn own(&self, target: usize, payload: [f32; 6]) -> [f32; 6] {
+        match BLENDED {
+            true => self.surface.seen(target, payload),
+            false => payload,
+        }
+    }
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
         unsafe {
@@ -177,7 +226,12 @@ impl<const SYMMETRIC: bool> Pass<3> for PressureSlope<SYMMETRIC> {
             } else {
                 L::sub(pair.other[0], pair.own[1])
             };
-            let f = L::mul(steep::<L>(pair.q2, self.reach, self.core), p);
+            let mut f = steep::<L>(pair.q2, self.reach, self.core);
+            if BLENDED {
+                let slope = Smooth::slope_lanes::<L>(L::sqrt(pair.q2));
+                f = self.surface.blend::<L>(pair.own[5], f, slope);
+            }
+            f = L::mul(f, p);
             for a in 0..3 {
                 sum[a] = L::fma(f, pair.d[a], sum[a]);
             }

@@ -76,9 +76,9 @@ pub static MPS: &[Field] = &[
     ),
     optional(
         "gradient",
-        Kind::Word(&["minimum", "symmetric", "corrected"]),
-        "Pressure gradient: from the least pressure about, one that keeps momentum, or one exact \
-         for linear pressure.",
+        Kind::Word(&["minimum", "symmetric", "corrected", "blended"]),
+        "Pressure gradient: from the least pressure about, one that keeps momentum, one exact for \
+         linear pressure, or that with a smooth weight near free surfaces.",
     ),
     optional(
         "pressure",

@@ -25,6 +25,7 @@ pub(super) fn settings(list: &mut List, settings: &Mps) {
         MpsGradient::Minimum => "minimum",
         MpsGradient::Symmetric => "symmetric",
         MpsGradient::Corrected => "corrected",
+        MpsGradient::Blended => "blended",
     };
     list.word("method.mps.gradient", gradient);
     let pressure = match settings.pressure {

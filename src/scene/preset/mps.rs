@@ -129,6 +129,7 @@ fn override_flow(settings: &mut Mps, table: &Cursor<'_>) -> Result<(), SceneErro
                 settings.gradient = match value.text()? {
                     "minimum" => MpsGradient::Minimum,
                     "symmetric" => MpsGradient::Symmetric,
+                    "blended" => MpsGradient::Blended,
                     _ => MpsGradient::Corrected,
                 }
             }

@@ -157,7 +157,7 @@ pub fn figure(
             study.cost.name(),
             study.cost.unit()
         ),
-        y: format!("error of {} (%)", target.column),
+        y: format!("error of {} (%)", target.words()),
         clouds,
         front,
     }

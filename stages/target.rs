@@ -105,6 +105,20 @@ pub struct Found {
 }
 
 impl Target {
+    /// What is compared, for people: `crater depth` for `crater_depth_m`.
+    pub fn words(&self) -> String {
+        const UNITS: [&str; 6] = ["m", "s", "kg", "J", "Pa", "deg"];
+        let mut words: Vec<&str> = self.column.split('_').collect();
+        while words.len() > 1 && words.last().is_some_and(|word| UNITS.contains(word)) {
+            words.pop();
+        }
+        let words = words.join(" ");
+        match self.of {
+            Feature::Period => format!("the period of {words}"),
+            _ => words,
+        }
+    }
+
     pub fn check(&self) -> Result<(), &'static str> {
         let given = [
             self.value.is_some(),

@@ -152,7 +152,7 @@ impl Scatter {
 /// Height of what stands beside points.
 const LETTERS: i32 = 13;
 
-/// Where a label about a point covers nothing of what is `taken`, to which it is added: left, top,
+/// Where a label about a point covers least of what is `taken`, to which it is added: left, top,
 /// right, bottom.
 fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) {
     let wide = 7 * label.chars().count() as i32;
@@ -168,12 +168,14 @@ fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) 
         (left, y - 2 * LETTERS),
         (right, y + LETTERS),
         (left, y + LETTERS),
+        (x - wide / 2, y - 8 - 2 * LETTERS),
+        (x - wide / 2, y + 8 + LETTERS),
     ];
     let about = |(x, y): (i32, i32)| [x, y, x + wide, y + LETTERS];
-    let covered = |place: &(i32, i32)| {
+    let covered = |place: &(i32, i32)| -> i32 {
         let a = about(*place);
-        let covers = |b: &&[i32; 4]| a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
-        taken.iter().filter(covers).count()
+        let side = |b: &[i32; 4], k: usize| (a[k + 2].min(b[k + 2]) - a[k].max(b[k])).max(0);
+        taken.iter().map(|b| side(b, 0) * side(b, 1)).sum()
     };
     let place = places
         .into_iter()

@@ -48,6 +48,7 @@ pub const PROGRAM: &str = concat!(
 pub const BODY: &str = "body.checkpoint";
 
 fn main() -> ExitCode {
+    coronet::pipeline::machine::map_large_arrays();
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Study(arguments) => study::study(&arguments),

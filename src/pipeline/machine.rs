@@ -40,6 +40,17 @@ pub fn memory() -> f64 {
     f64::INFINITY
 }
 
+/// Has arrays of 128 KiB and more mapped, each by itself, so that what they leave goes back at once.
+/// The allocator of glibc would raise that limit with the first one freed, and rows that grow then
+/// leave holes: a seventh of the memory of ISPH at a million particles. Other systems need nothing.
+pub fn map_large_arrays() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: sets a number, before there are other threads.
+    unsafe {
+        libc::mallopt(libc::M_MMAP_THRESHOLD, 128 * 1024);
+    }
+}
+
 /// Name of this host, or empty.
 pub fn host() -> String {
     let file = std::fs::read_to_string("/proc/sys/kernel/hostname");

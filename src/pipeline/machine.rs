@@ -40,9 +40,9 @@ pub fn memory() -> f64 {
     f64::INFINITY
 }
 
-/// Has arrays of 128 KiB and more mapped, each by itself, so that what they leave goes back at once.
-/// The allocator of glibc would raise that limit with the first one freed, and rows that grow then
-/// leave holes: a seventh of the memory of ISPH at a million particles. Other systems need nothing.
+/// Has arrays of 128 KiB and more mapped, each by itself, so that what is freed goes back at once.
+/// The allocator of glibc would raise that limit with the first one freed, and rows that grow would
+/// leave holes: a tenth of the memory of ISPH at a million particles.
 pub fn map_large_arrays() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: sets a number, before there are other threads.

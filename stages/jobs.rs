@@ -18,9 +18,7 @@ use crate::settings::list;
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
-    use coronet::scene::{
-        Density, Gradient, Method, MpsGradient, Scene, TensionForm, TimeStepping,
-    };
+    use coronet::scene::{Density, Gradient, Method, Scene, TensionForm, TimeStepping};
 
     pub const PACK: u32 = 2;
     const CALIBRATE: u32 = 7;
@@ -64,10 +62,7 @@ pub mod version {
             Method::Isph(settings) => {
                 CORRECTED * u32::from(settings.gradient == Gradient::Corrected)
             }
-            Method::Mps(settings) => {
-                let corrected = [MpsGradient::Corrected, MpsGradient::Blended];
-                MPS + CORRECTED * u32::from(corrected.contains(&settings.gradient))
-            }
+            Method::Mps(settings) => MPS + CORRECTED * u32::from(settings.gradient.is_corrected()),
         };
         FLOW + of_method
             + WETTING * u32::from(wets)

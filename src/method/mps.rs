@@ -206,7 +206,7 @@ impl Scheme for Mps {
     }
 
     fn is_corrected(&self) -> bool {
-        matches!(self.gradient, MpsGradient::Corrected | MpsGradient::Blended)
+        self.gradient.is_corrected()
     }
 
     fn walls_are_dense(p: &Projection<Self>) -> bool {

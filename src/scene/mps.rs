@@ -24,6 +24,13 @@ pub enum MpsGradient {
     Blended,
 }
 
+impl MpsGradient {
+    /// Whether it is exact for a linear pressure, and keeps no momentum by itself.
+    pub fn is_corrected(self) -> bool {
+        matches!(self, MpsGradient::Corrected | MpsGradient::Blended)
+    }
+}
+
 /// Every setting of MPS, after the preset and the overrides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mps {

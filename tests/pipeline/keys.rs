@@ -304,6 +304,23 @@ fn a_lattice_has_no_seed() {
     }
 }
 
+/// Particles of a lattice are numbered along the cells of the kernel, so methods of different
+/// kernels share none.
+#[test]
+fn a_lattice_out_of_a_shared_store_is_that_of_its_own_kernel() {
+    let lattice = ["--until", "pack", "--set", "pack.arrangement=lattice"];
+    let (shared, mut packed) = (Program::new(), BTreeSet::new());
+    for smoothing in ["1.2", "1.5", "2"] {
+        let set = format!("method.wcsph.smoothing={smoothing}");
+        let set = [&lattice[..], &["--set", &set]].concat();
+        let (found, own) = (shared.run(&set), Program::new().run(&set));
+        let found = members(&found, "digest");
+        assert_eq!(found, members(&own, "digest"), "{smoothing}");
+        packed.insert(found["pack pool"].clone());
+    }
+    assert!(packed.len() > 1, "order does not depend on the kernel");
+}
+
 /// A key is honest if what it leaves out really does not matter: what a setting leaves fresh is
 /// made from nothing under that setting, with the same digest.
 #[test]

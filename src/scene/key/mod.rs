@@ -14,7 +14,7 @@ mod projection;
 use std::path::Path;
 
 use super::quantity::{Unit, human};
-use super::{Arrangement, Colour, Mass, Scene, TensionStrength};
+use super::{Arrangement, Colour, Scene, TensionStrength};
 use body::{body_colour, size};
 use flow::{colour, effects, flow, kernel, pairs, particle, physics, tension, walls, wetting};
 
@@ -148,9 +148,8 @@ pub fn pack(scene: &Scene, body: usize) -> Result<Vec<Setting>, KeyError> {
         list.count("pack.seed", pack.seed);
         list.count("pack.iterations", pack.iterations as u64);
     }
-    if !lattice || scene.method.sph().mass == Mass::LatticeSum {
-        kernel(&mut list, scene);
-    }
+    // A lattice too: its particles are numbered along the cells of the kernel.
+    kernel(&mut list, scene);
     size(&mut list, scene, &scene.bodies[body]);
     list.end()
 }

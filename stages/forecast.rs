@@ -1,7 +1,8 @@
 //! What a stage will take, told before it starts: processor time, memory and disk.
 //!
-//! The costs below were measured on the machine of docs/performance.md; an earlier result of the
-//! same method corrects them for the machine at hand (`coronet::pipeline`). Steps are counted along
+//! The costs below were measured on machine B of docs/performance.md; an earlier result of the
+//! same method corrects them for the machine at hand (`coronet::pipeline`), else a
+//! [probe](crate::probe). Steps are counted along
 //! the speed that limits them: a splash is faster than the impact at first, then slows down as
 //! 1 / t until waves and jet set the pace.
 
@@ -12,10 +13,10 @@ use coronet::scene::{
 };
 
 /// CPU seconds of a particle's step: ISPH and MPS with multigrid, WCSPH without tension.
-const ISPH: f64 = 3.4e-6;
-const MPS: f64 = 2.3e-6;
-const WCSPH_SUMMED: f64 = 0.4e-6;
-const WCSPH_CONTINUOUS: f64 = 0.6e-6;
+const ISPH: f64 = 2.5e-6;
+const MPS: f64 = 2.6e-6;
+const WCSPH_SUMMED: f64 = 0.25e-6;
+const WCSPH_CONTINUOUS: f64 = 0.43e-6;
 /// What tension adds to a step of WCSPH; the normalised colour is summed to so many H under a
 /// surface, at this for each particle within.
 const TENSION: f64 = 0.1e-6;
@@ -25,16 +26,16 @@ const NORMALISED: f64 = 1.4e-6;
 const HELD: f64 = 0.12;
 /// Iterations of conjugate gradients to 1e-6 at a million particles, which grow as N^(1/3), and CPU
 /// seconds of an unknown in one: diagonal (or none), SSOR.
-const DIAGONAL: [f64; 2] = [187.0, 53e-9];
-const SSOR: [f64; 2] = [144.0, 300e-9];
+const DIAGONAL: [f64; 2] = [187.0, 40e-9];
+const SSOR: [f64; 2] = [144.0, 220e-9];
 /// Neighbours in two dimensions over those in three, about.
 const FLAT: f64 = 0.5;
 /// CPU seconds of a step whatever the number of particles.
-const STEP: f64 = 0.3e-3;
+const STEP: f64 = 0.2e-3;
 /// CPU seconds of a particle: lattice, Poisson disks, rest; of a particle in a frame measured.
-const LATTICE: f64 = 5e-6;
-const POISSON: f64 = 160e-6;
-const REST: f64 = 250e-6;
+const LATTICE: f64 = 2e-6;
+const POISSON: f64 = 130e-6;
+const REST: f64 = 180e-6;
 const MEASURE: f64 = 1e-6;
 /// Bytes of a particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// checkpoints that stay.
@@ -121,20 +122,22 @@ fn speed(scene: &Scene, time: f64) -> f64 {
     let Some(diameter) = numbers::drop_diameter(scene).filter(|_| falls) else {
         return numbers::reference_speed(scene);
     };
-    // Fitted to the time steps of splashes at d/8 and d/16, 2.42 and 3.13 m/s: those of WCSPH
-    // follow its fastest particles, those of the projections leave spray out and are longest
-    // between splash and jet.
+    // Fitted to the time steps of splashes from d/5 to d/24, 2.42 and 3.13 m/s: those of WCSPH
+    // follow its fastest particles, those of the projections leave spray out.
     let crossings = time * impact / diameter;
-    let (splash, [slow, fast]) = match is_projected(scene) {
-        true if crossings < JET => (2.0, [0.2, 1.1]),
-        true => (2.0, [0.33, 1.1]),
-        false => (4.0, [0.35, 1.2]),
+    let slow = match crossings {
+        ..RISE if is_projected(scene) => 0.25,
+        ..RISE => 0.35,
+        ..FALL => 0.45,
+        _ if is_projected(scene) => 0.33,
+        _ => 0.2,
     };
-    impact * (splash / crossings).clamp(slow, fast)
+    impact * (1.5 / crossings).clamp(slow, 1.1)
 }
 
-/// Diameters over the impact's speed until a jet rises.
-const JET: f64 = 30.0;
+/// Diameters over the impact's speed until a jet rises, and until it falls.
+const RISE: f64 = 30.0;
+const FALL: f64 = 55.0;
 
 /// Time step at a speed, s.
 fn step(scene: &Scene, speed: f64) -> f64 {

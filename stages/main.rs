@@ -18,6 +18,7 @@ mod pack;
 mod plan;
 mod points;
 mod post;
+mod probe;
 mod promise;
 mod relax;
 mod run;

@@ -2,15 +2,16 @@
 //!
 //! The costs below were measured on machine B of docs/performance.md; an earlier result of the
 //! same method corrects them for the machine at hand (`coronet::pipeline`), else a
-//! [probe](crate::probe). Steps are counted along
-//! the speed that limits them: a splash is faster than the impact at first, then slows down as
-//! 1 / t until waves and jet set the pace.
+//! [probe](crate::probe). Steps are counted along the speed that limits them: a splash is faster
+//! than the impact at first, then slows down as 1 / t until waves and jet set the pace.
 
 use coronet::pipeline::Work;
 use coronet::scene::{
     Arrangement, Dimension, Method, Motion, Preconditioner, Projection, Scene, Side, TensionForm,
     TimeStepping, numbers,
 };
+
+use crate::probe;
 
 /// CPU seconds of a particle's step: ISPH and MPS with multigrid, WCSPH without tension.
 const ISPH: f64 = 2.5e-6;
@@ -46,6 +47,8 @@ const BASE: f64 = 2e7;
 const PICTURE: f64 = 550.0;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
+/// CPU seconds of work for which it pays to probe the machine.
+const PROBED: f64 = 20.0;
 
 /// Particles of the whole scene.
 fn particles(scene: &Scene) -> f64 {
@@ -181,6 +184,7 @@ fn steps(scene: &Scene) -> f64 {
 fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
     cpu.is_finite().then(|| Work {
         amount: cpu,
+        slower: if cpu > PROBED { probe::slower } else { || 1.0 },
         threads: rayon::current_num_threads(),
         memory: BASE + memory * MEMORY[usize::from(is_projected(scene))],
         disk,

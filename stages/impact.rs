@@ -17,7 +17,7 @@ use coronet::scene::file::Loaded;
 use crate::flight::{self, Flight};
 use crate::journal::{Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start};
 use crate::pace::Pace;
-use crate::{calibrate, forecast, probe, settings};
+use crate::{calibrate, forecast, settings};
 
 /// State at the end.
 pub const STATE: &str = "state.checkpoint";
@@ -59,10 +59,6 @@ impl Stage for Impact<'_> {
 
     fn work(&self) -> Option<Work> {
         forecast::impact(&self.loaded.scene)
-    }
-
-    fn slower(&self) -> f64 {
-        probe::slower(self.work())
     }
 
     fn remark(&self, name: &str) -> Option<&str> {

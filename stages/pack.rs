@@ -8,7 +8,7 @@ use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, 
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::file::Loaded;
 
-use crate::{BODY, forecast, probe};
+use crate::{BODY, forecast};
 
 /// Time between two reports.
 const BETWEEN: Duration = Duration::from_millis(200);
@@ -27,10 +27,6 @@ impl Stage for Pack<'_> {
 
     fn work(&self) -> Option<Work> {
         forecast::pack(&self.loaded.scene, self.body)
-    }
-
-    fn slower(&self) -> f64 {
-        probe::slower(self.work())
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {

@@ -8,8 +8,8 @@ use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, 
 use coronet::record::log;
 use coronet::scene::file::Loaded;
 
+use crate::forecast;
 use crate::impact::FRAMES;
-use crate::{forecast, probe};
 
 /// The table of measures, as [`post::Post`] names it.
 pub const MEASURES: &str = "measures.csv";
@@ -38,10 +38,6 @@ impl Stage for Post<'_> {
 
     fn work(&self) -> Option<Work> {
         forecast::post(&self.loaded.scene)
-    }
-
-    fn slower(&self) -> f64 {
-        probe::slower(self.work())
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {

@@ -6,13 +6,11 @@ use std::sync::OnceLock;
 
 use coronet::method::{Phase, build, initial};
 use coronet::particle::pack::pack;
-use coronet::pipeline::{Work, machine};
+use coronet::pipeline::machine;
 use coronet::scene::file;
 
 /// CPU seconds of a particle's step of the probe on the machine that forecasts are of.
 const KNOWN: f64 = 0.21e-6;
-/// CPU seconds of work for which it pays to probe.
-const WORTH: f64 = 20.0;
 /// Turns after the first, of which the fastest counts.
 const TURNS: usize = 3;
 
@@ -29,14 +27,10 @@ frames = { interval = '1 s' }
 method = { name = 'wcsph', preset = 'modern', wcsph = { reference_speed = '1 m/s' } }
 ";
 
-/// CPU seconds of this machine for one of the machine that forecasts are of; 1 for work that is
-/// done sooner than it is known.
-pub fn slower(work: Option<Work>) -> f64 {
+/// CPU seconds of this machine for one of the machine that forecasts are of.
+pub fn slower() -> f64 {
     static SLOWER: OnceLock<f64> = OnceLock::new();
-    match work {
-        Some(work) if work.amount > WORTH => *SLOWER.get_or_init(|| probe().unwrap_or(1.0)),
-        _ => 1.0,
-    }
+    *SLOWER.get_or_init(|| probe().unwrap_or(1.0))
 }
 
 /// `None` where the system does not tell the time of a process.

@@ -13,7 +13,7 @@ use coronet::scene::file::Loaded;
 use crate::flight::{self, Flight};
 use crate::impact::read_body;
 use crate::pace::Pace;
-use crate::{BODY, forecast, probe};
+use crate::{BODY, forecast};
 
 /// Since when both limits have been kept, s, as a scalar of a checkpoint; NaN: they are not.
 const CALM_SINCE: &str = "calm_since";
@@ -41,10 +41,6 @@ impl Stage for Relax<'_> {
 
     fn work(&self) -> Option<Work> {
         forecast::relax(&self.loaded.scene, self.body)
-    }
-
-    fn slower(&self) -> f64 {
-        probe::slower(self.work())
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {

@@ -286,6 +286,6 @@ fn estimate(stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
     let longest = stamps
         .filter(|stamp| long(stamp) && known(stamp) && same(stamp))
         .max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds));
-    let slower = longest.and_then(ratio).unwrap_or_else(|| stage.slower());
+    let slower = longest.and_then(ratio).unwrap_or_else(work.slower);
     Some(slower * work.amount / work.threads as f64)
 }

@@ -129,12 +129,6 @@ pub trait Stage: Sync {
         None
     }
 
-    /// CPU seconds of this machine for one of [`Work::amount`]; asked where no earlier result
-    /// tells.
-    fn slower(&self) -> f64 {
-        1.0
-    }
-
     /// What a user should know when the setting `name` makes this stage stale.
     fn remark(&self, _name: &str) -> Option<&str> {
         None
@@ -145,10 +139,12 @@ pub trait Stage: Sync {
 }
 
 /// What a job will take, as far as it can be told before it starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Work {
-    /// CPU seconds, on a machine that the stage knows ([`Stage::slower`]).
+    /// CPU seconds, on a machine that the stage knows.
     pub amount: f64,
+    /// CPU seconds of this machine for one of those; asked where no earlier result tells.
+    pub slower: fn() -> f64,
     /// Threads that share them.
     pub threads: usize,
     /// Bytes at most.

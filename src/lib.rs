@@ -1,9 +1,10 @@
 //! Coronet: drop impact with particles. The engine; the program is in `stages/`.
 //!
 //! Modules in reading order; a module names only modules of its own row or of rows before it:
-//! `scene space kernel | particle | effect | method | measure record | pipeline`.
+//! `file | scene space kernel | particle | effect | method | measure record | pipeline`.
 
 pub mod effect;
+pub mod file;
 pub mod kernel;
 pub mod measure;
 pub mod method;

@@ -9,6 +9,7 @@ mod search;
 
 /// Lowest first. A module may name only modules of its own row or of rows before it.
 const LAYERS: &[&[&str]] = &[
+    &["file"],
     &["scene", "space", "kernel"],
     &["particle"],
     &["effect"],

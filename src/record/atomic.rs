@@ -7,34 +7,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+pub use crate::file::FileError;
+
 const SUFFIX: &str = ".coronet-tmp";
-
-/// An operation on a file that failed.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot {action} {}: {source}", path.display())]
-pub struct FileError {
-    pub path: PathBuf,
-    /// What was tried, as a verb: `write`, `rename` ...
-    pub action: &'static str,
-    pub source: io::Error,
-}
-
-impl FileError {
-    /// For `map_err`: wraps an `io::Error` with the path and the action.
-    pub fn new(path: &Path, action: &'static str) -> impl Fn(io::Error) -> FileError {
-        let path = path.to_path_buf();
-        move |source| FileError {
-            path: path.clone(),
-            action,
-            source,
-        }
-    }
-
-    /// Whether there was no such file.
-    pub fn is_not_found(&self) -> bool {
-        self.source.kind() == io::ErrorKind::NotFound
-    }
-}
 
 /// A file being written under a temporary name; dropped without [`commit`](Self::commit), it
 /// vanishes.

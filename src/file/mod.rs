@@ -1,0 +1,125 @@
+//! Files from outside: what is opened is a regular file, and what is read has a limit.
+//!
+//! A pipe or a device in the place of a file could make the program wait for ever or read without
+//! end; a symbolic link in a store could lead out of it.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+
+/// An operation on a file that failed.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {action} {}: {source}", path.display())]
+pub struct FileError {
+    pub path: PathBuf,
+    /// What was tried, as a verb: `write`, `rename` ...
+    pub action: &'static str,
+    pub source: io::Error,
+}
+
+impl FileError {
+    /// For `map_err`: wraps an `io::Error` with the path and the action.
+    pub fn new(path: &Path, action: &'static str) -> impl Fn(io::Error) -> FileError {
+        let path = path.to_path_buf();
+        move |source| FileError {
+            path: path.clone(),
+            action,
+            source,
+        }
+    }
+
+    /// Whether there is no such file.
+    pub fn is_not_found(&self) -> bool {
+        self.source.kind() == io::ErrorKind::NotFound
+    }
+
+    /// Whether the user may not do this.
+    pub fn is_permission_denied(&self) -> bool {
+        self.source.kind() == io::ErrorKind::PermissionDenied
+    }
+}
+
+/// Opens a regular file for reading; symbolic links are followed. Never waits for a writer.
+///
+/// # Errors
+/// If the file cannot be opened, or is a folder, a pipe, a socket or a device.
+pub fn open(path: &Path) -> Result<File, FileError> {
+    open_with(path, 0)
+}
+
+/// As [`open`], but the last component of `path` must not be a symbolic link.
+///
+/// # Errors
+/// Those of [`open`], and if the file is a symbolic link.
+pub fn open_no_link(path: &Path) -> Result<File, FileError> {
+    refuse_link(path)?;
+    #[cfg(unix)]
+    return open_with(path, libc::O_NOFOLLOW);
+    #[cfg(not(unix))]
+    open_with(path, 0)
+}
+
+/// The whole content of a regular file of at most `limit` bytes; symbolic links are followed.
+///
+/// # Errors
+/// Those of [`open`], and if the file is longer than `limit`.
+pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    read_all(open(path)?, path, limit)
+}
+
+/// As [`read`], but the last component of `path` must not be a symbolic link.
+///
+/// # Errors
+/// Those of [`open_no_link`], and if the file is longer than `limit`.
+pub fn read_no_link(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    read_all(open_no_link(path)?, path, limit)
+}
+
+/// Fails if `path` itself is a symbolic link; what does not exist is not one.
+///
+/// # Errors
+/// If it is a link, or if that cannot be found out.
+pub fn refuse_link(path: &Path) -> Result<(), FileError> {
+    match path.symlink_metadata() {
+        Ok(metadata) if metadata.is_symlink() => {
+            let what = "it is a symbolic link, which is never followed here; remove it";
+            Err(FileError::new(path, "use")(io::Error::other(what)))
+        }
+        Ok(_) => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(FileError::new(path, "examine")(error)),
+    }
+}
+
+fn open_with(path: &Path, flags: i32) -> Result<File, FileError> {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt as _;
+        // Opening a pipe would otherwise wait for its other end.
+        options.custom_flags(flags | libc::O_NONBLOCK);
+    }
+    #[cfg(not(unix))]
+    let _ = flags;
+    let file = options.open(path).map_err(FileError::new(path, "open"))?;
+    let metadata = file.metadata().map_err(FileError::new(path, "examine"))?;
+    if !metadata.is_file() {
+        let what = "it is not a regular file";
+        return Err(FileError::new(path, "read")(io::Error::other(what)));
+    }
+    Ok(file)
+}
+
+fn read_all(file: File, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    let mut bytes = Vec::new();
+    // Not by the length that the file reports: files of /proc report zero and can be endless.
+    file.take(limit.saturating_add(1))
+        .read_to_end(&mut bytes)
+        .map_err(FileError::new(path, "read"))?;
+    if bytes.len() as u64 > limit {
+        let what = format!("it is longer than {limit} bytes");
+        return Err(FileError::new(path, "read")(io::Error::other(what)));
+    }
+    Ok(bytes)
+}

@@ -1,9 +1,9 @@
 //! Stores from which commands start, and the calls that a command makes from there.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::place::{Expected, Files, GC, Place, RUN, VERIFY};
+use crate::place::{Expected, Files, GC, PLAN, Place, RUN, VERIFY};
 use crate::trace::{Action, Call, End, Watch};
 
 /// A command and the files that it starts from.
@@ -11,6 +11,9 @@ pub struct Beginning {
     pub name: &'static str,
     pub command: &'static [&'static str],
     pub files: Files,
+    /// What the undisturbed command prints, and the names that it leaves.
+    pub out: String,
+    pub names: Vec<PathBuf>,
 }
 
 /// The beginnings of all campaigns, and what an undisturbed run leaves.
@@ -122,7 +125,7 @@ impl Watch for At<'_> {
     fn before(&mut self, call: &Call) -> Action {
         let here = self.namer.name(call, self.folder) == *self.name;
         self.reached |= here;
-        if !here && !(self.stays && self.reached) {
+        if !(here || self.stays && self.reached) {
             return Action::Pass;
         }
         match self.error {
@@ -133,6 +136,25 @@ impl Watch for At<'_> {
 }
 
 impl Beginning {
+    fn new(name: &'static str, command: &'static [&'static str], files: &Files) -> Self {
+        let place = Place::of(files);
+        let ended = place.call(command);
+        assert_eq!(
+            ended.end,
+            End::Code(0),
+            "{name}: {}{}",
+            ended.out,
+            ended.err
+        );
+        Beginning {
+            name,
+            command,
+            files: files.clone(),
+            out: ended.out,
+            names: place.files().into_keys().collect(),
+        }
+    }
+
     /// The calls of the undisturbed command, in order.
     pub fn calls(&self) -> Vec<Name> {
         let place = Place::of(&self.files);
@@ -167,15 +189,12 @@ impl Beginnings {
         let lacks = place.lacks(&ended, &expected);
         assert_eq!(lacks, None);
         let finished = place.files();
-        let beginning = |name, command, files: &Files| Beginning {
-            name,
-            command,
-            files: files.clone(),
-        };
+        let beginning = Beginning::new;
         let all = vec![
             beginning("run, from nothing", RUN, &Place::new().files()),
             beginning("run, after a kill", RUN, &half_finished()),
             beginning("run, all finished", RUN, &finished),
+            beginning("plan", PLAN, &finished),
             beginning("verify", VERIFY, &finished),
             beginning("gc", GC, &with_garbage()),
         ];

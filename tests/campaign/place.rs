@@ -17,6 +17,7 @@ pub const SCENE: &str = include_str!("smallest.toml");
 pub const RUN: &[&str] = &["run", "smallest.toml", "--json", "--threads", "1"];
 pub const VERIFY: &[&str] = &["verify", "--json"];
 pub const GC: &[&str] = &["gc", "--json"];
+pub const PLAN: &[&str] = &["plan", "smallest.toml", "--json"];
 
 /// No command takes longer, unless it hangs.
 const LIMIT: Duration = Duration::from_secs(30);
@@ -138,7 +139,7 @@ impl Place {
         }
         let latest = self.latest();
         if latest != expected.latest {
-            return Some(format!("latest/ leads to {latest:?}"));
+            return Some(differences(&expected.latest, &latest));
         }
         let verified = self.call(VERIFY);
         (verified.end != End::Code(0)).then(|| format!("verify: {}{}", verified.out, verified.err))
@@ -179,6 +180,20 @@ impl Ended {
             End::Code(_) if self.err.contains("panicked") => Some(format!("panic: {}", self.err)),
             _ => None,
         }
+    }
+}
+
+/// How the names under `latest/` differ.
+fn differences(
+    expected: &BTreeMap<PathBuf, PathBuf>,
+    found: &BTreeMap<PathBuf, PathBuf>,
+) -> String {
+    let lacks = expected
+        .iter()
+        .any(|(name, to)| found.get(name) != Some(to));
+    match lacks {
+        true => "latest/ lacks names".to_string(),
+        false => "latest/ has other names".to_string(),
     }
 }
 

@@ -62,7 +62,7 @@ impl Report {
         if result.as_ref().is_err_and(|what| what == MISSED) {
             self.missed += 1;
         } else if let Err(what) = result {
-            let kind = format!("{part}: {}", without_numbers(&what));
+            let kind = format!("{part}: {}", plain(&what));
             self.problems
                 .entry(kind)
                 .or_default()
@@ -100,12 +100,12 @@ pub const MISSED: &str = "the call did not come";
 /// Of each kind of problem, how many places are printed.
 const SHOWN: usize = 400;
 
-/// So that problems that differ in keys or times only are one kind.
-fn without_numbers(text: &str) -> String {
-    let mut plain = String::new();
-    for word in text.split_inclusive(|c: char| !c.is_ascii_hexdigit()) {
-        let is_key = word.len() > 12;
-        plain.push_str(if is_key { "KEY/" } else { word });
-    }
-    plain
+/// So that problems that differ in numbers and paths only are one kind.
+fn plain(text: &str) -> String {
+    let word = |word: &str| match word.contains('/') && !word.starts_with("latest/") {
+        true => "PATH".to_string(),
+        false if word.starts_with("Code(") => word.to_string(),
+        false => word.replace(|c: char| c.is_ascii_digit(), "N"),
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }

@@ -75,7 +75,9 @@ pub fn run(mut command: Command, folder: &Path, limit: Duration, watch: &mut dyn
     // SAFETY: the closure makes system calls only, as it must between fork and exec; `filter` was
     // allocated before.
     unsafe { command.pre_exec(move || be_traced(&filter)) };
-    let child = command.spawn().expect("the program starts");
+    // A group of its own, so that its children die with it.
+    command.process_group(0);
+    let mut child = command.spawn().expect("the program starts");
     let main = libc::pid_t::try_from(child.id()).expect("a process id");
     let (done, wait) = mpsc::channel::<()>();
     let watchdog = std::thread::spawn(move || {
@@ -93,6 +95,8 @@ pub fn run(mut command: Command, folder: &Path, limit: Duration, watch: &mut dyn
     };
     let end = tracer.run(watch);
     drop(done);
+    // The tracer has waited for it already.
+    let _ = child.wait();
     match watchdog.join().expect("it only waits") {
         true => End::Hang,
         false => end,
@@ -116,9 +120,11 @@ fn be_traced(filter: &[libc::sock_filter]) -> io::Result<()> {
     }
 }
 
+/// Kills the program and its children. Its number is not given to others as long as one of them is
+/// there.
 fn kill(process: libc::pid_t) {
-    // SAFETY: `process` is our child and has not been waited for to its end.
-    unsafe { libc::kill(process, libc::SIGKILL) };
+    // SAFETY: a plain system call; `process` leads a group of its own.
+    unsafe { libc::kill(-process, libc::SIGKILL) };
 }
 
 struct Tracer<'a> {

@@ -1,6 +1,7 @@
 //! What a user types.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -8,10 +9,11 @@ const EXIT_CODES: &str = "\
 Exit codes:
   0    done
   1    a stage failed for another reason
-  2    wrong arguments, or a mistake in the pipeline file
+  2    wrong arguments, a mistake in the pipeline file, or nothing to do it with
   3    the physics went wrong (diverged); the last good checkpoint is kept
   4    results cannot be trusted: damaged files (verify), or one key with two results
-  5    files cannot be read or written: no space, no permission, read-only
+  5    files cannot be read or written: no space, no permission, read-only, an error of the disk;
+       nothing is set aside or removed. Standard output counts, unless its reader has gone
   6    in use by another process (gc)
   130  stopped by Ctrl-C or a termination signal after a checkpoint; the same command goes on";
 
@@ -38,7 +40,8 @@ pub enum Command {
     Plan(PlanArguments),
     /// Hash all finished results again; set damaged files aside, so that `run` makes them anew
     Verify(StoreArguments),
-    /// Remove results that no pipeline reaches (see `artifacts/latest/`)
+    /// Remove results that are known to be garbage; finished ones only by age or name
+    #[command(after_help = EXIT_CODES)]
     Gc(SweepArguments),
     /// Show what a checkpoint, a log or a result holds
     Show(ShowArguments),
@@ -48,6 +51,23 @@ pub enum Command {
     Recover(RecoverArguments),
     /// Print the JSON schema of pipeline files, for editors
     Schema,
+}
+
+impl Command {
+    /// Whether its output, or that of processes that it starts, is JSON.
+    pub fn writes_json(&self) -> bool {
+        match self {
+            Command::Run(arguments) => arguments.store.json,
+            Command::Plan(arguments) => arguments.store.json,
+            Command::Verify(arguments) => arguments.json,
+            Command::Gc(arguments) => arguments.store.json,
+            Command::Show(arguments) => arguments.json,
+            Command::Export(arguments) => arguments.json,
+            Command::Recover(arguments) => arguments.json,
+            Command::Study(_) | Command::Tune(_) => true,
+            Command::Schema => false,
+        }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -85,6 +105,9 @@ pub struct RunArguments {
     /// Threads; results do not depend on their number [default: one a core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// Stop after a checkpoint when standard input ends: a study holds it open
+    #[arg(long, hide = true)]
+    pub stop_at_end_of_input: bool,
 }
 
 #[derive(Debug, Args)]
@@ -132,12 +155,25 @@ pub struct PlanArguments {
 pub struct SweepArguments {
     /// Pipeline files whose results stay, too, besides those in `artifacts/latest/`
     pub pipelines: Vec<PathBuf>,
-    /// Let go what the pipeline of this name alone reaches; repeatable
+    /// Remove finished results that are older than this and that no name in `latest/` reaches,
+    /// as `30days` or `12h`; without it, finished results stay
+    #[arg(long, value_name = "AGE", value_parser = humantime::parse_duration)]
+    pub older_than: Option<Duration>,
+    /// With --older-than: stopped runs of that age, too, though they have checkpoints
+    #[arg(long, requires = "older_than")]
+    pub unfinished: bool,
+    /// Forget this name, and remove the results that it alone reaches; repeatable
     #[arg(long, value_name = "NAME")]
     pub forget: Vec<String>,
-    /// Only tell what would be removed
+    /// Go on even if `latest/` has no name that reaches a result
+    #[arg(long)]
+    pub without_names: bool,
+    /// Only show what would be removed
     #[arg(long)]
     pub dry_run: bool,
+    /// Do not ask
+    #[arg(long, short)]
+    pub yes: bool,
     #[command(flatten)]
     pub store: StoreArguments,
 }

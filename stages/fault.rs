@@ -5,6 +5,7 @@ use std::io;
 use coronet::method::Diverged;
 use coronet::particle::pack::PackError;
 use coronet::pipeline::PipelineError;
+use coronet::pipeline::latest::ManifestError;
 use coronet::scene::error::SceneError;
 use coronet::scene::key::KeyError;
 
@@ -20,6 +21,16 @@ pub const INTERRUPTED: u8 = 130;
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Untrusted(pub String);
+
+/// The work was stopped on request.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Stopped(pub String);
+
+/// Files that cannot be read were found.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Unreadable(pub String);
 
 /// A mistake in the arguments that only the program can see.
 #[derive(Debug, thiserror::Error)]
@@ -38,13 +49,24 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
             PipelineError::Nondeterministic { .. } | PipelineError::DamagedAgain { .. } => {
                 Some(UNTRUSTED)
             }
-            PipelineError::UnknownStage { .. } | PipelineError::UnknownPipeline { .. } => {
-                Some(USAGE)
-            }
+            PipelineError::UnknownStage { .. }
+            | PipelineError::UnknownPipeline { .. }
+            | PipelineError::Name { .. }
+            | PipelineError::NoNames { .. }
+            | PipelineError::NotAStore { .. } => Some(USAGE),
             PipelineError::Busy { .. } => Some(BUSY),
+            PipelineError::Manifest(ManifestError::Invalid { .. }) => Some(UNTRUSTED),
+            PipelineError::Manifest(ManifestError::File(_)) => Some(FILES),
             PipelineError::File(_) => Some(FILES),
             _ => None,
         };
+    }
+    if let Some(error) = error.downcast_ref::<csv::Error>() {
+        return error.is_io_error().then_some(FILES);
+    }
+    if let Some(SceneError::Read { source, .. }) = error.downcast_ref::<SceneError>() {
+        let missing = source.kind() == io::ErrorKind::NotFound;
+        return Some(if missing { USAGE } else { FILES });
     }
     if error.is::<SceneError>() || error.is::<KeyError>() || error.is::<Usage>() {
         return Some(USAGE);
@@ -54,6 +76,12 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
     }
     if error.is::<Untrusted>() {
         return Some(UNTRUSTED);
+    }
+    if error.is::<Stopped>() {
+        return Some(INTERRUPTED);
+    }
+    if error.is::<Unreadable>() {
+        return Some(FILES);
     }
     if error.is::<Diverged>() {
         return Some(DIVERGED);

@@ -4,7 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use coronet::pipeline::store::{CHECKPOINT, OUT};
+use coronet::file::{self, FileError};
+use coronet::pipeline::content::ContentError;
+use coronet::pipeline::store::{CHECKPOINT, OUT, entries};
 use coronet::pipeline::{Context, Output, StageError};
 use coronet::record::background::CheckpointWriter;
 use coronet::record::checkpoint::{self, LEVEL};
@@ -84,7 +86,7 @@ impl Flight {
     }
 
     fn settle(&self, context: &Context) -> Result<(), StageError> {
-        let rolling = list(&self.folder, ROLLING);
+        let rolling = list(&self.folder, ROLLING)?;
         for old in rolling.iter().rev().skip(2) {
             let _ = fs::remove_file(old);
         }
@@ -92,46 +94,67 @@ impl Flight {
     }
 }
 
-/// The newest checkpoint in the work folder that can be trusted. Others are set aside.
-pub fn newest(context: &Context) -> Option<Checkpoint> {
-    let mut paths = list(context.work(), ROLLING);
-    paths.extend(list(context.work(), KEPT));
+/// The newest checkpoint in the work folder that can be trusted. Damaged ones are set aside.
+///
+/// # Errors
+/// If one cannot be read: then it may be good, and nothing is touched.
+pub fn newest(context: &Context) -> Result<Option<Checkpoint>, StageError> {
+    let mut paths = list(context.work(), ROLLING)?;
+    paths.extend(list(context.work(), KEPT)?);
     paths.sort_by_key(|path| std::cmp::Reverse(number(path)));
-    paths.into_iter().find_map(|path| {
-        let what = match checkpoint::read(&path) {
-            Ok(checkpoint) if checkpoint.text(KEY) == Some(&context.key().to_string()) => {
-                return Some(checkpoint);
-            }
-            Ok(_) => "it belongs to another result".to_string(),
-            Err(error) => error.to_string(),
-        };
-        let mut name = path.clone().into_os_string();
-        name.push(".bad");
-        let _ = fs::rename(&path, name);
-        context.warn(&format!("{} is passed over: {what}", path.display()));
-        None
-    })
+    for path in paths {
+        match read(context, &path) {
+            Ok(checkpoint) => return Ok(Some(checkpoint)),
+            Err(error) => pass_over(context, &path, error)?,
+        }
+    }
+    Ok(None)
+}
+
+/// Reads a checkpoint of the result that is being made.
+fn read(context: &Context, path: &Path) -> Result<Checkpoint, ContentError> {
+    file::refuse_link(path)?;
+    let checkpoint = checkpoint::read(path)?;
+    if checkpoint.text(KEY) == Some(&context.key().to_string()) {
+        return Ok(checkpoint);
+    }
+    let what = "it belongs to another result".to_string();
+    Err(ContentError::Damaged(what))
+}
+
+/// Sets a damaged checkpoint aside, with a warning; one that cannot be read is an error.
+fn pass_over(context: &Context, path: &Path, error: ContentError) -> Result<(), StageError> {
+    let what = match error {
+        ContentError::File(error) => return Err(error.into()),
+        ContentError::Damaged(what) => what,
+    };
+    let mut name = path.to_path_buf().into_os_string();
+    name.push(".bad");
+    fs::rename(path, name).map_err(FileError::new(path, "set aside"))?;
+    context.warn(&format!("{} is passed over: {what}", path.display()));
+    Ok(())
 }
 
 /// Removes what earlier attempts left in the work folder.
 pub fn clear(context: &Context) -> Result<(), StageError> {
-    for entry in fs::read_dir(context.work())
-        .map_err(StageError::failed)?
-        .flatten()
-    {
+    for entry in entries(context.work())? {
         let path = entry.path();
-        if entry.file_name() != OUT && path.is_file() {
-            fs::remove_file(path).map_err(StageError::failed)?;
+        if entry.file_name() != OUT && !path.is_dir() {
+            fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
         }
     }
     Ok(context.save_time()?)
 }
 
 /// Moves the kept checkpoints into the result. They depend on where runs were cut, so no digest
-/// counts them.
+/// counts them, and a damaged one is left out.
 pub fn keep(context: &Context) -> Result<Vec<Output>, StageError> {
     let mut outputs = Vec::new();
-    for path in list(context.work(), KEPT) {
+    for path in list(context.work(), KEPT)? {
+        if let Err(error) = read(context, &path) {
+            pass_over(context, &path, error)?;
+            continue;
+        }
         let name = path
             .file_name()
             .unwrap_or_default()
@@ -139,7 +162,7 @@ pub fn keep(context: &Context) -> Result<Vec<Output>, StageError> {
             .into_owned();
         // A link, so that the checkpoint also stays where a killed run would look for it.
         let target = context.output().join(&name);
-        link_or_copy(&path, &target).map_err(StageError::failed)?;
+        link_or_copy(&path, &target).map_err(FileError::new(&target, "link"))?;
         outputs.push(Output::shown(name));
     }
     Ok(outputs)
@@ -154,9 +177,9 @@ pub fn link_or_copy(from: &Path, to: &Path) -> std::io::Result<()> {
 }
 
 /// Paths with that prefix, in the order of their step numbers.
-fn list(folder: &Path, prefix: &str) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut paths: Vec<_> = entries
+fn list(folder: &Path, prefix: &str) -> Result<Vec<PathBuf>, FileError> {
+    let mut paths: Vec<_> = entries(folder)?
+        .into_iter()
         .map(|entry| entry.path())
         .filter(|path| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -164,7 +187,7 @@ fn list(folder: &Path, prefix: &str) -> Vec<PathBuf> {
         })
         .collect();
     paths.sort();
-    paths
+    Ok(paths)
 }
 
 fn number(path: &Path) -> u64 {

@@ -9,7 +9,7 @@ use coronet::method::{self, Phase, Solver};
 use coronet::particle::{Particles, wall};
 use coronet::pipeline::{Context, Identity, Output, Relative, Stage, StageError, Work};
 use coronet::record::atomic::write_file;
-use coronet::record::checkpoint;
+use coronet::record::checkpoint::{self, CheckpointError};
 use coronet::record::layout::Layout;
 use coronet::record::log::{LogSetup, LogWriter};
 use coronet::scene::file::Loaded;
@@ -159,7 +159,7 @@ impl Impact<'_> {
 
     /// The latest instant that is known: of an unfinished run, of a finished relative, or t = 0.
     fn start(&self, context: &Context) -> Result<Start, StageError> {
-        let flying = flight::newest(context).and_then(start);
+        let flying = flight::newest(context)?.and_then(start);
         let since = flying
             .as_ref()
             .map_or(f64::NEG_INFINITY, |start| start.state.time);
@@ -200,8 +200,15 @@ impl Impact<'_> {
             for output in &relative.stamp.outputs {
                 let path = relative.folder.join(&output.file);
                 let is_state = output.file == STATE || output.file.starts_with(flight::KEPT);
-                let Some(peek) = is_state.then(|| checkpoint::peek(&path).ok()).flatten() else {
+                if !is_state {
                     continue;
+                }
+                let peek = match checkpoint::peek(&path) {
+                    Ok(peek) => peek,
+                    Err(CheckpointError::Io(error)) if !error.is_not_found() => {
+                        return Err(error.into());
+                    }
+                    Err(_) => continue,
                 };
                 // The final instant of a run with an earlier end is the first one at or after ours
                 // even if it lies behind it; of other instants only those before it are useful.
@@ -249,7 +256,7 @@ impl Impact<'_> {
         let scene = &self.loaded.scene;
         let text = self.loaded.text.clone();
         let setup = LogSetup::new(scene, &wall::build(scene), text, provenance);
-        let segment = next_segment(context);
+        let segment = next_segment(context)?;
         LogWriter::create(context.work(), segment, from, &setup).map_err(StageError::failed)
     }
 }

@@ -1,11 +1,10 @@
 //! The frames of a run under way, and where a run can begin: what makes the frames and checkpoints
 //! of all attempts one result.
 
-use std::fs;
-
 use coronet::method::{Diverged, Solver};
 use coronet::particle::State;
-use coronet::pipeline::store::{LOG, content};
+use coronet::pipeline::content::{ContentError, content};
+use coronet::pipeline::store::{LOG, entries};
 use coronet::pipeline::{Context, Relative, StageError};
 use coronet::record::Checkpoint;
 use coronet::record::log::{self, LogError, LogWriter, Segment};
@@ -114,15 +113,16 @@ pub fn adopt(
     let wanted = outputs
         .find(|output| output.file == FRAMES)
         .map(|output| output.digest);
-    let found = content(&log);
-    if found.as_ref().ok() != wanted.as_ref() {
-        return Ok(Err(found
-            .err()
-            .unwrap_or_else(|| "its log is another one".into())));
+    match content(&log) {
+        Ok(found) if Some(found) == wanted => {}
+        Ok(_) => return Ok(Err("its log is another one".into())),
+        Err(ContentError::Damaged(what)) => return Ok(Err(what)),
+        Err(ContentError::File(error)) => return Err(error.into()),
     }
     let start = match relative.checkpoint(file) {
         Ok(checkpoint) => start(checkpoint),
-        Err(what) => return Ok(Err(what)),
+        Err(ContentError::Damaged(what)) => return Ok(Err(what)),
+        Err(ContentError::File(error)) => return Err(error.into()),
     };
     let Some(start) = start else {
         return Ok(Err(format!("{file} is no state of an impact")));
@@ -133,44 +133,39 @@ pub fn adopt(
 }
 
 /// Number of the first segment that does not exist yet.
-pub fn next_segment(context: &Context) -> u32 {
-    let entries = fs::read_dir(context.work()).into_iter().flatten().flatten();
-    let numbers = entries.filter_map(|entry| {
+pub fn next_segment(context: &Context) -> Result<u32, StageError> {
+    let entries = entries(context.work())?;
+    let numbers = entries.iter().filter_map(|entry| {
         let name = entry.file_name().into_string().ok()?;
         name.strip_prefix("segment-")?
             .strip_suffix(&format!(".{LOG}"))?
             .parse::<u32>()
             .ok()
     });
-    numbers.max().map_or(0, |last| last + 1)
+    Ok(numbers.max().map_or(0, |last| last.saturating_add(1)))
 }
 
-/// One log of all segments, with every frame that was taken.
+/// One log of all segments, with every frame that was taken. Damage of any kind means that frames
+/// are lost, whose run has to start again.
 pub fn merge(context: &Context, taken: u64) -> Result<(), Trouble> {
-    let mut segments = log::segments(context.work()).map_err(StageError::failed)?;
-    let base = context.work().join(BASE);
-    if base.exists() {
-        let path = base;
-        segments.insert(
-            0,
-            Segment {
-                path,
-                resumed_from: None,
-            },
-        );
+    let trouble = |error: LogError| match error.is_damage() {
+        true => Trouble::FramesLost(error.to_string()),
+        false => StageError::failed(error).into(),
+    };
+    let mut segments = log::segments(context.work()).map_err(trouble)?;
+    let path = context.work().join(BASE);
+    if path.symlink_metadata().is_ok() {
+        let resumed_from = None;
+        segments.insert(0, Segment { path, resumed_from });
     }
-    match log::merge(&segments, &context.output().join(FRAMES)) {
-        Ok(merged) if merged.frames == taken => Ok(()),
-        Ok(merged) => {
-            let what = format!("the log has {} of {taken} frames", merged.frames);
-            Err(Trouble::FramesLost(what))
-        }
-        Err(error @ (LogError::FramesLost { .. } | LogError::Damaged { .. })) => {
-            Err(Trouble::FramesLost(error.to_string()))
-        }
-        Err(error) => Err(StageError::failed(error).into()),
+    let merged = log::merge(&segments, &context.output().join(FRAMES)).map_err(trouble)?;
+    if merged.frames != taken {
+        let what = format!("the log has {} of {taken} frames", merged.frames);
+        return Err(Trouble::FramesLost(what));
     }
+    Ok(())
 }
+
 /// A log that fails makes checkpoints fail, which wait for its frames; the log knows why.
 pub fn first_cause(error: StageError, log: LogWriter) -> StageError {
     let StageError::Failed(source) = error else {

@@ -1,140 +1,171 @@
 //! `coronet verify` and `coronet gc`: care of the store.
 
-use std::io::Write as _;
+use std::io::{BufRead as _, IsTerminal as _};
+use std::path::PathBuf;
 
-use anyhow::Result;
-use coronet::pipeline::verify::Finding;
-use coronet::pipeline::{self, Store, sweep, verify};
+use anyhow::{Context as _, Result, bail};
+use coronet::pipeline::sweep::{self, Options, Swept};
+use coronet::pipeline::verify::{self, Finding, Problem};
+use coronet::pipeline::{self, Store};
 use coronet::scene::file;
 use serde_json::json;
 
 use crate::arguments::{StoreArguments, SweepArguments};
-use crate::fault::Untrusted;
+use crate::fault::{Unreadable, Untrusted, Usage};
 use crate::jobs;
+use crate::print::{note, out};
 
 pub fn verify(arguments: &StoreArguments) -> Result<()> {
-    let store = Store::new(&arguments.artifacts);
-    let mut printed = Ok(());
+    let store = existing(&arguments.artifacts)?;
     let findings = verify::verify(&store, &mut |finding| {
-        if printed.is_ok() {
-            printed = print_finding(finding, arguments.json);
-        }
-    });
-    printed?;
-    let problems = findings
-        .iter()
-        .map(|finding| finding.problems.len())
-        .sum::<usize>();
+        print_finding(finding, arguments.json)
+    })?;
+    let problems: Vec<&Problem> = findings.iter().flat_map(|found| &found.problems).collect();
     let bytes: u64 = findings.iter().map(|finding| finding.bytes).sum();
-    let mut out = std::io::stdout().lock();
+    let (results, count) = (findings.len(), problems.len());
     if arguments.json {
-        let results = findings.len();
-        let object = json!({"results": results, "bytes": bytes, "problems": problems});
-        writeln!(out, "{object}")?;
+        out!(
+            "{}",
+            json!({"results": results, "bytes": bytes, "problems": count})
+        );
     } else {
-        writeln!(
-            out,
-            "{} results, {}, {problems} problems",
-            findings.len(),
-            size(bytes)
-        )?;
+        out!("{results} results, {}, {count} problems", size(bytes));
     }
-    if problems > 0 {
-        let text = format!("{problems} files cannot be trusted; `coronet run` makes them anew");
-        return Err(Untrusted(text).into());
+    let damaged = problems.iter().filter(|problem| problem.damaged).count();
+    if damaged > 0 {
+        let text = format!("{damaged} files cannot be trusted; `coronet run` makes them again");
+        bail!(Untrusted(text));
+    }
+    if count > 0 {
+        bail!(Unreadable(format!(
+            "{count} files cannot be read; they are left as they are"
+        )));
+    }
+    if results == 0 {
+        let path = store.root().display();
+        bail!(Usage(format!(
+            "{path} holds no finished result, so nothing was verified"
+        )));
     }
     Ok(())
 }
 
-fn print_finding(finding: &Finding, json: bool) -> std::io::Result<()> {
-    let mut out = std::io::stdout().lock();
+/// The store at a path, where there must be one.
+fn existing(path: &std::path::Path) -> Result<Store> {
+    match path.metadata() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let path = path.display();
+            bail!(Usage(format!(
+                "there is no store at {path}; name it with --artifacts"
+            )))
+        }
+        other => other.with_context(|| format!("cannot examine {}", path.display()))?,
+    };
+    Ok(Store::new(path))
+}
+
+fn print_finding(finding: &Finding, json: bool) {
     if json {
-        let problem = |problem: &verify::Problem| {
-            let verify::Problem { file, what, kept } = problem;
-            json!({"file": file, "what": what, "kept": kept})
+        let problem = |problem: &Problem| {
+            let kept = problem.kept.as_ref().map(|kept| kept.to_string_lossy());
+            json!({"file": problem.file.to_string_lossy(), "what": problem.what,
+                "damaged": problem.damaged, "kept": kept})
         };
         let problems: Vec<_> = finding.problems.iter().map(problem).collect();
         let object = json!({
-            "folder": finding.folder,
+            "folder": finding.folder.to_string_lossy(),
             "result": finding.label,
             "bytes": finding.bytes,
             "problems": problems,
         });
-        return writeln!(out, "{object}");
+        return out!("{object}");
     }
     let word = if finding.problems.is_empty() {
         "good"
     } else {
         "bad"
     };
-    writeln!(
-        out,
-        "{word:5} {:20} {}",
-        finding.label,
-        finding.folder.display()
-    )?;
+    out!("{word:5} {:20} {}", finding.label, finding.folder.display());
     for problem in &finding.problems {
-        writeln!(out, "      {}: {}", problem.file.display(), problem.what)?;
+        out!("      {}: {}", problem.file.display(), problem.what);
         if let Some(kept) = &problem.kept {
-            writeln!(out, "      kept as {}", kept.display())?;
+            out!("      kept as {}", kept.display());
         }
     }
-    Ok(())
 }
 
 pub fn sweep(arguments: &SweepArguments) -> Result<()> {
-    let store = Store::new(&arguments.store.artifacts);
+    let store = existing(&arguments.store.artifacts)?;
+    let options = options(&store, arguments)?;
+    let json = arguments.store.json;
+    if arguments.dry_run {
+        print_swept(&sweep::plan(&store, &options)?, json, "would remove");
+        return Ok(());
+    }
+    // Refused before anything is asked.
+    drop(sweep::hold(&store)?);
+    let planned = sweep::plan(&store, &options)?;
+    let asks = !arguments.yes && !json && std::io::stdin().is_terminal();
+    if asks && !planned.removed.is_empty() {
+        print_swept(&planned, json, "would remove");
+        if !agreed()? {
+            out!("nothing was removed");
+            return Ok(());
+        }
+    }
+    let approved: Vec<PathBuf> = planned.removed.into_iter().map(|(path, ..)| path).collect();
+    print_swept(&sweep::sweep(&store, &options, &approved)?, json, "removed");
+    Ok(())
+}
+
+fn options(store: &Store, arguments: &SweepArguments) -> Result<Options> {
     let mut planned = Vec::new();
     for path in &arguments.pipelines {
         let loaded = file::load(path, &[])?;
         let pipeline = jobs::pipeline(&loaded)?;
-        planned.push((
-            path.display().to_string(),
-            pipeline::plan(&store, &pipeline),
-        ));
+        let decisions = pipeline::plan(store, &pipeline)?;
+        planned.push((path.display().to_string(), decisions));
     }
-    let swept = sweep::sweep(&store, &planned, &arguments.forget, arguments.dry_run)?;
-    let bytes: u64 = swept.removed.iter().map(|(_, _, bytes)| bytes).sum();
-    let mut out = std::io::stdout().lock();
-    if arguments.store.json {
-        for (folder, holders) in &swept.kept {
-            writeln!(out, "{}", json!({"kept": folder, "by": holders}))?;
+    Ok(Options {
+        older_than: arguments.older_than,
+        unfinished: arguments.unfinished,
+        forgotten: arguments.forget.clone(),
+        planned,
+        without_names: arguments.without_names,
+    })
+}
+
+/// Asks on the terminal.
+fn agreed() -> Result<bool> {
+    note!("remove these results? [y/N]");
+    let mut answer = String::new();
+    let asked = std::io::stdin().lock().read_line(&mut answer);
+    asked.context("cannot read the answer")?;
+    Ok(["y", "yes"].contains(&answer.trim().to_lowercase().as_str()))
+}
+
+fn print_swept(swept: &Swept, json: bool, word: &str) {
+    for (folder, why) in &swept.kept {
+        if json {
+            out!("{}", json!({"kept": folder.to_string_lossy(), "why": why}));
+        } else {
+            out!("keep    {} ({why})", folder.display());
         }
-        for (folder, label, bytes) in &swept.removed {
-            let object = json!({"removed": folder, "result": label, "bytes": bytes,
-                "dry_run": arguments.dry_run});
-            writeln!(out, "{object}")?;
-        }
-        return Ok(());
     }
-    for (folder, holders) in &swept.kept {
-        writeln!(
-            out,
-            "keep    {} (for {})",
-            folder.display(),
-            holders.join(", ")
-        )?;
-    }
-    let word = if arguments.dry_run {
-        "would remove"
-    } else {
-        "removed"
-    };
     for (folder, label, bytes) in &swept.removed {
-        writeln!(
-            out,
-            "{word} {} ({label}, {})",
-            folder.display(),
-            size(*bytes)
-        )?;
+        if json {
+            let object = json!({"removed": folder.to_string_lossy(), "result": label,
+                "bytes": bytes, "dry_run": word != "removed"});
+            out!("{object}");
+        } else {
+            out!("{word} {} ({label}, {})", folder.display(), size(*bytes));
+        }
     }
-    writeln!(
-        out,
-        "{word} {} results, {}",
-        swept.removed.len(),
-        size(bytes)
-    )?;
-    Ok(())
+    if json {
+        return;
+    }
+    let bytes = swept.removed.iter().map(|(_, _, bytes)| bytes).sum();
+    out!("{word} {} results, {}", swept.removed.len(), size(bytes));
 }
 
 /// Bytes for people.

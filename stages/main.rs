@@ -18,11 +18,13 @@ mod pack;
 mod plan;
 mod points;
 mod post;
+mod print;
 mod probe;
 mod promise;
 mod relax;
 mod run;
 mod settings;
+mod signals;
 mod study;
 mod target;
 mod trial;
@@ -30,9 +32,9 @@ mod tune;
 mod verdict;
 mod watch;
 
-use std::io::ErrorKind;
 use std::process::ExitCode;
 
+use anyhow::Result;
 use arguments::{Arguments, Command};
 use clap::Parser;
 
@@ -50,26 +52,63 @@ pub const BODY: &str = "body.checkpoint";
 
 fn main() -> ExitCode {
     coronet::pipeline::machine::map_large_arrays();
-    let done = match Arguments::parse().command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Study(arguments) => study::study(&arguments),
-        Command::Tune(arguments) => tune::tune(&arguments),
-        Command::Plan(arguments) => plan::plan(&arguments),
-        Command::Verify(arguments) => keep::verify(&arguments),
-        Command::Gc(arguments) => keep::sweep(&arguments),
-        Command::Show(arguments) => inspect::show(&arguments),
-        Command::Export(arguments) => inspect::export(&arguments),
-        Command::Recover(arguments) => inspect::recover(&arguments),
-        Command::Schema => inspect::schema(),
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return help(&error),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads our output has seen enough: `coronet show ... | head`.
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+    let done = check(&arguments.command).and_then(|()| obey(&arguments.command));
+    let code = match &done {
+        Ok(()) => 0,
         Err(error) => {
-            eprintln!("error: {}", text(&error));
-            ExitCode::from(fault::exit_code(&error))
+            print::note!("error: {}", text(error));
+            fault::exit_code(error)
         }
+    };
+    match print::failure() {
+        Some(error) if code == 0 => {
+            print::note!("error: cannot write to standard output: {error}");
+            ExitCode::from(fault::FILES)
+        }
+        _ => ExitCode::from(code),
+    }
+}
+
+/// Prints a help text, or what is wrong with the arguments.
+fn help(error: &clap::Error) -> ExitCode {
+    match (error.print(), error.use_stderr()) {
+        (_, true) => ExitCode::from(fault::USAGE),
+        (Err(failed), _) if failed.kind() != std::io::ErrorKind::BrokenPipe => {
+            ExitCode::from(fault::FILES)
+        }
+        _ => ExitCode::SUCCESS,
+    }
+}
+
+fn obey(command: &Command) -> Result<()> {
+    match command {
+        Command::Run(arguments) => run::run(arguments),
+        Command::Study(arguments) => study::study(arguments),
+        Command::Tune(arguments) => tune::tune(arguments),
+        Command::Plan(arguments) => plan::plan(arguments),
+        Command::Verify(arguments) => keep::verify(arguments),
+        Command::Gc(arguments) => keep::sweep(arguments),
+        Command::Show(arguments) => inspect::show(arguments),
+        Command::Export(arguments) => inspect::export(arguments),
+        Command::Recover(arguments) => inspect::recover(arguments),
+        Command::Schema => inspect::schema(),
+    }
+}
+
+/// JSON is UTF-8, and so are the answers of the points of a study: a path that is not cannot be
+/// given there.
+fn check(command: &Command) -> Result<()> {
+    let odd = std::env::args_os().find(|argument| argument.to_str().is_none());
+    match odd {
+        Some(argument) if command.writes_json() => Err(fault::Usage(format!(
+            "{argument:?} is not UTF-8, which JSON and studies need; rename it, or leave out --json"
+        ))
+        .into()),
+        _ => Ok(()),
     }
 }
 
@@ -84,9 +123,4 @@ fn text(error: &anyhow::Error) -> String {
         }
     }
     text
-}
-
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let io = error.downcast_ref::<std::io::Error>();
-    io.is_some_and(|error| error.kind() == ErrorKind::BrokenPipe)
 }

@@ -1,7 +1,5 @@
 //! `coronet plan`, and the head of `coronet run`.
 
-use std::io::Write as _;
-
 use anyhow::Result;
 use coronet::pipeline::{self, Decision, Store, machine};
 use serde_json::json;
@@ -10,6 +8,7 @@ use crate::arguments::{PipelineArguments, PlanArguments};
 use crate::fault::Usage;
 use crate::jobs;
 use crate::keep::size;
+use crate::print::out;
 use crate::watch::duration;
 use coronet::scene::file::{self, Loaded};
 
@@ -27,15 +26,14 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
     let loaded = load(&arguments.pipeline)?;
     let pipeline = jobs::pipeline(&loaded)?;
     let store = Store::new(&arguments.store.artifacts);
-    let decisions = pipeline::plan(&store, &pipeline);
-    let mut out = std::io::stdout().lock();
+    let decisions = pipeline::plan(&store, &pipeline)?;
     if arguments.store.json {
         for decision in &decisions {
-            writeln!(out, "{}", object(decision))?;
+            out!("{}", object(decision));
         }
         return fits(&decisions);
     }
-    write!(out, "{}", text(&decisions))?;
+    out!("{}", text(&decisions).trim_end());
     let stale = decisions.iter().filter(|decision| decision.fresh.is_none());
     if stale.clone().next().is_some() {
         let seconds: f64 = stale.clone().filter_map(|decision| decision.seconds).sum();
@@ -44,7 +42,7 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
             [memory.max(work.memory), disk + work.disk]
         });
         let need = needs(memory, disk);
-        writeln!(out, "about {} of work{need}", duration(seconds))?;
+        out!("about {} of work{need}", duration(seconds));
     }
     fits(&decisions)
 }

@@ -49,7 +49,7 @@ impl Stage for Relax<'_> {
             .relax
             .as_ref()
             .expect("the stage exists because the table does");
-        let (state, mut calm_since) = match flight::newest(context).and_then(restored) {
+        let (state, mut calm_since) = match flight::newest(context)?.and_then(restored) {
             Some(start) => {
                 context.resumed();
                 start

@@ -1,9 +1,6 @@
 //! `coronet run`.
 
-use std::io::Write as _;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, Result};
 use coronet::pipeline::{self, Report, Run, Store, latest};
@@ -11,8 +8,12 @@ use coronet::scene::numbers;
 use serde_json::json;
 
 use crate::arguments::RunArguments;
+use crate::print::out;
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, plan, post};
+use crate::{PROGRAM, impact, jobs, plan, post, signals};
+
+/// What a first signal is answered with.
+const STOPPING: &str = "stopping after the next checkpoint";
 
 pub fn run(arguments: &RunArguments) -> Result<()> {
     let mut loaded = plan::load(&arguments.pipeline)?;
@@ -26,17 +27,20 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         .num_threads(threads)
         .build_global()
         .context("cannot start the threads")?;
-    let decisions = pipeline::plan(&store, &pipeline);
+    let decisions = pipeline::plan(&store, &pipeline)?;
     plan::fits(&decisions)?;
     if !arguments.store.json {
-        let mut out = std::io::stdout().lock();
-        writeln!(out, "{}", loaded.scene.title)?;
-        write!(out, "{}", numbers::of(&loaded.scene))?;
-        writeln!(out, "Plan")?;
-        write!(out, "{}", plan::text(&decisions))?;
-        writeln!(out, "Run with {threads} threads")?;
+        let text = format!(
+            "{}Plan\n{}",
+            numbers::of(&loaded.scene),
+            plan::text(&decisions)
+        );
+        out!("{}\n{text}Run with {threads} threads", loaded.scene.title);
     }
-    let stop = stop_on_signals()?;
+    let stop = signals::stop_flag(STOPPING)?;
+    if arguments.stop_at_end_of_input {
+        signals::stop_at_end_of_input(&stop)?;
+    }
     let screen = Screen::new(arguments.store.json);
     let all = Run {
         store: &store,
@@ -49,8 +53,8 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     };
     // On one of the threads: from outside, each pass would wait for another thread to wake up.
     let reports = rayon::scope(|_| pipeline::run(&all))?;
-    let name = &pipeline.name;
-    finish(&store, name, &reports, arguments.store.json).context("cannot print the summary")
+    finish(&store, &pipeline.name, &reports, arguments.store.json);
+    Ok(())
 }
 
 fn threads(arguments: &RunArguments) -> usize {
@@ -58,23 +62,8 @@ fn threads(arguments: &RunArguments) -> usize {
     arguments.threads.map_or(cores, usize::from)
 }
 
-/// A flag that Ctrl-C and termination signals set. A second one ends the program at once: the last
-/// checkpoint is as good as after a kill.
-fn stop_on_signals() -> Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = stop.clone();
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(crate::fault::INTERRUPTED));
-        }
-        eprintln!("stopping after the next checkpoint; once more to stop at once");
-    })
-    .context("cannot listen to signals")?;
-    Ok(stop)
-}
-
 /// Where the results are and how to look at them.
-fn finish(store: &Store, name: &str, reports: &[Report], json: bool) -> std::io::Result<()> {
+fn finish(store: &Store, name: &str, reports: &[Report], json: bool) {
     let find = |stage: &str, file: &str| {
         let report = reports.iter().find(|report| report.stage == stage)?;
         let mut outputs = report.stamp.outputs.iter();
@@ -85,52 +74,40 @@ fn finish(store: &Store, name: &str, reports: &[Report], json: bool) -> std::io:
     let page = find("post", post::REPORT);
     let log = find("impact", impact::FRAMES);
     let layout = find("impact", impact::LAYOUT);
-    let measures = find("post", post::MEASURES);
-    let state = find("impact", impact::STATE);
     let latest = latest::folder(store, name);
-    let mut out = std::io::stdout().lock();
     if json {
+        let text = |path: Option<PathBuf>| path.map(|path| path.to_string_lossy().into_owned());
         let object = json!({
             "summary": name,
-            "artifacts": store.root(),
-            "latest": latest,
-            "report": page,
-            "measures": measures,
-            "frames": log,
-            "layout": layout,
-            "state": state,
+            "artifacts": store.root().to_string_lossy(),
+            "latest": latest.to_string_lossy(),
+            "report": text(page),
+            "measures": text(find("post", post::MEASURES)),
+            "frames": text(log),
+            "layout": text(layout),
+            "state": text(find("impact", impact::STATE)),
         });
-        return writeln!(out, "{object}");
+        return out!("{object}");
     }
-    writeln!(out, "latest   {}", latest.display())?;
+    out!("latest   {}", latest.display());
     // Names are for people; scripts get the folders, which never change what they hold.
     let named = |path: PathBuf, stage: &str, file: &str| {
         let name = latest.join(stage).join(file);
-        if name.exists() { name } else { path }
+        let same = name.canonicalize().ok() == path.canonicalize().ok();
+        if same { name } else { path }
     };
     if let Some(page) = page {
-        writeln!(
-            out,
-            "report   {}",
-            named(page, "post", post::REPORT).display()
-        )?;
+        let path = named(page, "post", post::REPORT);
+        out!("report   {}", path.display());
     }
     if let (Some(log), Some(layout)) = (log, layout) {
-        writeln!(
-            out,
-            "frames   {}",
-            named(log, "impact", impact::FRAMES).display()
-        )?;
-        writeln!(
-            out,
-            "layout   {}",
-            named(layout, "impact", impact::LAYOUT).display()
-        )?;
-        writeln!(
-            out,
+        let log = named(log, "impact", impact::FRAMES);
+        let layout = named(layout, "impact", impact::LAYOUT);
+        out!("frames   {}", log.display());
+        out!("layout   {}", layout.display());
+        out!(
             "look     open the frames in Foxglove or Lichtblick and import the layout there, \
              or `rerun <frames>`"
-        )?;
+        );
     }
-    Ok(())
 }

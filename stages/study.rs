@@ -5,24 +5,26 @@
 //! points are never computed again, a killed study goes on, and packed and relaxed bodies are
 //! shared.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use coronet::measure::tradeoff::{Sample, front, growth, worst};
+use coronet::pipeline::name::is_plain_name;
 use coronet::pipeline::{Store, latest};
 use coronet::record::atomic::write_file;
 use serde_json::json;
 
 use crate::arguments::StudyArguments;
+use crate::fault::{Stopped, Usage};
 use crate::finding::{comparison, figure, groups, samples, sentence, table};
 use crate::points::{Study, load};
+use crate::print::{note, out};
 use crate::promise::Verdict;
 use crate::trial::{Outcome, Trial};
 use crate::watch::duration;
-use crate::{figures, finding, verdict};
+use crate::{figures, finding, signals, verdict};
 
 /// The table, one row a point.
 const TABLE: &str = "study.csv";
@@ -38,9 +40,12 @@ const READ: &str = "figures.md";
 const PROMISES: &str = "promises.csv";
 const PAGE: &str = "promises.md";
 
+/// What a first signal is answered with.
+pub const STOPPING: &str = "stopping all points after their next checkpoint";
+
 pub fn study(arguments: &StudyArguments) -> Result<()> {
     let (study, trials) = load(&arguments.study)?;
-    let out = folder(&arguments.study, &arguments.store.artifacts);
+    let out = folder(&arguments.study, &arguments.store.artifacts)?;
     match &study.error {
         Some(_) => tell_costs(&study, &trials, arguments, &out),
         None if study.case.is_empty() => tell_figures(&study, &trials, arguments, &out),
@@ -49,13 +54,20 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
 }
 
 /// Where the results of a study are named.
-fn folder(path: &Path, artifacts: &Path) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default();
-    latest::folder(&Store::new(artifacts), &stem.to_string_lossy())
+fn folder(path: &Path, artifacts: &Path) -> Result<PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    if !is_plain_name(&stem) {
+        let path = path.display();
+        bail!(Usage(format!(
+            "{path}: {stem:?} cannot name results; rename the file"
+        )));
+    }
+    Ok(latest::folder(&Store::new(artifacts), &stem))
 }
 
-fn make(out: &Path) -> Result<()> {
-    fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))
+/// Makes the folder of a study's results.
+fn make(out: &Path, arguments: &StudyArguments) -> Result<()> {
+    Ok(Store::new(&arguments.store.artifacts).create(out)?)
 }
 
 fn tell_costs(
@@ -66,13 +78,13 @@ fn tell_costs(
 ) -> Result<()> {
     let target = study.error.as_ref().expect("a study without cases");
     let window = target.window()?;
-    let outcomes = run(trials, &arguments.store.artifacts, arguments.jobs)?;
+    let outcomes = run_all(trials, arguments)?;
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
     let found = target.measure(trials, &outcomes, folder, window)?;
     let errors: Vec<f64> = found.iter().map(|f| f.error).collect();
     let samples = samples(study.cost, trials, &outcomes, &errors);
     let on_front = on_front(&samples);
-    make(out)?;
+    make(out, arguments)?;
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
     write_file(&out.join(TABLE), &table)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
@@ -95,21 +107,21 @@ fn tell_costs(
                     "halving": growth.halving })
         };
         let rows: Vec<_> = groups.iter().enumerate().map(row).collect();
-        let figure = figure.map(|_| out.join(FIGURE));
-        println!(
+        let figure = figure.map(|_| text(&out.join(FIGURE)));
+        out!(
             "{}",
-            json!({ "table": out.join(TABLE), "groups": rows, "figure": figure })
+            json!({ "table": text(&out.join(TABLE)), "groups": rows, "figure": figure })
         );
         return Ok(());
     }
     for (g, name) in groups.iter().enumerate() {
         if let Some(sentence) = sentence(study.cost, name, &samples, g) {
-            println!("{sentence}");
+            out!("{sentence}");
         }
     }
-    println!("table    {}", out.join(TABLE).display());
+    out!("table    {}", out.join(TABLE).display());
     if figure.is_some() {
-        println!("figure   {}", out.join(FIGURE).display());
+        out!("figure   {}", out.join(FIGURE).display());
     }
     Ok(())
 }
@@ -120,12 +132,12 @@ fn tell_figures(
     arguments: &StudyArguments,
     out: &Path,
 ) -> Result<()> {
-    let outcomes = run(trials, &arguments.store.artifacts, arguments.jobs)?;
+    let outcomes = run_all(trials, arguments)?;
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
     let measured = figures::from_contact(trials, &outcomes)?;
     let found = figures::measure(study, &measured, folder)?;
     let drawn = figures::plots(study, trials, &measured, folder)?;
-    make(out)?;
+    make(out, arguments)?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
     write_file(&table, &figures::table(study, trials, &outcomes, &found)?)?;
     let page = figures::page(study, trials, &outcomes, &found);
@@ -139,19 +151,24 @@ fn tell_figures(
         }
     }
     if arguments.store.json {
-        println!(
+        out!(
             "{}",
-            json!({ "table": table, "page": read, "points": trials.len(), "plots": plots })
+            json!({ "table": text(&table), "page": text(&read), "points": trials.len(),
+                    "plots": plots.iter().map(|plot| text(plot)).collect::<Vec<_>>() })
         );
         return Ok(());
     }
-    print!("{page}");
-    println!("table    {}", table.display());
-    println!("page     {}", read.display());
+    out!("{}", page.trim_end());
+    out!("table    {}", table.display());
+    out!("page     {}", read.display());
     for plot in plots {
-        println!("plot     {}", plot.display());
+        out!("plot     {}", plot.display());
     }
     Ok(())
+}
+
+fn text(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
 }
 
 /// Who is on the front: of repeats the worst, if it is.
@@ -172,14 +189,14 @@ fn tell_promises(
     arguments: &StudyArguments,
     out: &Path,
 ) -> Result<()> {
-    let outcomes = run(trials, &arguments.store.artifacts, arguments.jobs)?;
+    let outcomes = run_all(trials, arguments)?;
     let judge = |(trial, outcome): (&Trial, &Outcome)| {
         let case = trial.case.expect("a study of cases");
         study.case[case].judge(trial, outcome)
     };
     let points = trials.iter().zip(&outcomes);
     let verdicts = points.map(judge).collect::<Result<Vec<Verdict>>>()?;
-    make(out)?;
+    make(out, arguments)?;
     write_file(
         &out.join(PROMISES),
         &verdict::table(study, trials, &verdicts)?,
@@ -189,21 +206,22 @@ fn tell_promises(
     let count = |word: &str| verdicts.iter().filter(|v| v.word() == word).count();
     let (kept, known) = (count("kept"), count("known"));
     if arguments.store.json {
-        println!(
+        out!(
             "{}",
-            json!({ "table": out.join(PROMISES), "page": out.join(PAGE), "points": trials.len(),
+            json!({ "table": text(&out.join(PROMISES)), "page": text(&out.join(PAGE)),
+                    "points": trials.len(),
                     "kept": kept, "known": known })
         );
     } else {
         for line in verdict::broken(trials, &verdicts) {
-            println!("{line}");
+            out!("{line}");
         }
-        println!("{kept} of {} points keep all promises", trials.len());
+        out!("{kept} of {} points keep all promises", trials.len());
         if known > 0 {
-            println!("{known} do not, as the study says");
+            out!("{known} do not, as the study says");
         }
-        println!("table    {}", out.join(PROMISES).display());
-        println!("page     {}", out.join(PAGE).display());
+        out!("table    {}", out.join(PROMISES).display());
+        out!("page     {}", out.join(PAGE).display());
     }
     let surprises = verdicts.iter().filter(|v| !v.as_told()).count();
     if surprises > 0 {
@@ -217,22 +235,37 @@ fn tell_promises(
     Ok(())
 }
 
-/// Runs all points, `jobs` at a time; says what became of each.
-pub fn run(trials: &[Trial], artifacts: &Path, jobs: u16) -> Result<Vec<Outcome>> {
+/// Runs all points of a study.
+fn run_all(trials: &[Trial], arguments: &StudyArguments) -> Result<Vec<Outcome>> {
+    let stop = signals::stop_flag(STOPPING)?;
+    run(trials, &arguments.store.artifacts, arguments.jobs, &stop)
+}
+
+/// Runs all points, `jobs` at a time; says what became of each. Those that run when `stop` is set
+/// stop after a checkpoint.
+pub fn run(
+    trials: &[Trial],
+    artifacts: &Path,
+    jobs: u16,
+    stop: &AtomicBool,
+) -> Result<Vec<Outcome>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = usize::from(jobs).min(trials.len().max(1));
     let threads = (cores / jobs).max(1);
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let slots: Vec<_> = trials.iter().map(|_| Mutex::new(None)).collect();
+    let is_stopped = || stop.load(Ordering::Relaxed);
     std::thread::scope(|scope| {
         for _ in 0..jobs {
             scope.spawn(|| {
                 loop {
                     let k = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(trial) = trials.get(k) else { break };
-                    let outcome = trial.run(artifacts, threads);
+                    let Some(trial) = trials.get(k).filter(|_| !is_stopped()) else {
+                        break;
+                    };
+                    let outcome = trial.run(artifacts, threads, stop);
                     let done = ended.fetch_add(1, Ordering::Relaxed) + 1;
-                    eprintln!(
+                    note!(
                         "{done}/{}  {}  {}",
                         trials.len(),
                         trial.title,
@@ -249,11 +282,16 @@ pub fn run(trials: &[Trial], artifacts: &Path, jobs: u16) -> Result<Vec<Outcome>
     let outcomes = slots
         .into_iter()
         .map(|slot| slot.into_inner().expect("nobody panics"));
-    let mut all = Vec::new();
-    for outcome in outcomes.flatten() {
-        all.push(outcome?);
+    let outcomes: Vec<_> = outcomes.flatten().collect();
+    if is_stopped() {
+        let done = outcomes.iter().filter(|outcome| outcome.is_ok()).count();
+        let text = format!(
+            "stopped on request with {done} of {} points done; the same command goes on from there",
+            trials.len()
+        );
+        bail!(Stopped(text));
     }
-    Ok(all)
+    outcomes.into_iter().collect()
 }
 
 fn told(outcome: &Result<Outcome>) -> String {

@@ -2,7 +2,9 @@
 //! side and a point that fails takes no other with it.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
 use coronet::measure::gauge::contact_time;
@@ -11,7 +13,11 @@ use coronet::pipeline::Stamp;
 use coronet::scene::{Scene, file};
 use serde_json::Value;
 
+use crate::fault::Stopped;
 use crate::{fault, impact};
+
+/// How often a request to stop is looked for.
+const POLL: Duration = Duration::from_millis(20);
 
 /// What is run.
 #[derive(Clone)]
@@ -93,27 +99,27 @@ impl Trial {
     /// Brings the point up to date.
     ///
     /// # Errors
-    /// If the program cannot be started or its answer not be read, or if it was stopped.
-    pub fn run(&self, artifacts: &Path, threads: usize) -> Result<Outcome> {
+    /// If the program cannot be started or its answer not be read, or if it was stopped, by a
+    /// signal or because `stop` was set.
+    pub fn run(&self, artifacts: &Path, threads: usize, stop: &AtomicBool) -> Result<Outcome> {
         let program = std::env::current_exe().context("cannot find this program")?;
         let mut command = Command::new(program);
         command.arg("run").arg(&self.pipeline).arg("--json");
         command.arg("--name").arg(&self.name);
         command.arg("--artifacts").arg(artifacts);
         command.arg("--threads").arg(threads.to_string());
+        command.arg("--stop-at-end-of-input");
         for set in &self.sets {
             command.arg("--set").arg(set);
         }
-        let ended = command
-            .stdin(Stdio::null())
-            .output()
+        let ended = output(&mut command, stop)
             .with_context(|| format!("cannot start point {}", self.name))?;
         let complaint = String::from_utf8_lossy(&ended.stderr);
         if !ended.status.success() {
             let code = ended.status.code().map_or(fault::FAILED, |code| code as u8);
             let why = complaint.lines().last().unwrap_or("it was killed").trim();
             if ended.status.code().is_none() || code == fault::INTERRUPTED {
-                bail!("point {} was stopped: {why}", self.name);
+                bail!(Stopped(format!("point {} was stopped: {why}", self.name)));
             }
             let why = why.trim_start_matches("error: ").to_string();
             let kept = complaint
@@ -149,4 +155,25 @@ impl Trial {
             fresh: stages().all(|line| line["status"] == "fresh"),
         })
     }
+}
+
+/// Output of a command that runs until it ends or `stop` is set. Its standard input ends when this
+/// process does, however that happens, so that the command stops with it.
+fn output(command: &mut Command, stop: &AtomicBool) -> std::io::Result<Output> {
+    command.stdin(Stdio::piped());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn()?;
+    let input = child.stdin.take();
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !stop.load(Ordering::Relaxed) && !ended.load(Ordering::Relaxed) {
+                std::thread::sleep(POLL);
+            }
+            drop(input);
+        });
+        let output = child.wait_with_output();
+        ended.store(true, Ordering::Relaxed);
+        output
+    })
 }

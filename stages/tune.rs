@@ -5,6 +5,7 @@
 //! again with one point more, so that what it ends with has been measured to meet the error.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use coronet::measure::tradeoff::{Choice, Sample, meeting, predict, worst};
@@ -19,7 +20,9 @@ use crate::cost::Cost;
 use crate::fault::Usage;
 use crate::finding::{groups, named, samples};
 use crate::points::load;
-use crate::study::run;
+use crate::print::out;
+use crate::signals;
+use crate::study::{STOPPING, run};
 use crate::target::Target;
 use crate::trial::{Outcome, Trial};
 
@@ -44,7 +47,8 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         ))
         .into());
     };
-    let outcomes = run(&trials, &arguments.store.artifacts, arguments.jobs)?;
+    let stop = signals::stop_flag(STOPPING)?;
+    let outcomes = run(&trials, &arguments.store.artifacts, arguments.jobs, &stop)?;
     let cost = study.cost;
     let mut points = Points {
         cost,
@@ -57,7 +61,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         if !arguments.check {
             break (tuned, None);
         }
-        let (error, cost) = check(&tuned, &mut points, target, arguments)?;
+        let (error, cost) = check(&tuned, &mut points, target, arguments, &stop)?;
         if error <= wanted {
             break (tuned, Some((error, cost)));
         }
@@ -225,9 +229,11 @@ fn check(
     points: &mut Points,
     target: &Target,
     arguments: &TuneArguments,
+    stop: &AtomicBool,
 ) -> Result<(f64, f64)> {
     let trial = tuned.trial.clone();
-    let mut own = run(std::slice::from_ref(&trial), &arguments.store.artifacts, 1)?;
+    let artifacts = &arguments.store.artifacts;
+    let mut own = run(std::slice::from_ref(&trial), artifacts, 1, stop)?;
     if let Outcome::Failed { why, .. } = &own[0] {
         bail!("the chosen settings fail: {why}");
     }
@@ -257,22 +263,22 @@ fn tell(
     if arguments.store.json {
         let object = json!({
             "column": target.column, "group": tuned.group, "spacing_m": trial.spacing,
-            "pipeline": trial.pipeline, "set": trial.sets, "command": command,
+            "pipeline": trial.pipeline.to_string_lossy(), "set": trial.sets, "command": command,
             "error": tuned.error, "cost": tuned.cost, "cost_in": cost.unit(),
-            "file": arguments.output,
+            "file": arguments.output.as_ref().map(|path| path.to_string_lossy()),
             "checked": checked.map(|(error, cost)| json!({"error": error, "cost": cost})),
             "missed": misses.iter().map(|(spacing, error)| {
                 json!({"spacing_m": spacing, "error": error})
             }).collect::<Vec<_>>(),
         });
-        println!("{object}");
+        out!("{object}");
         return;
     }
     for (spacing, error) in misses {
         let spacing = human(rounded(*spacing), Unit::Length);
-        println!("missed   s0 = {spacing}: error {}", percent(*error));
+        out!("missed   s0 = {spacing}: error {}", percent(*error));
     }
-    println!(
+    out!(
         "cheapest {}, s0 = {}: error of {} {}, {}",
         named(&tuned.group),
         human(rounded(trial.spacing), Unit::Length),
@@ -280,12 +286,12 @@ fn tell(
         percent(tuned.error),
         cost.long(tuned.cost)
     );
-    println!("{command}");
+    out!("{command}");
     if let Some(path) = &arguments.output {
-        println!("file     {}", path.display());
+        out!("file     {}", path.display());
     }
     if let Some((error, found)) = checked {
-        println!("checked  error {}, {}", percent(error), cost.long(found));
+        out!("checked  error {}, {}", percent(error), cost.long(found));
     }
 }
 

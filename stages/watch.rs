@@ -1,12 +1,14 @@
 //! Shows what happens: bars on a terminal, plain lines elsewhere, JSON objects for scripts.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use coronet::pipeline::{Event, Progress, Report, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
+
+use crate::print::{note, out, plain};
 
 /// Plain lines come after this time, and not more often.
 const BETWEEN: Duration = Duration::from_secs(10);
@@ -45,8 +47,8 @@ impl Screen {
     fn say(&self, text: &str) {
         let state = self.state.lock().expect("no panic while it is held");
         match &state.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.suspend(|| note!("{text}")),
+            None => note!("{text}"),
         }
     }
 
@@ -59,7 +61,7 @@ impl Screen {
             let target = ProgressDrawTarget::stderr_with_hz(5);
             let bar = ProgressBar::with_draw_target(Some(LENGTH), target);
             bar.set_style(style.expect("a valid template"));
-            bar.set_prefix(label.to_string());
+            bar.set_prefix(plain(label));
             state.bar = Some(bar);
         }
     }
@@ -73,7 +75,7 @@ impl Screen {
             bar.set_message(message);
         } else if state.last_line.elapsed() >= BETWEEN {
             state.last_line = Instant::now();
-            eprintln!("{label}: {:.0} %, {message}", 100.0 * progress.fraction);
+            note!("{label}: {:.0} %, {message}", 100.0 * progress.fraction);
         }
     }
 
@@ -87,12 +89,11 @@ impl Screen {
         if let Some(bar) = bar {
             bar.finish_and_clear();
         }
-        // Nobody may listen any more; the results are safe all the same.
-        let _ = if self.json {
-            print_json(report)
+        if self.json {
+            print_json(report);
         } else {
-            print_line(report)
-        };
+            print_line(report);
+        }
     }
 }
 
@@ -137,23 +138,22 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-fn print_line(report: &Report) -> std::io::Result<()> {
-    let mut out = std::io::stdout().lock();
+fn print_line(report: &Report) {
     let word = report.status.word();
     let label = report.label();
-    if word == "fresh" {
-        return writeln!(out, "{word:8} {label:20} {}", report.stamp.digest.short());
-    }
     let digest = report.stamp.digest.short();
-    let (wall, cpu) = (duration(report.seconds), duration(report.cpu_seconds));
-    writeln!(out, "{word:8} {label:20} {digest}  {wall} ({cpu} of CPU)")?;
-    for note in &report.stamp.notes {
-        writeln!(out, "{:8}   {note}", "")?;
+    if word == "fresh" {
+        out!("{word:8} {label:20} {digest}");
+        return;
     }
-    Ok(())
+    let (wall, cpu) = (duration(report.seconds), duration(report.cpu_seconds));
+    out!("{word:8} {label:20} {digest}  {wall} ({cpu} of CPU)");
+    for note in &report.stamp.notes {
+        out!("{:8}   {note}", "");
+    }
 }
 
-fn print_json(report: &Report) -> std::io::Result<()> {
+fn print_json(report: &Report) {
     let object = json!({
         "stage": report.stage,
         "body": report.body,
@@ -163,8 +163,8 @@ fn print_json(report: &Report) -> std::io::Result<()> {
         "seconds": report.seconds,
         "cpu_seconds": report.cpu_seconds,
         "reasons": report.reasons,
-        "folder": report.folder,
+        "folder": report.folder.to_string_lossy(),
         "notes": report.stamp.notes,
     });
-    writeln!(std::io::stdout().lock(), "{object}")
+    out!("{object}");
 }

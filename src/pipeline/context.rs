@@ -6,15 +6,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::machine::Clock;
-use super::stamp::Stamp;
-use super::store::{OUT, content};
+use super::content::{ContentError, content};
+use super::machine::{Clock, now};
+use super::stamp::{InputStamp, Stamp};
+use super::store::OUT;
 use super::{Event, Progress, StageError, Watch};
-use crate::record::atomic::{FileError, write_file};
+use crate::file::{self, FileError};
+use crate::record::atomic::{create_folder, write_file};
 use crate::record::{Checkpoint, Digest, checkpoint};
 
 /// File in the work folder that keeps the time spent by earlier attempts.
 pub const SPENT: &str = "spent.json";
+
+/// Most bytes of that file.
+const LONGEST: u64 = 1 << 16;
 
 /// A finished input.
 #[derive(Clone, Debug)]
@@ -38,6 +43,9 @@ pub(super) struct Spent {
     pub attempts: u32,
     pub wall_seconds: f64,
     pub cpu_seconds: f64,
+    /// What it reads, so that a clean-up keeps it.
+    #[serde(default)]
+    pub inputs: Vec<InputStamp>,
 }
 
 /// The surroundings of a running stage.
@@ -116,40 +124,65 @@ impl Context<'_> {
     }
 
     /// Path of `file` of input `index`, after hashing its whole content.
+    ///
+    /// # Errors
+    /// [`StageError::Input`] if it is missing or wrong; [`StageError::Failed`] if it cannot be
+    /// read.
     pub fn verified(&self, index: usize, file: &str) -> Result<PathBuf, StageError> {
-        let path = self.inputs[index].folder.join(file);
-        let bad = |what: String| StageError::Input {
-            index,
-            file: path.clone(),
-            what,
+        let Input { folder, stamp } = &self.inputs[index];
+        let path = folder.join(file);
+        let check = || {
+            let wanted = output_digest(stamp, file)?;
+            let found = content(&path)?;
+            if found != wanted {
+                let what = format!("it holds {found}, not {wanted}");
+                return Err(ContentError::Damaged(what));
+            }
+            Ok(())
         };
-        let output = self.inputs[index]
-            .stamp
-            .outputs
-            .iter()
-            .find(|output| output.file == file);
-        let output = output.ok_or_else(|| bad("its stamp does not name it".into()))?;
-        let found = content(&path).map_err(bad)?;
-        if found != output.digest {
-            return Err(bad(format!("it holds {found}, not {}", output.digest)));
-        }
+        check().map_err(|error| self.input_error(index, file, error))?;
         Ok(path)
     }
 
     /// Reads and verifies the checkpoint `file` of input `index`.
+    ///
+    /// # Errors
+    /// As [`Context::verified`].
     pub fn checkpoint(&self, index: usize, file: &str) -> Result<Checkpoint, StageError> {
         let Input { folder, stamp } = &self.inputs[index];
-        read_checkpoint(folder, stamp, file).map_err(|what| StageError::Input {
-            index,
-            file: folder.join(file),
-            what,
-        })
+        read_checkpoint(folder, stamp, file).map_err(|error| self.input_error(index, file, error))
+    }
+
+    fn input_error(&self, index: usize, file: &str, error: ContentError) -> StageError {
+        match error {
+            ContentError::File(error) => error.into(),
+            ContentError::Damaged(what) => StageError::Input {
+                index,
+                file: self.inputs[index].folder.join(file),
+                what,
+            },
+        }
+    }
+}
+
+impl Input {
+    /// What the stamp of its reader says about it.
+    pub(super) fn stamp_of(&self) -> InputStamp {
+        InputStamp {
+            stage: self.stamp.stage.clone(),
+            body: self.stamp.body.clone(),
+            key: self.stamp.key,
+            digest: self.stamp.digest,
+        }
     }
 }
 
 impl Relative {
-    /// Reads and verifies the checkpoint `file`; the error says what is wrong with it.
-    pub fn checkpoint(&self, file: &str) -> Result<Checkpoint, String> {
+    /// Reads and verifies the checkpoint `file`.
+    ///
+    /// # Errors
+    /// See [`ContentError`].
+    pub fn checkpoint(&self, file: &str) -> Result<Checkpoint, ContentError> {
         read_checkpoint(&self.folder, &self.stamp, file)
     }
 
@@ -161,22 +194,45 @@ impl Relative {
     }
 }
 
-/// Reads a checkpoint, of which each array is checked, and compares its digest with the stamp's.
-fn read_checkpoint(folder: &Path, stamp: &Stamp, file: &str) -> Result<Checkpoint, String> {
+/// The digest that a stamp promises of a file.
+fn output_digest(stamp: &Stamp, file: &str) -> Result<Digest, ContentError> {
     let output = stamp.outputs.iter().find(|output| output.file == file);
-    let output = output.ok_or("its stamp does not name it")?;
+    let missing = || ContentError::Damaged("its stamp does not name it".into());
+    Ok(output.ok_or_else(missing)?.digest)
+}
+
+/// Reads a checkpoint, of which each array is checked, and compares its digest with the stamp's.
+fn read_checkpoint(folder: &Path, stamp: &Stamp, file: &str) -> Result<Checkpoint, ContentError> {
+    let wanted = output_digest(stamp, file)?;
     let path = folder.join(file);
+    file::refuse_link(&path)?;
     // The header yields the digest, and `read` compares every array with the header.
-    let peek = checkpoint::peek(&path).map_err(|error| error.to_string())?;
-    if peek.digest != output.digest {
-        return Err(format!("it holds {}, not {}", peek.digest, output.digest));
+    let found = checkpoint::peek(&path)?.digest;
+    if found != wanted {
+        let what = format!("it holds {found}, not {wanted}");
+        return Err(ContentError::Damaged(what));
     }
-    checkpoint::read(&path).map_err(|error| error.to_string())
+    Ok(checkpoint::read(&path)?)
 }
 
 impl Spent {
     /// What earlier attempts left, or nothing.
     pub(super) fn read(work: &Path) -> Option<Self> {
-        serde_json::from_slice(&fs::read(work.join(SPENT)).ok()?).ok()
+        serde_json::from_slice(&file::read_no_link(&work.join(SPENT), LONGEST).ok()?).ok()
+    }
+
+    /// Makes the work folder, empties the folder of finished files and counts the attempt.
+    pub(super) fn begin(work: &Path) -> Result<Self, FileError> {
+        let out = work.join(OUT);
+        if out.exists() {
+            fs::remove_dir_all(&out).map_err(FileError::new(&out, "empty"))?;
+        }
+        create_folder(&out)?;
+        let mut spent = Spent::read(work).unwrap_or_else(|| Spent {
+            started: now(),
+            ..Spent::default()
+        });
+        spent.attempts += 1;
+        Ok(spent)
     }
 }

@@ -1,11 +1,11 @@
 //! Fresh or stale, and why. `plan` shows these decisions; `run` acts on the same ones.
 
-use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::stamp::{InputStamp, SettingStamp, Stamp};
-use super::store::{CHECKPOINT, Found, Store, WORK};
+use super::store::{CHECKPOINT, Found, Store, WORK, entries};
 use super::{Pipeline, Stage, Work, key, label};
+use crate::file::FileError;
 use crate::record::Digest;
 
 /// What is to be done with one job.
@@ -57,22 +57,33 @@ pub struct Done {
 }
 
 /// Decisions for all jobs, as far as they are known before anything runs.
-pub fn plan(store: &Store, pipeline: &Pipeline) -> Vec<Decision> {
+///
+/// # Errors
+/// If something in the store cannot be read.
+pub fn plan(store: &Store, pipeline: &Pipeline) -> Result<Vec<Decision>, FileError> {
     let mut done: Vec<Option<Done>> = Vec::new();
     let mut decisions = Vec::new();
     for job in 0..pipeline.jobs.len() {
-        let decision = decide(store, pipeline, job, &done);
+        let decision = decide(store, pipeline, job, &done)?;
         done.push(decision.fresh.as_ref().map(|stamp| Done {
             key: stamp.key,
             digest: stamp.digest,
         }));
         decisions.push(decision);
     }
-    decisions
+    Ok(decisions)
 }
 
 /// Decides about one job. `done[i]` is the result of job `i`, if it is finished.
-pub fn decide(store: &Store, pipeline: &Pipeline, job: usize, done: &[Option<Done>]) -> Decision {
+///
+/// # Errors
+/// If something in the store cannot be read.
+pub fn decide(
+    store: &Store,
+    pipeline: &Pipeline,
+    job: usize,
+    done: &[Option<Done>],
+) -> Result<Decision, FileError> {
     let stage = pipeline.jobs[job].as_ref();
     let settings = stage.settings();
     let inputs: Vec<_> = stage
@@ -99,52 +110,67 @@ pub fn decide(store: &Store, pipeline: &Pipeline, job: usize, done: &[Option<Don
     };
     let family = digests.and_then(|digests| key::family(stage, &settings, &digests));
     if let Some(key) = decision.key {
-        match store.find(stage.name(), &key) {
+        match store.find(stage.name(), &key)? {
             Found::Finished(stamp) => {
                 decision.fresh = Some(stamp);
-                return decision;
+                return Ok(decision);
             }
             Found::Unusable(what) => decision.reasons.push(what),
             Found::Nothing => {}
         }
-        decision.start = start(store, stage, &key, family);
+        decision.start = start(store, stage, &key, family)?;
     }
-    let stamps = store.stamps(stage.name());
+    let stamps = store.stamps(stage.name())?;
     decision.seconds = estimate(stage, &stamps);
     if decision.reasons.is_empty() {
         let wanted: Vec<SettingStamp> = settings.iter().map(SettingStamp::from).collect();
         decision.reasons = reasons(pipeline, stage, &wanted, &inputs, &stamps);
     }
-    decision
+    Ok(decision)
 }
 
 /// What a stale result could start from.
-fn start(store: &Store, stage: &dyn Stage, key: &Digest, family: Option<Digest>) -> Option<String> {
-    let work = store.folder(stage.name(), key).join(WORK);
-    let entries = fs::read_dir(work).into_iter().flatten().flatten();
-    let mut paths = entries.map(|entry| entry.path());
-    if paths.any(|path| {
-        path.extension()
-            .is_some_and(|extension| extension == CHECKPOINT)
-    }) {
-        return Some("an unfinished run".to_string());
+fn start(
+    store: &Store,
+    stage: &dyn Stage,
+    key: &Digest,
+    family: Option<Digest>,
+) -> Result<Option<String>, FileError> {
+    if has_checkpoint(&store.folder(stage.name(), key).join(WORK))? {
+        return Ok(Some("an unfinished run".to_string()));
     }
-    let relatives = relatives(store, stage.name(), family);
-    let (_, stamp) = relatives.first()?;
+    let relatives = relatives(store, stage.name(), family)?;
+    let Some((_, stamp)) = relatives.first() else {
+        return Ok(None);
+    };
     let free = stage.extends().unwrap_or_default();
     let value = stamp.settings.iter().find(|setting| setting.name == free);
     let value = value.map_or("?", |setting| setting.value.as_str());
-    Some(format!("the result for {free} = {value}"))
+    Ok(Some(format!("the result for {free} = {value}")))
+}
+
+/// Whether a work folder holds a checkpoint, from which a run can go on.
+pub(super) fn has_checkpoint(work: &Path) -> Result<bool, FileError> {
+    let is_checkpoint = |path: PathBuf| path.extension().is_some_and(|e| e == CHECKPOINT);
+    let found = entries(work)?;
+    Ok(found.into_iter().any(|entry| is_checkpoint(entry.path())))
 }
 
 /// Finished results that differ in nothing but the setting that may grow.
-pub fn relatives(store: &Store, stage: &str, family: Option<Digest>) -> Vec<(PathBuf, Stamp)> {
+///
+/// # Errors
+/// If something in the store cannot be read.
+pub fn relatives(
+    store: &Store,
+    stage: &str,
+    family: Option<Digest>,
+) -> Result<Vec<(PathBuf, Stamp)>, FileError> {
     let Some(family) = family else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
-    let mut stamps = store.stamps(stage);
+    let mut stamps = store.stamps(stage)?;
     stamps.retain(|(_, stamp)| stamp.family == Some(family));
-    stamps
+    Ok(stamps)
 }
 
 fn reasons(

@@ -73,6 +73,24 @@ pub enum PipelineError {
     },
     #[error("{job}: the stage named an output {file:?} that it did not write")]
     NoOutput { job: String, file: String },
+    #[error(
+        "{name:?} cannot be the name of results: a name is a single part of a path, does not start \
+         with a dot and has no control characters; choose another with --name"
+    )]
+    Name { name: String },
+    #[error(
+        "{}: no name in latest/ leads to a result, so every finished result would be removed; \
+         say --without-names if that is meant", path.display()
+    )]
+    NoNames { path: PathBuf },
+    #[error("{} is not a store of Coronet: it has no {mark}{remedy}", path.display())]
+    NotAStore {
+        path: PathBuf,
+        mark: &'static str,
+        remedy: &'static str,
+    },
+    #[error(transparent)]
+    Manifest(#[from] super::latest::ManifestError),
     #[error("there is no stage {name:?} in this pipeline; it has {known}")]
     UnknownStage { name: String, known: String },
     #[error("{} is in use by {holder}; try again when that has ended", path.display())]

@@ -1,25 +1,35 @@
 //! `artifacts/latest/<pipeline>/`: the newest results by name, as links, and `manifest.json`, which
-//! tells a clean-up what the pipeline reaches.
+//! says what the pipeline reaches.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::Report;
-use super::store::{LATEST, Store};
+use super::content::free_name;
+use super::name::{is_key, is_plain_name};
+use super::store::{LATEST, Store, entries, folders_in};
+use super::{Report, seal};
+use crate::file::{self, FileError};
 use crate::record::Digest;
-use crate::record::atomic::{FileError, write_file};
+use crate::record::atomic::{is_temporary, temporary_name, write_file};
 
-const MANIFEST: &str = "manifest.json";
+/// File in the folder of a pipeline.
+pub const MANIFEST: &str = "manifest.json";
+
+/// No manifest is longer, bytes.
+const LONGEST: u64 = 16 << 20;
+
+/// Age after which a temporary file was left by a killed process.
+const LEFT_OVER: Duration = Duration::from_secs(3600);
 
 /// What a named pipeline reaches.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     pub pipeline: String,
     pub results: Vec<Entry>,
-    /// Folders of results on which work has begun, from the root of the store.
-    pub unfinished: Vec<PathBuf>,
 }
 
 /// One result.
@@ -33,53 +43,106 @@ pub struct Entry {
     pub digest: Digest,
 }
 
+/// A manifest that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ManifestError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{} is not a valid manifest: {what}", path.display())]
+    Invalid { path: PathBuf, what: String },
+}
+
 /// Folder of a pipeline's newest results.
 pub fn folder(store: &Store, pipeline: &str) -> PathBuf {
     store.root().join(LATEST).join(pipeline)
 }
 
 /// Names of all pipelines with results here.
-pub fn pipelines(store: &Store) -> Vec<String> {
-    let entries = fs::read_dir(store.root().join(LATEST))
-        .into_iter()
-        .flatten()
-        .flatten();
-    let folders = entries.filter(|entry| entry.path().join(MANIFEST).is_file());
-    let mut names: Vec<_> = folders
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .collect();
-    names.sort();
-    names
+///
+/// # Errors
+/// If a folder cannot be listed, or `latest` or a name in it is a symbolic link: what lies behind
+/// it is not known.
+pub fn pipelines(store: &Store) -> Result<Vec<String>, FileError> {
+    let latest = store.root().join(LATEST);
+    file::refuse_link(&latest)?;
+    for entry in entries(&latest)? {
+        file::refuse_link(&entry.path())?;
+    }
+    let mut names = Vec::new();
+    for folder in folders_in(&latest)? {
+        let path = folder.join(MANIFEST);
+        match path.symlink_metadata() {
+            // Of a study, which reaches nothing by itself.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+            other => other.map_err(FileError::new(&path, "examine"))?,
+        };
+        let name = folder.file_name().unwrap_or_default().to_str();
+        let odd = || io::Error::other("its name is not UTF-8");
+        names.push(
+            name.ok_or_else(|| FileError::new(&folder, "use")(odd()))?
+                .to_string(),
+        );
+    }
+    Ok(names)
 }
 
-/// The manifest of a pipeline; `None` if there is none or it cannot be read.
-pub fn read(store: &Store, pipeline: &str) -> Option<Manifest> {
-    let bytes = fs::read(folder(store, pipeline).join(MANIFEST)).ok()?;
-    serde_json::from_slice(&bytes).ok()
+/// The manifest of a pipeline; `None` if there is none.
+///
+/// # Errors
+/// If it cannot be read, was damaged, or names something outside the store.
+pub fn read(store: &Store, pipeline: &str) -> Result<Option<Manifest>, ManifestError> {
+    let path = folder(store, pipeline).join(MANIFEST);
+    store.refuse_links(&path)?;
+    let bytes = match file::read_no_link(&path, LONGEST) {
+        Err(error) if error.is_not_found() => return Ok(None),
+        other => other?,
+    };
+    let parsed = || {
+        let text = String::from_utf8(bytes).map_err(|error| error.to_string())?;
+        seal::check(&text)?;
+        let manifest: Manifest = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+        if let Some(entry) = manifest.results.iter().find(|entry| !entry.is_plain()) {
+            return Err(format!("{:?} leads out of the store", entry.name));
+        }
+        Ok(manifest)
+    };
+    let parsed: Result<Manifest, String> = parsed();
+    parsed
+        .map(Some)
+        .map_err(|what| ManifestError::Invalid { path, what })
 }
 
-/// Notes that work begins in the folder of a key, so that a clean-up spares it.
-pub(super) fn begin(store: &Store, pipeline: &str, stage: &str, folder_of_key: &Path) {
-    let mut manifest = read(store, pipeline).unwrap_or_default();
-    manifest.pipeline = pipeline.to_string();
-    let name = folder_of_key.file_name().unwrap_or_default();
-    let path = Path::new(stage).join(name);
-    if !manifest.unfinished.contains(&path) {
-        manifest.unfinished.push(path);
-        // At worst, a clean-up after a kill removes what could have been resumed.
-        let _ = write(store, pipeline, &manifest);
+impl Entry {
+    /// Whether it names a link in its own folder and the folder of a key in the store.
+    fn is_plain(&self) -> bool {
+        let parts: Vec<_> = self.folder.iter().collect();
+        let stage = parts.first().and_then(|part| part.to_str());
+        parts.len() == 2
+            && stage.is_some_and(is_plain_name)
+            && is_key(&self.folder)
+            && is_plain_name(&self.name)
+            && self.name != MANIFEST
     }
 }
 
 /// Points the names at these results. `whole`: they are all that the pipeline has, so that other
-/// names are outdated.
+/// names are outdated. Returns what stood in the place of a link, as it is named now: in a copied
+/// store, folders are where links were.
+///
+/// # Errors
+/// If a file cannot be read or written, or a symbolic link stands for a folder.
 pub(super) fn finish(
     store: &Store,
     pipeline: &str,
     reports: &[Report],
     whole: bool,
-) -> Result<(), FileError> {
-    let old = read(store, pipeline).unwrap_or_default();
+) -> Result<Vec<PathBuf>, FileError> {
+    let old = match read(store, pipeline) {
+        Ok(old) => old.unwrap_or_default(),
+        // What it said follows from the links and is written again.
+        Err(ManifestError::Invalid { .. }) => Manifest::default(),
+        Err(ManifestError::File(error)) => return Err(error),
+    };
     let mut results: Vec<Entry> = reports.iter().map(entry).collect();
     let is_new = |name: &str| results.iter().any(|entry| entry.name == name);
     let (outdated, kept): (Vec<_>, Vec<_>) = old
@@ -89,35 +152,63 @@ pub(super) fn finish(
         .cloned()
         .partition(|_| whole);
     results.extend(kept);
-    let finished = |path: &PathBuf| results.iter().any(|entry| entry.folder == *path);
-    let mut unfinished = old.unfinished.clone();
-    unfinished.retain(|path| !whole && !finished(path));
     let manifest = Manifest {
         pipeline: pipeline.to_string(),
         results,
-        unfinished,
     };
     // A second run must end well where nothing can be written.
     if manifest != old {
         write(store, pipeline, &manifest)?;
     }
     let folder = folder(store, pipeline);
+    // Another process may be writing the younger ones.
+    sweep(&folder, LEFT_OVER)?;
+    let mut moved = Vec::new();
     for entry in &manifest.results {
-        link(
-            &Path::new("../..").join(&entry.folder),
-            &folder.join(&entry.name),
-        )?;
+        let target = Path::new("../..").join(&entry.folder);
+        moved.extend(link(&target, &folder.join(&entry.name))?);
     }
     for entry in outdated {
-        let _ = fs::remove_file(folder.join(entry.name));
+        let path = folder.join(entry.name);
+        if path.is_symlink() {
+            let _ = fs::remove_file(path);
+        }
     }
-    Ok(())
+    Ok(moved)
 }
 
 /// Forgets a pipeline: its results stay until a clean-up.
+///
+/// # Errors
+/// If its folder cannot be removed or is a symbolic link.
 pub fn forget(store: &Store, pipeline: &str) -> Result<(), FileError> {
     let folder = folder(store, pipeline);
+    store.refuse_links(&folder)?;
     fs::remove_dir_all(&folder).map_err(FileError::new(&folder, "remove"))
+}
+
+/// Removes what killed writers left; only while no pipeline runs.
+///
+/// # Errors
+/// If a folder cannot be listed.
+pub(super) fn clean_up(store: &Store) -> Result<(), FileError> {
+    let mut folders = folders_in(&store.root().join(LATEST))?;
+    folders.push(store.root().to_path_buf());
+    folders
+        .iter()
+        .try_for_each(|folder| sweep(folder, Duration::ZERO))
+}
+
+/// Removes temporary files from a folder that are older than `age`.
+fn sweep(folder: &Path, age: Duration) -> Result<(), FileError> {
+    for entry in entries(folder)? {
+        let modified = entry.metadata().and_then(|metadata| metadata.modified());
+        let old = modified.is_ok_and(|at| at.elapsed().is_ok_and(|elapsed| elapsed >= age));
+        if is_temporary(&entry.path()) && old {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+    Ok(())
 }
 
 fn entry(report: &Report) -> Entry {
@@ -135,28 +226,42 @@ fn entry(report: &Report) -> Entry {
 
 fn write(store: &Store, pipeline: &str, manifest: &Manifest) -> Result<(), FileError> {
     let folder = folder(store, pipeline);
-    fs::create_dir_all(&folder).map_err(FileError::new(&folder, "create the folder"))?;
+    store.create(&folder)?;
     let json = serde_json::to_string_pretty(manifest).expect("plain data");
-    write_file(&folder.join(MANIFEST), json.as_bytes())
+    write_file(&folder.join(MANIFEST), seal::seal(&json).as_bytes())
 }
 
 /// Makes `path` lead to `target`, atomically: the name always leads to the old or the new one.
+/// What stands there and is not a link is set aside.
 #[cfg(unix)]
-fn link(target: &Path, path: &Path) -> Result<(), FileError> {
+fn link(target: &Path, path: &Path) -> Result<Option<PathBuf>, FileError> {
     if fs::read_link(path).is_ok_and(|old| old == target) {
-        return Ok(());
+        return Ok(None);
     }
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
-    let _ = fs::remove_file(&temporary);
+    let mut moved = None;
+    match path.symlink_metadata() {
+        Ok(metadata) if !metadata.is_symlink() => {
+            let aside = free_name(path, "copy")?;
+            fs::rename(path, &aside).map_err(FileError::new(path, "set aside"))?;
+            moved = Some(aside);
+        }
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            return Err(FileError::new(path, "examine")(error));
+        }
+        _ => {}
+    }
+    let temporary = temporary_name(path);
     std::os::unix::fs::symlink(target, &temporary)
         .and_then(|()| fs::rename(&temporary, path))
-        .map_err(FileError::new(path, "link"))
+        .inspect_err(|_| drop(fs::remove_file(&temporary)))
+        .map_err(FileError::new(path, "link"))?;
+    Ok(moved)
 }
 
 /// Where links need a privilege, a text file names the folder.
 #[cfg(not(unix))]
-fn link(target: &Path, path: &Path) -> Result<(), FileError> {
+fn link(target: &Path, path: &Path) -> Result<Option<PathBuf>, FileError> {
     let text = target.display().to_string();
-    write_file(&path.with_extension("txt"), text.as_bytes())
+    write_file(&path.with_extension("txt"), text.as_bytes())?;
+    Ok(None)
 }

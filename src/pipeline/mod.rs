@@ -4,7 +4,10 @@
 //! |---|---|
 //! | [`key`] | the name of a result before it exists: SHA-256 over all that it depends on |
 //! | [`stamp`] | what is written beside a result, for people and for the next run |
-//! | [`store`] | the folder of a key: locks, publishing, setting damaged files aside |
+//! | `seal`, `name` | a JSON file that shows damage; names that stay inside the store |
+//! | [`store`] | the folders of results, and a quick look at one |
+//! | [`content`] | what a file holds; setting damaged files aside |
+//! | [`lock`] | one process makes a result; none is removed while a pipeline runs |
 //! | [`decide`] | fresh or stale, and the reasons; the same function serves `plan` and `run` |
 //! | [`run`] | the walk over the jobs |
 //! | [`context`] | what a running stage sees |
@@ -20,14 +23,18 @@
 //! so a folder without a stamp is unfinished. `work/` in there belongs to the run in progress and
 //! outlives kills; `lock` is held while it runs.
 
+pub mod content;
 pub mod context;
 pub mod decide;
 mod error;
 pub mod key;
 pub mod latest;
+pub mod lock;
 pub mod machine;
+pub mod name;
 mod publish;
 pub mod run;
+mod seal;
 pub mod stamp;
 pub mod store;
 pub mod sweep;

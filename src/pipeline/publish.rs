@@ -4,18 +4,20 @@
 //! unfinished folder, never a wrong one.
 
 use std::fs::{self, File};
+use std::io;
 use std::path::Path;
 
-use super::context::Context;
+use super::content::{ContentError, bytes, content, free_name, rename_aside};
+use super::context::{Context, Input};
+use super::key::contradiction;
 use super::machine::{Machine, peak_memory};
 use super::run::Run;
-use super::stamp::{self, InputStamp, OutputStamp, SettingStamp, Stamp};
-use super::store::{WORK, content, free_name, rename_aside};
+use super::stamp::{self, OutputStamp, SettingStamp, Stamp, StampError};
+use super::store::{WORK, entries, refuse_links_below};
 use super::{Decision, Output, PipelineError, Setting, Stage};
 use crate::record::Digest;
-use crate::record::atomic::{FileError, sync_folder_of};
+use crate::record::atomic::{FileError, create_folder, sync_folder_of};
 use crate::record::checkpoint::FORMAT_VERSION;
-use crate::record::digest::Hasher;
 
 /// What a stage has made, with all that the stamp tells.
 pub struct Made<'a> {
@@ -35,8 +37,8 @@ pub fn publish(made: Made) -> Result<Stamp, PipelineError> {
     let out = made.context.output();
     let outputs = hash(&made, &out)?;
     let stamp = stamp_of(&made, outputs);
-    if let Some(first) = contradicted(made.folder, &stamp) {
-        let other = free_name(&made.folder.join("result"), "other");
+    if let Some(first) = contradicted(made.folder, &stamp)? {
+        let other = free_name(&made.folder.join("result"), "other")?;
         move_outputs(&out, &other, &stamp)?;
         return Err(PipelineError::Nondeterministic {
             job: stamp.label(),
@@ -55,50 +57,41 @@ pub fn publish(made: Made) -> Result<Stamp, PipelineError> {
 }
 
 fn hash(made: &Made, out: &Path) -> Result<Vec<OutputStamp>, PipelineError> {
-    let mut stamps = Vec::with_capacity(made.outputs.len());
-    for output in &made.outputs {
-        let path = out.join(&output.file);
-        let Ok(metadata) = fs::metadata(&path) else {
+    let outputs = made.outputs.iter();
+    outputs.map(|output| hash_one(made, out, output)).collect()
+}
+
+fn hash_one(made: &Made, out: &Path, output: &Output) -> Result<OutputStamp, PipelineError> {
+    let path = out.join(&output.file);
+    let metadata = match fs::metadata(&path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
             return Err(PipelineError::NoOutput {
                 job: made.decision.label(),
                 file: output.file.clone(),
             });
-        };
-        let digest = content(&path).map_err(|what| PipelineError::Stage {
+        }
+        other => other.map_err(FileError::new(&path, "examine"))?,
+    };
+    let failed = |error: ContentError| match error {
+        ContentError::File(error) => PipelineError::File(error),
+        ContentError::Damaged(what) => PipelineError::Stage {
             job: made.decision.label(),
             source: what.into(),
-        })?;
-        stamps.push(OutputStamp {
-            file: output.file.clone(),
-            bytes: metadata.len(),
-            digest,
-            counted: output.counted,
-        });
-    }
-    Ok(stamps)
-}
-
-/// Digest of a result: of its only counted file, or of all their names and digests.
-fn digest(outputs: &[OutputStamp]) -> Digest {
-    let counted: Vec<_> = outputs.iter().filter(|output| output.counted).collect();
-    if let [only] = counted[..] {
-        return only.digest;
-    }
-    let mut hasher = Hasher::new("coronet result 1");
-    for output in counted {
-        hasher.text(&output.file).digest(&output.digest);
-    }
-    hasher.finish()
+        },
+    };
+    let digest = content(&path).map_err(failed)?;
+    let sha256 = Some(bytes(&path).map_err(failed)?).filter(|found| *found != digest);
+    Ok(OutputStamp {
+        file: output.file.clone(),
+        bytes: metadata.len(),
+        digest,
+        sha256,
+        counted: output.counted,
+    })
 }
 
 fn stamp_of(made: &Made, outputs: Vec<OutputStamp>) -> Stamp {
     let spent = made.context.spent_now();
-    let input = |input: &super::Input| InputStamp {
-        stage: input.stamp.stage.clone(),
-        body: input.stamp.body.clone(),
-        key: input.stamp.key,
-        digest: input.stamp.digest,
-    };
     Stamp {
         stamp: Stamp::layout(),
         stage: made.decision.stage.clone(),
@@ -108,8 +101,8 @@ fn stamp_of(made: &Made, outputs: Vec<OutputStamp>) -> Stamp {
         key: made.decision.key.expect("known when it ran"),
         family: made.family,
         settings: made.settings.iter().map(SettingStamp::from).collect(),
-        inputs: made.context.inputs.iter().map(input).collect(),
-        digest: digest(&outputs),
+        inputs: made.context.inputs.iter().map(Input::stamp_of).collect(),
+        digest: stamp::digest_of(&outputs),
         outputs,
         notes: made.context.notes.clone(),
         program: made.run.program.clone(),
@@ -130,42 +123,46 @@ fn milliseconds(seconds: f64) -> f64 {
 }
 
 /// Digest of an earlier result of the same key that differs, from the stamp in place or from one
-/// that was set aside.
-fn contradicted(folder: &Path, new: &Stamp) -> Option<Digest> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let stamps = entries.filter(|entry| {
+/// that was set aside. Stamps that contradict themselves do not count.
+fn contradicted(folder: &Path, new: &Stamp) -> Result<Option<Digest>, FileError> {
+    for entry in entries(folder)? {
         let name = entry.file_name();
-        name.to_string_lossy().starts_with(stamp::FILE)
-    });
-    stamps
-        .filter_map(|entry| stamp::read_file(&entry.path()).ok())
-        .filter(|old| old.key == new.key && old.digest != new.digest)
-        .map(|old| old.digest)
-        .next()
+        if !name.to_string_lossy().starts_with(stamp::FILE) {
+            continue;
+        }
+        match stamp::read_file(&entry.path()) {
+            Ok(old) if old.key == new.key && old.digest != new.digest => {
+                if contradiction(&old).is_none() {
+                    return Ok(Some(old.digest));
+                }
+            }
+            Ok(_) | Err(StampError::Invalid { .. }) => {}
+            Err(StampError::File(error)) => return Err(error),
+        }
+    }
+    Ok(None)
 }
 
 fn move_outputs(from: &Path, to: &Path, stamp: &Stamp) -> Result<(), FileError> {
     for output in &stamp.outputs {
         let (source, target) = (from.join(&output.file), to.join(&output.file));
-        let parent = target.parent().unwrap_or(to);
-        fs::create_dir_all(parent).map_err(FileError::new(parent, "create the folder"))?;
-        keep_stranger(&target, |path| content(path) == Ok(output.digest))?;
+        refuse_links_below(to, &target)?;
+        create_folder(target.parent().unwrap_or(to))?;
+        match content(&target) {
+            Ok(digest) if digest == output.digest => {}
+            Ok(_) | Err(ContentError::Damaged(_)) => drop(rename_aside(&target)?),
+            Err(ContentError::File(error)) => return Err(error),
+        }
         let file = File::open(&source).map_err(FileError::new(&source, "open"))?;
         file.sync_all()
             .map_err(FileError::new(&source, "flush to disk"))?;
         fs::rename(&source, &target).map_err(FileError::new(&target, "rename into place"))?;
         sync_folder_of(&target)?;
     }
-    keep_stranger(&to.join(stamp::FILE), |path| {
-        stamp::read_file(path).is_ok_and(|old| old.key == stamp.key)
-    })?;
-    stamp.write(to)
-}
-
-/// Sets aside a file in the way, unless it is what will take its place.
-fn keep_stranger(path: &Path, same: impl Fn(&Path) -> bool) -> Result<(), FileError> {
-    if path.exists() && !same(path) {
-        rename_aside(path)?;
+    match stamp::read_file(&to.join(stamp::FILE)) {
+        Ok(old) if old.key == stamp.key && contradiction(&old).is_none() => {}
+        Err(StampError::File(error)) if !error.is_not_found() => return Err(error),
+        _ => drop(rename_aside(&to.join(stamp::FILE))?),
     }
-    Ok(())
+    stamp.write(to)
 }

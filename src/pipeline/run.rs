@@ -5,14 +5,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::content::{ContentError, content, set_aside};
 use super::context::{Context, Input, Relative, Spent};
 use super::decide::{Done, decide, relatives};
-use super::machine::{Clock, now};
+use super::machine::Clock;
+use super::name::is_plain_name;
 use super::stamp::Stamp;
-use super::store::{OUT, Store, WORK, content, set_aside};
+use super::store::{OUT, Store, WORK};
 use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, latest, publish};
+use crate::file::FileError;
 use crate::record::Digest;
-use crate::record::atomic::FileError;
 
 /// How a job ended well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,11 +77,16 @@ pub struct Run<'a> {
 
 /// Brings every job up to date, in order. The reports are in the order of the jobs.
 pub fn run(run: &Run) -> Result<Vec<Report>, PipelineError> {
+    if !is_plain_name(&run.pipeline.name) {
+        return Err(PipelineError::Name {
+            name: run.pipeline.name.clone(),
+        });
+    }
     let last = last_job(run)?;
     let _shared = run.store.share(&mut |holder| {
         run.watch.event(&Event::Waiting { job: "run", holder });
         !run.stop.load(Ordering::Relaxed)
-    });
+    })?;
     let mut walk = Walk {
         run,
         done: Vec::new(),
@@ -89,14 +96,23 @@ pub fn run(run: &Run) -> Result<Vec<Report>, PipelineError> {
     let ended = (0..=last).try_for_each(|job| walk.ensure(job));
     let whole = ended.is_ok() && last + 1 == run.pipeline.jobs.len();
     let reports: Vec<_> = walk.done.into_iter().flatten().collect();
-    latest::finish(run.store, &run.pipeline.name, &reports, whole).unwrap_or_else(|error| {
-        let text = error.to_string();
+    let named = name_results(run, &reports, whole);
+    ended?;
+    named?;
+    Ok(reports)
+}
+
+/// Points the names of the pipeline at its results.
+fn name_results(run: &Run, reports: &[Report], whole: bool) -> Result<(), FileError> {
+    for path in latest::finish(run.store, &run.pipeline.name, reports, whole)? {
+        let path = path.display();
+        let text = format!("a copy stood in the place of a link; it is kept as {path}");
         run.watch.event(&Event::Warning {
             job: "latest",
             text: &text,
         });
-    });
-    ended.map(|()| reports)
+    }
+    Ok(())
 }
 
 /// Place of the last job to run.
@@ -164,7 +180,7 @@ impl Walk<'_> {
             .map(|report| report.as_ref().map(finished))
             .collect();
         let decide = || decide(run.store, run.pipeline, job, &done);
-        let decision = decide();
+        let decision = decide()?;
         let key = decision.key.expect("all inputs are done");
         if let Some(report) = fresh(run.store, decision) {
             discard_work(run.store, &report.folder);
@@ -191,7 +207,7 @@ impl Walk<'_> {
             return Err(interrupted());
         };
         // Whoever had the lock before may have made it.
-        let decision = decide();
+        let decision = decide()?;
         if decision.fresh.is_some() {
             return Ok(Attempt::Done(
                 fresh(run.store, decision).expect("just seen"),
@@ -214,7 +230,6 @@ impl Walk<'_> {
         let inputs = self.inputs(job);
         let digests: Vec<Digest> = inputs.iter().map(|input| input.stamp.digest).collect();
         let family = key::family(stage, &settings, &digests);
-        latest::begin(run.store, &run.pipeline.name, stage.name(), folder);
         run.watch.event(&Event::Started {
             decision: &decision,
         });
@@ -271,8 +286,10 @@ impl Walk<'_> {
         folder: &Path,
     ) -> Result<Context<'_>, FileError> {
         let work = folder.join(WORK);
-        let spent = prepare(&work)?;
-        let relatives = relatives(self.run.store, &decision.stage, family);
+        self.run.store.refuse_links(&work.join(OUT))?;
+        let mut spent = Spent::begin(&work)?;
+        spent.inputs = inputs.iter().map(|input| input.stamp_of()).collect();
+        let relatives = relatives(self.run.store, &decision.stage, family)?;
         Ok(Context {
             inputs,
             relatives: relatives.into_iter().map(relative).collect(),
@@ -325,7 +342,11 @@ impl Walk<'_> {
             // Another process may have repaired it while this one waited.
             let mut outputs = report.stamp.outputs.iter();
             let wanted = outputs.find(|output| report.folder.join(&output.file) == file);
-            let whole = wanted.is_some_and(|wanted| content(&file) == Ok(wanted.digest));
+            let whole = match (wanted, content(&file)) {
+                (Some(wanted), Ok(found)) => found == wanted.digest,
+                (_, Err(ContentError::File(error))) => return Err(error.into()),
+                _ => false,
+            };
             if !whole {
                 let kept = set_aside(&report.folder, &file)?;
                 let text = format!(
@@ -378,19 +399,4 @@ fn discard_work(store: &Store, folder: &Path) {
     {
         let _ = fs::remove_dir_all(work);
     }
-}
-
-/// Makes the work folder, empties the folder of finished files and counts the attempt.
-fn prepare(work: &Path) -> Result<Spent, FileError> {
-    let out = work.join(OUT);
-    if out.exists() {
-        fs::remove_dir_all(&out).map_err(FileError::new(&out, "empty"))?;
-    }
-    fs::create_dir_all(&out).map_err(FileError::new(&out, "create the folder"))?;
-    let mut spent = Spent::read(work).unwrap_or_else(|| Spent {
-        started: now(),
-        ..Spent::default()
-    });
-    spent.attempts += 1;
-    Ok(spent)
 }

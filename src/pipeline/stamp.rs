@@ -3,14 +3,16 @@
 //! For people to read and for the next run to trust. Its last member, `seal`, is the SHA-256 of the
 //! text with the seal's digits set to zero, so that a damaged stamp is noticed.
 
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::Setting;
+use super::name::{is_inside, is_plain_name};
+use super::{Setting, seal};
+use crate::file::{self, FileError};
 use crate::record::Digest;
-use crate::record::atomic::{FileError, write_file};
+use crate::record::atomic::write_file;
+use crate::record::digest::Hasher;
 
 /// Name of the file.
 pub const FILE: &str = "stamp.json";
@@ -20,9 +22,6 @@ const LAYOUT: u32 = 1;
 
 /// No stamp is longer, bytes.
 const LONGEST: u64 = 16 << 20;
-
-/// Start of the line that holds the seal.
-const SEAL: &str = "  \"seal\": \"sha256:";
 
 /// A setting as the stamp keeps it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,8 +57,12 @@ pub struct InputStamp {
 pub struct OutputStamp {
     pub file: String,
     pub bytes: u64,
-    /// Of the content: see [`super::store::content`].
+    /// Of the content: see [`super::content::content`].
     pub digest: Digest,
+    /// SHA-256 of all bytes of the file, where `digest` does not count them all; early stamps
+    /// lack it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<Digest>,
     /// Whether the result's digest counts it.
     pub counted: bool,
 }
@@ -131,12 +134,7 @@ impl Stamp {
     }
 
     fn text(&self) -> String {
-        let json = serde_json::to_string_pretty(self).expect("a stamp is plain data");
-        let body = json.strip_suffix("\n}").expect("an object");
-        let zeros = "0".repeat(64);
-        let unsealed = format!("{body},\n{SEAL}{zeros}\"\n}}\n");
-        let seal = Digest::of(unsealed.as_bytes()).hex();
-        format!("{body},\n{SEAL}{seal}\"\n}}\n")
+        seal::seal(&serde_json::to_string_pretty(self).expect("a stamp is plain data"))
     }
 
     /// For people: `relax drop`.
@@ -154,43 +152,46 @@ pub fn label(stage: &str, part: &str) -> String {
     }
 }
 
-/// Reads and checks a stamp under any name.
+/// Digest of a result: of its only counted file, or of all their names and digests.
+pub(super) fn digest_of(outputs: &[OutputStamp]) -> Digest {
+    let counted: Vec<_> = outputs.iter().filter(|output| output.counted).collect();
+    if let [only] = counted[..] {
+        return only.digest;
+    }
+    let mut hasher = Hasher::new("coronet result 1");
+    for output in counted {
+        hasher.text(&output.file).digest(&output.digest);
+    }
+    hasher.finish()
+}
+
+/// Reads and checks a stamp under any name. It names nothing outside its own folder and store.
+///
+/// # Errors
+/// If the file cannot be read, or is not a stamp that this program can use.
 pub fn read_file(path: &Path) -> Result<Stamp, StampError> {
     let invalid = |what: String| StampError::Invalid {
         path: path.display().to_string(),
         what,
     };
-    let length = fs::metadata(path)
-        .map_err(FileError::new(path, "read"))?
-        .len();
-    if length > LONGEST {
-        return Err(invalid(format!("{length} bytes are too many")));
-    }
-    let bytes = fs::read(path).map_err(FileError::new(path, "read"))?;
+    let bytes = file::read_no_link(path, LONGEST)?;
     let text = String::from_utf8(bytes).map_err(|error| invalid(error.to_string()))?;
-    check_seal(&text).map_err(|what| invalid(what.to_string()))?;
+    seal::check(&text).map_err(|what| invalid(what.to_string()))?;
     let stamp: Stamp = serde_json::from_str(&text).map_err(|error| invalid(error.to_string()))?;
     if stamp.stamp != LAYOUT {
         let what = format!("layout {}; this program reads {LAYOUT}", stamp.stamp);
         return Err(invalid(what));
     }
+    let stages = stamp.inputs.iter().map(|input| &input.stage);
+    if let Some(name) = stages
+        .chain([&stamp.stage])
+        .find(|name| !is_plain_name(name))
+    {
+        return Err(invalid(format!("{name:?} cannot be the name of a stage")));
+    }
+    let mut files = stamp.outputs.iter().map(|output| &output.file);
+    if let Some(name) = files.find(|name| !is_inside(name)) {
+        return Err(invalid(format!("{name:?} leads out of its folder")));
+    }
     Ok(stamp)
-}
-
-fn check_seal(text: &str) -> Result<(), &'static str> {
-    let start = text.rfind(SEAL).ok_or("it has no seal")? + SEAL.len();
-    let seal = text.get(start..start + 64).ok_or("its seal is cut off")?;
-    if text.get(start + 64..) != Some("\"\n}\n") {
-        return Err("it does not end with its seal");
-    }
-    let unsealed = format!(
-        "{}{}{}",
-        &text[..start],
-        "0".repeat(64),
-        &text[start + 64..]
-    );
-    if Digest::of(unsealed.as_bytes()).hex() != seal {
-        return Err("its seal does not match: it was damaged or edited");
-    }
-    Ok(())
 }

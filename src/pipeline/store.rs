@@ -1,13 +1,19 @@
 //! The folders of results: `artifacts/<stage>/<key>/`.
+//!
+//! Nothing here follows a symbolic link: a folder of a stage, of a key or of work in progress that
+//! is one could lead out of the store.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{Read as _, Seek as _, Write as _};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use super::stamp::{self, OutputStamp, Stamp};
-use crate::record::atomic::{FileError, is_temporary, sync_folder_of};
-use crate::record::{Digest, checkpoint, log};
+use super::content::{ContentError, rename_aside};
+use super::key;
+use super::name::is_key;
+use super::stamp::{self, OutputStamp, Stamp, StampError};
+use crate::file::{self, FileError};
+use crate::record::atomic::{create_folder, is_temporary, write_file};
+use crate::record::{Digest, checkpoint};
 
 /// Extension of checkpoints.
 pub const CHECKPOINT: &str = "checkpoint";
@@ -19,12 +25,13 @@ pub const WORK: &str = "work";
 /// Folder of finished files that are not published yet, in [`WORK`].
 pub const OUT: &str = "out";
 
-const LOCK: &str = "lock";
 /// Name of the folder of newest results.
 pub const LATEST: &str = "latest";
 
-/// How often a waiting process looks again.
-const POLL: Duration = Duration::from_millis(100);
+/// File that marks a folder as a store: only in such a folder are results ever removed.
+pub const MARK: &str = "store.json";
+/// All that it holds.
+const MARK_TEXT: &str = "{\n  \"coronet_store\": 1\n}\n";
 
 /// A folder of results.
 #[derive(Clone, Debug)]
@@ -42,12 +49,6 @@ pub enum Found {
     Unusable(String),
 }
 
-/// Held while a result is being made; released when the process ends, however it ends.
-#[derive(Debug)]
-pub struct Lock {
-    _file: File,
-}
-
 impl Store {
     /// The store in the folder `root`, which need not exist yet.
     pub fn new(root: impl Into<PathBuf>) -> Self {
@@ -63,210 +64,208 @@ impl Store {
         self.root.join(stage).join(key.hex())
     }
 
-    /// Folders of all keys of `stage`, in the order of their names.
-    pub fn folders(&self, stage: &str) -> Vec<PathBuf> {
-        let entries = fs::read_dir(self.root.join(stage));
-        let entries = entries.into_iter().flatten().flatten();
-        let mut folders: Vec<_> = entries
-            .map(|entry| entry.path())
-            .filter(|path| is_key(path) && path.is_dir())
-            .collect();
-        folders.sort();
-        folders
+    /// Makes the store, if needed, and marks it as one.
+    ///
+    /// # Errors
+    /// If the folder cannot be made, or the mark not be read or written; a store that is already
+    /// there and read-only may lack it.
+    pub fn mark(&self) -> Result<(), FileError> {
+        create_folder(&self.root)?;
+        let path = self.root.join(MARK);
+        match file::read_no_link(&path, MARK_TEXT.len() as u64 * 2) {
+            Ok(bytes) if bytes == MARK_TEXT.as_bytes() => return Ok(()),
+            Ok(_) => drop(rename_aside(&path)?),
+            Err(error) if error.is_not_found() => {}
+            Err(error) => return Err(error),
+        }
+        match write_file(&path, MARK_TEXT.as_bytes()) {
+            Err(error) if is_read_only(&error.source) => Ok(()),
+            other => other,
+        }
     }
 
-    /// Names of the stages that have results here.
-    pub fn stages(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.root).into_iter().flatten().flatten();
-        let folders = entries.filter(|entry| entry.path().is_dir());
-        let mut names: Vec<_> = folders
-            .filter_map(|entry| entry.file_name().into_string().ok())
+    /// Whether the folder is marked as a store.
+    ///
+    /// # Errors
+    /// If the mark is there and cannot be read.
+    pub fn is_marked(&self) -> Result<bool, FileError> {
+        match file::read_no_link(&self.root.join(MARK), MARK_TEXT.len() as u64 * 2) {
+            Ok(bytes) => Ok(bytes == MARK_TEXT.as_bytes()),
+            Err(error) if error.is_not_found() => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Makes a folder inside the store, durably.
+    ///
+    /// # Errors
+    /// If that fails, or if a part of the path below the root is a symbolic link.
+    pub fn create(&self, folder: &Path) -> Result<(), FileError> {
+        self.refuse_links(folder)?;
+        create_folder(folder)
+    }
+
+    /// Fails if any part of `path` below the root is a symbolic link.
+    ///
+    /// # Errors
+    /// If it is, or if that cannot be found out.
+    pub fn refuse_links(&self, path: &Path) -> Result<(), FileError> {
+        refuse_links_below(&self.root, path)
+    }
+
+    /// Folders of all keys of `stage`, in the order of their names; links are passed over.
+    ///
+    /// # Errors
+    /// If a folder cannot be listed.
+    pub fn folders(&self, stage: &str) -> Result<Vec<PathBuf>, FileError> {
+        let folder = self.root.join(stage);
+        if file::refuse_link(&folder).is_err() {
+            return Ok(Vec::new());
+        }
+        let folders = folders_in(&folder)?;
+        Ok(folders.into_iter().filter(|path| is_key(path)).collect())
+    }
+
+    /// Names of the folders that may belong to stages: neither hidden nor links.
+    ///
+    /// # Errors
+    /// If the root cannot be listed.
+    pub fn stages(&self) -> Result<Vec<String>, FileError> {
+        let folders = folders_in(&self.root)?;
+        let names = folders
+            .iter()
+            .filter_map(|path| path.file_name()?.to_str().map(str::to_string));
+        Ok(names
             .filter(|name| name != LATEST && !name.starts_with('.'))
-            .collect();
-        names.sort();
-        names
+            .collect())
     }
 
-    /// Valid stamps of `stage`, with their folders. Damaged ones are passed over: their own key
-    /// reports them.
-    pub fn stamps(&self, stage: &str) -> Vec<(PathBuf, Stamp)> {
-        let read = |folder: PathBuf| {
-            let stamp = Stamp::read(&folder).ok()??;
-            Some((folder, stamp))
-        };
-        self.folders(stage).into_iter().filter_map(read).collect()
+    /// Valid stamps of `stage`, with their folders. Damaged ones, and those that the user may not
+    /// read, are passed over: their own key reports them.
+    ///
+    /// # Errors
+    /// If a folder or a stamp cannot be read for another reason.
+    pub fn stamps(&self, stage: &str) -> Result<Vec<(PathBuf, Stamp)>, FileError> {
+        let mut stamps = Vec::new();
+        for folder in self.folders(stage)? {
+            match Stamp::read(&folder) {
+                Ok(Some(stamp)) if key::contradiction(&stamp).is_none() => {
+                    stamps.push((folder, stamp))
+                }
+                Ok(_) | Err(StampError::Invalid { .. }) => {}
+                Err(StampError::File(error)) if error.is_permission_denied() => {}
+                Err(StampError::File(error)) => return Err(error),
+            }
+        }
+        Ok(stamps)
     }
 
     /// A quick look at the folder of a key: stamp and sizes, no content.
-    pub fn find(&self, stage: &str, key: &Digest) -> Found {
+    ///
+    /// # Errors
+    /// If something is there and cannot be read, or a link is in the way.
+    pub fn find(&self, stage: &str, key: &Digest) -> Result<Found, FileError> {
         let folder = self.folder(stage, key);
+        self.refuse_links(&folder)?;
         let stamp = match Stamp::read(&folder) {
             Ok(Some(stamp)) => stamp,
             Ok(None) => return set_aside_before(&folder),
-            Err(error) => return Found::Unusable(error.to_string()),
+            Err(StampError::File(error)) => return Err(error),
+            Err(error) => return Ok(Found::Unusable(error.to_string())),
         };
         if stamp.key != *key || stamp.stage != stage {
             let what = format!("{} belongs to {} {}", stamp::FILE, stamp.label(), stamp.key);
-            return Found::Unusable(what);
+            return Ok(Found::Unusable(what));
+        }
+        if let Some(what) = key::contradiction(&stamp) {
+            let what = format!("{} contradicts itself: {what}", stamp::FILE);
+            return Ok(Found::Unusable(what));
         }
         for output in &stamp.outputs {
-            if let Err(what) = quick_check(&folder, output) {
-                return Found::Unusable(what);
-            }
-        }
-        Found::Finished(Box::new(stamp))
-    }
-
-    /// Takes the lock of a folder, making the folder if needed. While another process has it,
-    /// `wait` is called with that process's name, again and again; it returns false to give up
-    /// (`None`).
-    pub fn lock(
-        &self,
-        folder: &Path,
-        wait: &mut dyn FnMut(&str) -> bool,
-    ) -> Result<Option<Lock>, FileError> {
-        let path = folder.join(LOCK);
-        loop {
-            fs::create_dir_all(folder).map_err(FileError::new(folder, "create the folder"))?;
-            let mut file = open_lock(&path)?;
-            match file.try_lock() {
-                // Whoever removed the folder meanwhile took the name of the lock with it.
-                Ok(()) if same_file(&file, &path) => {
-                    sign(&mut file);
-                    clean_up(folder);
-                    return Ok(Some(Lock { _file: file }));
-                }
+            match quick_check(&folder, output) {
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => {
-                    if !wait(&holder(&path)) {
-                        return Ok(None);
-                    }
-                    std::thread::sleep(POLL);
-                }
-                Err(TryLockError::Error(source)) => {
-                    return Err(FileError::new(&path, "lock")(source));
-                }
+                Err(ContentError::Damaged(what)) => return Ok(Found::Unusable(what)),
+                Err(ContentError::File(error)) => return Err(error),
             }
         }
-    }
-
-    /// Keeps [`Store::lock_all`] out while a pipeline runs. `None` where nothing can be written:
-    /// then nothing can be removed, either.
-    pub fn share(&self, wait: &mut dyn FnMut(&str) -> bool) -> Option<Lock> {
-        let path = self.root.join(LOCK);
-        fs::create_dir_all(&self.root).ok()?;
-        let file = open_lock(&path).ok()?;
-        while let Err(TryLockError::WouldBlock) = file.try_lock_shared() {
-            if !wait("a clean-up") {
-                return None;
-            }
-            std::thread::sleep(POLL);
-        }
-        Some(Lock { _file: file })
-    }
-
-    /// Has the store for itself, or `None` if some pipeline runs.
-    pub fn lock_all(&self) -> Result<Option<Lock>, FileError> {
-        let path = self.root.join(LOCK);
-        let file = open_lock(&path)?;
-        match file.try_lock() {
-            Ok(()) => Ok(Some(Lock { _file: file })),
-            Err(TryLockError::WouldBlock) => Ok(None),
-            Err(TryLockError::Error(source)) => Err(FileError::new(&path, "lock")(source)),
-        }
+        Ok(Found::Finished(Box::new(stamp)))
     }
 }
 
-/// Digest of what a file contains: of a checkpoint and of a log the content however it was
-/// compressed, of any other file the bytes. An error is a description of the damage.
-pub fn content(path: &Path) -> Result<Digest, String> {
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some(CHECKPOINT) => {
-            let checkpoint = checkpoint::read(path).map_err(|error| error.to_string())?;
-            Ok(checkpoint.digest())
-        }
-        Some(LOG) => log::content_digest(path).map_err(|error| error.to_string()),
-        _ => bytes_digest(path).map_err(|error| format!("cannot read {}: {error}", path.display())),
+/// Fails if any part of `path` below `root` is a symbolic link.
+///
+/// # Errors
+/// If it is, or if that cannot be found out.
+pub fn refuse_links_below(root: &Path, path: &Path) -> Result<(), FileError> {
+    let inside = path.strip_prefix(root).unwrap_or(path);
+    let mut part = root.to_path_buf();
+    for component in inside.components() {
+        part.push(component);
+        file::refuse_link(&part)?;
     }
+    Ok(())
 }
 
-fn bytes_digest(path: &Path) -> std::io::Result<Digest> {
-    use sha2::Digest as _;
-    let mut file = File::open(path)?;
-    let mut hasher = sha2::Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        match file.read(&mut buffer)? {
-            0 => return Ok(Digest(hasher.finalize().into())),
-            count => hasher.update(&buffer[..count]),
+/// Whether nothing can be written there, rather than that a write failed.
+fn is_read_only(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::ReadOnlyFilesystem | io::ErrorKind::PermissionDenied
+    )
+}
+
+/// The folders in a folder, sorted; no links. Empty if it does not exist.
+pub(super) fn folders_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    let mut folders = Vec::new();
+    for entry in entries(folder)? {
+        let kind = entry.file_type();
+        if kind
+            .map_err(FileError::new(&entry.path(), "examine"))?
+            .is_dir()
+        {
+            folders.push(entry.path());
         }
     }
+    folders.sort();
+    Ok(folders)
 }
 
-/// Renames a file that cannot be trusted to the first free `<name>.bad-N` and returns that name.
-/// The stamp goes the same way first, so that nobody takes the rest for a finished result.
-pub fn set_aside(folder: &Path, file: &Path) -> Result<PathBuf, FileError> {
-    let stamp = folder.join(stamp::FILE);
-    if file != stamp && stamp.exists() {
-        rename_aside(&stamp)?;
-    }
-    let kept = rename_aside(file)?;
-    sync_folder_of(file)?;
-    Ok(kept)
-}
-
-/// Renames a file to the first free `<name>.bad-N`.
-pub(super) fn rename_aside(file: &Path) -> Result<PathBuf, FileError> {
-    let kept = free_name(file, "bad");
-    match fs::rename(file, &kept) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(kept),
-        other => other
-            .map(|()| kept)
-            .map_err(FileError::new(file, "set aside")),
-    }
-}
-
-/// First `<path>.<word>-N` that is not taken.
-pub fn free_name(path: &Path, word: &str) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let candidates = (1..).map(|n| path.with_file_name(format!("{name}.{word}-{n}")));
-    candidates
-        .into_iter()
-        .find(|path| !path.exists())
-        .expect("endless")
-}
-
-/// Whether the last part of `path` is a key.
-pub fn is_key(path: &Path) -> bool {
-    let name = path
-        .file_name()
-        .and_then(|name| name.to_str())
-        .unwrap_or_default();
-    name.len() == 64
-        && name
-            .bytes()
-            .all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
+/// The entries of a folder; none if it does not exist.
+pub fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>, FileError> {
+    let list = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.map_err(FileError::new(folder, "list"))?,
+    };
+    list.collect::<io::Result<_>>()
+        .map_err(FileError::new(folder, "list"))
 }
 
 /// Compares the length of a file, and what the header of a checkpoint says, with the stamp.
-fn quick_check(folder: &Path, output: &OutputStamp) -> Result<(), String> {
+fn quick_check(folder: &Path, output: &OutputStamp) -> Result<(), ContentError> {
     let path = folder.join(&output.file);
-    let length = fs::metadata(&path)
-        .map_err(|_| format!("{} is missing", output.file))?
-        .len();
+    refuse_links_below(folder, &path)?;
+    let damaged = |what: String| Err(ContentError::Damaged(what));
+    let metadata = match path.symlink_metadata() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return damaged(format!("{} is missing", output.file));
+        }
+        other => other.map_err(FileError::new(&path, "examine"))?,
+    };
+    if !metadata.is_file() {
+        return damaged(format!("{} is not a regular file", output.file));
+    }
+    let length = metadata.len();
     if length != output.bytes {
-        return Err(format!(
+        return damaged(format!(
             "{} has {length} bytes, not {}",
             output.file, output.bytes
         ));
     }
-    if path
-        .extension()
-        .is_some_and(|extension| extension == CHECKPOINT)
-    {
-        let peek = checkpoint::peek(&path).map_err(|error| error.to_string())?;
+    let extension = path.extension();
+    if extension.is_some_and(|extension| extension == CHECKPOINT) {
+        let peek = checkpoint::peek(&path)?;
         if peek.digest != output.digest {
-            return Err(format!(
+            return damaged(format!(
                 "{} holds something else: {}",
                 output.file, peek.digest
             ));
@@ -276,67 +275,34 @@ fn quick_check(folder: &Path, output: &OutputStamp) -> Result<(), String> {
 }
 
 /// A folder without a stamp: was something set aside?
-fn set_aside_before(folder: &Path) -> Found {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+fn set_aside_before(folder: &Path) -> Result<Found, FileError> {
+    let names = entries(folder)?;
+    let names = names
+        .iter()
+        .filter_map(|entry| entry.file_name().into_string().ok());
     let mut bad: Vec<_> = names.filter(|name| name.contains(".bad-")).collect();
     bad.sort();
     let files = bad.iter().filter(|name| !name.starts_with(stamp::FILE));
-    match files.last().or(bad.last()) {
+    Ok(match files.last().or(bad.last()) {
         Some(name) => Found::Unusable(format!("a file was damaged and is kept as {name}")),
         None => Found::Nothing,
-    }
+    })
 }
 
-fn open_lock(path: &Path) -> Result<File, FileError> {
-    let mut options = OpenOptions::new();
-    options.read(true).write(true).create(true).truncate(false);
-    options.open(path).map_err(FileError::new(path, "open"))
-}
-
-/// Writes into a lock who has it. A full disk is no reason to stop here.
-fn sign(file: &mut File) {
-    let host = super::machine::host();
-    let text = format!(
-        "process {} on {host} since {}",
-        std::process::id(),
-        super::machine::now()
-    );
-    let _ = file.set_len(0);
-    let _ = file.rewind();
-    let _ = file.write_all(text.as_bytes());
-}
-
-fn holder(path: &Path) -> String {
-    let text = fs::read_to_string(path).unwrap_or_default();
-    if text.is_empty() {
-        "another process".into()
-    } else {
-        text
-    }
-}
-
-#[cfg(unix)]
-fn same_file(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt as _;
-    let (Ok(held), Ok(named)) = (file.metadata(), fs::metadata(path)) else {
-        return false;
-    };
-    held.ino() == named.ino() && held.dev() == named.dev()
-}
-
-#[cfg(not(unix))]
-fn same_file(_file: &File, path: &Path) -> bool {
-    path.exists()
-}
-
-/// Removes what killed writers left; only under the lock, so no living writer is disturbed.
-pub fn clean_up(folder: &Path) {
+/// Removes what killed writers left; only under the lock, so that no living writer is disturbed.
+///
+/// # Errors
+/// If a folder cannot be listed.
+pub fn clean_up(folder: &Path) -> Result<(), FileError> {
     for folder in [folder.to_path_buf(), folder.join(WORK)] {
-        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if file::refuse_link(&folder).is_err() {
+            continue;
+        }
+        for entry in entries(&folder)? {
             if is_temporary(&entry.path()) {
                 let _ = fs::remove_file(entry.path());
             }
         }
     }
+    Ok(())
 }

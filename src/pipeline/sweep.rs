@@ -1,112 +1,216 @@
-//! Removal of results that no named pipeline reaches.
+//! Removal of results that are known to be garbage. What is not known is kept, with the reason.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
-use super::latest::{self, Manifest};
-use super::stamp::{self, Stamp};
-use super::store::{Found, Store, WORK, clean_up};
+use super::context::Spent;
+use super::decide::has_checkpoint;
+use super::latest;
+use super::lock::LOCK;
+use super::stamp::{self, InputStamp, Stamp};
+use super::store::{Found, LATEST, MARK, Store, WORK, clean_up, entries};
 use super::{Decision, PipelineError};
-use crate::record::atomic::FileError;
+use crate::file::FileError;
 
-/// What a clean-up removed, or would remove, and what it kept.
+/// What may be removed.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Finished results older than this that no name reaches; without it, all finished results
+    /// stay.
+    pub older_than: Option<Duration>,
+    /// Stopped runs with checkpoints, if they are that old, too.
+    pub unfinished: bool,
+    /// Names to be forgotten, with the results that they alone reach.
+    pub forgotten: Vec<String>,
+    /// Pipelines whose results stay, besides those that have a name.
+    pub planned: Vec<(String, Vec<Decision>)>,
+    /// Even if no name reaches any result.
+    pub without_names: bool,
+}
+
+/// What a clean-up removes, and what it keeps.
 #[derive(Clone, Debug, Default)]
 pub struct Swept {
     /// Folder, label and bytes.
     pub removed: Vec<(PathBuf, String, u64)>,
-    /// Folder, and the pipelines that reach it.
-    pub kept: Vec<(PathBuf, Vec<String>)>,
+    /// Folder, and why it stays.
+    pub kept: Vec<(PathBuf, String)>,
 }
 
-/// Results that must stay, with the names of those who want them.
+/// Results that must stay, with the names of those that reach them.
 type Roots = BTreeMap<PathBuf, Vec<String>>;
 
-/// All that the pipelines in `artifacts/latest/` reach, except those in `forgotten`.
-fn roots(store: &Store, forgotten: &[String]) -> Result<Roots, PipelineError> {
-    let known = latest::pipelines(store);
-    if let Some(name) = forgotten.iter().find(|name| !known.contains(name)) {
-        return Err(PipelineError::UnknownPipeline {
-            name: name.clone(),
-            path: store.root().join(super::store::LATEST),
-        });
-    }
-    let mut roots = Roots::new();
-    for name in known.iter().filter(|name| !forgotten.contains(name)) {
-        let Some(manifest) = latest::read(store, name) else {
-            // Without its manifest nobody knows what it reaches: better keep everything.
-            let path = latest::folder(store, name);
-            let holder = "a manifest that cannot be read".to_string();
-            return Err(PipelineError::Busy { path, holder });
-        };
-        reach(store, &mut roots, &manifest);
-    }
-    Ok(roots)
+/// What is to become of a folder.
+enum Fate {
+    Remove(String),
+    Keep(String),
 }
 
-/// Adds what a planned pipeline would find fresh or go on with.
-fn reach_plan(store: &Store, roots: &mut Roots, name: &str, decisions: &[Decision]) {
-    for decision in decisions {
-        if let Some(key) = decision.key {
-            add(store, roots, name, store.folder(&decision.stage, &key));
-        }
-    }
-}
-
-/// Removes every result that neither a pipeline in `artifacts/latest/` (unless it is `forgotten`)
-/// nor one of the `planned` ones reaches. Refuses while a pipeline runs.
-pub fn sweep(
-    store: &Store,
-    planned: &[(String, Vec<Decision>)],
-    forgotten: &[String],
-    dry_run: bool,
-) -> Result<Swept, PipelineError> {
+/// What [`sweep`] would remove. Nothing is written.
+///
+/// # Errors
+/// If the store or a name in it cannot be read: then nothing is known to be garbage.
+pub fn plan(store: &Store, options: &Options) -> Result<Swept, PipelineError> {
+    check(store)?;
+    let roots = roots(store, options)?;
+    let released = released(store, options)?;
     let mut swept = Swept::default();
-    if !store.root().is_dir() {
-        return Ok(swept);
-    }
-    let lock = if dry_run { None } else { store.lock_all()? };
-    if lock.is_none() && !dry_run {
-        return Err(PipelineError::Busy {
-            path: store.root().to_path_buf(),
-            holder: "a running pipeline".to_string(),
-        });
-    }
-    let mut roots = roots(store, forgotten)?;
-    for (name, decisions) in planned {
-        reach_plan(store, &mut roots, name, decisions);
-    }
-    for stage in store.stages() {
-        for folder in store.folders(&stage) {
-            if let Some(holders) = roots.get(&folder) {
-                if !dry_run {
-                    tidy(store, &stage, &folder);
+    let mut finished = false;
+    for stage in store.stages()? {
+        for folder in store.folders(&stage)? {
+            let judge = Judge {
+                store,
+                options,
+                roots: &roots,
+                released: &released,
+            };
+            match judge.fate(&stage, &folder) {
+                Fate::Keep(why) => swept.kept.push((folder, why)),
+                Fate::Remove(label) => {
+                    finished |= folder.join(stamp::FILE).exists();
+                    let bytes = size(&folder);
+                    swept.removed.push((folder, label, bytes));
                 }
-                swept.kept.push((folder, holders.clone()));
-                continue;
             }
-            let stamp = Stamp::read(&folder).ok().flatten();
-            let label = stamp.map_or(stage.clone(), |stamp| stamp.label());
-            let bytes = size(&folder);
-            if !dry_run {
-                remove(&folder)?;
-            }
-            swept.removed.push((folder, label, bytes));
         }
     }
-    if !dry_run {
-        for name in forgotten {
-            latest::forget(store, name)?;
-        }
+    let unnamed = options.forgotten.is_empty() && latest::pipelines(store)?.is_empty();
+    if finished && unnamed && !options.without_names {
+        return Err(PipelineError::NoNames {
+            path: store.root().to_path_buf(),
+        });
     }
     Ok(swept)
 }
 
-fn reach(store: &Store, roots: &mut Roots, manifest: &Manifest) {
-    let results = manifest.results.iter().map(|entry| &entry.folder);
-    for folder in results.chain(&manifest.unfinished) {
-        add(store, roots, &manifest.pipeline, store.root().join(folder));
+/// Removes what [`plan`] names, if it is in `approved`, and what killed writers left. Refuses
+/// while a pipeline runs.
+///
+/// # Errors
+/// As [`plan`]; if a pipeline runs, or something cannot be removed.
+pub fn sweep(
+    store: &Store,
+    options: &Options,
+    approved: &[PathBuf],
+) -> Result<Swept, PipelineError> {
+    let _lock = hold(store)?;
+    let mut swept = plan(store, options)?;
+    let (removed, late) = std::mem::take(&mut swept.removed)
+        .into_iter()
+        .partition(|(folder, ..)| approved.contains(folder));
+    swept.removed = removed;
+    for (folder, ..) in late {
+        swept
+            .kept
+            .push((folder, "it changed meanwhile".to_string()));
     }
+    for name in &options.forgotten {
+        latest::forget(store, name)?;
+    }
+    let mut kept = Vec::new();
+    for removal in std::mem::take(&mut swept.removed) {
+        match remove(store, &removal.0)? {
+            true => swept.removed.push(removal),
+            false => kept.push((removal.0, "in use".to_string())),
+        }
+    }
+    swept.kept.extend(kept);
+    for (folder, _) in &swept.kept {
+        tidy(store, folder);
+    }
+    latest::clean_up(store)?;
+    Ok(swept)
+}
+
+/// Has the store for itself.
+///
+/// # Errors
+/// [`PipelineError::Busy`] if a pipeline runs.
+pub fn hold(store: &Store) -> Result<super::lock::Lock, PipelineError> {
+    check(store)?;
+    store.lock_all()?.ok_or_else(|| PipelineError::Busy {
+        path: store.root().to_path_buf(),
+        holder: "a running pipeline".to_string(),
+    })
+}
+
+/// Fails unless the folder is marked as a store.
+fn check(store: &Store) -> Result<(), PipelineError> {
+    if store.is_marked()? {
+        return Ok(());
+    }
+    let remedy = if store.root().join(LATEST).is_dir() {
+        "; if it is one of an earlier version, `coronet run` marks it"
+    } else {
+        ""
+    };
+    Err(PipelineError::NotAStore {
+        path: store.root().to_path_buf(),
+        mark: MARK,
+        remedy,
+    })
+}
+
+/// All that must stay: what the names in `artifacts/latest/` reach, except those to be forgotten,
+/// what the planned pipelines reach, what unfinished runs read, and finished results that are not
+/// old, with what they were made from.
+fn roots(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
+    let known = latest::pipelines(store)?;
+    let is_unknown = |name: &&String| !known.contains(name);
+    if let Some(name) = options.forgotten.iter().find(is_unknown) {
+        return Err(PipelineError::UnknownPipeline {
+            name: name.clone(),
+            path: store.root().join(LATEST),
+        });
+    }
+    let mut roots = Roots::new();
+    for name in known
+        .iter()
+        .filter(|name| !options.forgotten.contains(name))
+    {
+        for folder in named(store, name)? {
+            add(store, &mut roots, name, folder);
+        }
+    }
+    for (name, decisions) in &options.planned {
+        for decision in decisions {
+            if let Some(key) = decision.key {
+                add(store, &mut roots, name, store.folder(&decision.stage, &key));
+            }
+        }
+    }
+    for stage in store.stages()? {
+        for folder in store.folders(&stage)? {
+            for input in read_by_unfinished(&folder) {
+                let input = store.folder(&input.stage, &input.key);
+                add(store, &mut roots, "an unfinished run", input);
+            }
+            if options.older_than.is_some_and(|age| is_young(&folder, age)) {
+                add(store, &mut roots, "newer results", folder);
+            }
+        }
+    }
+    Ok(roots)
+}
+
+/// Folders that the manifest of a name reaches directly.
+fn named(store: &Store, name: &str) -> Result<Vec<PathBuf>, PipelineError> {
+    let manifest = latest::read(store, name)?.unwrap_or_default();
+    let folders = manifest.results.into_iter().map(|entry| entry.folder);
+    Ok(folders.map(|folder| store.root().join(folder)).collect())
+}
+
+/// What the forgotten names reach.
+fn released(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
+    let mut released = Roots::new();
+    for name in &options.forgotten {
+        for folder in named(store, name)? {
+            add(store, &mut released, name, folder);
+        }
+    }
+    Ok(released)
 }
 
 /// Adds a folder and what it was made from.
@@ -123,21 +227,118 @@ fn add(store: &Store, roots: &mut Roots, name: &str, folder: PathBuf) {
     }
 }
 
-/// Removes left-overs from the folder of a result that stays.
-fn tidy(store: &Store, stage: &str, folder: &Path) {
-    clean_up(folder);
+/// Inputs of a run that has not finished, as its work folder says.
+fn read_by_unfinished(folder: &Path) -> Vec<InputStamp> {
+    let spent = Spent::read(&folder.join(WORK));
+    spent.map_or(Vec::new(), |spent| spent.inputs)
+}
+
+/// Whether the newest of the stamp and the checkpoints is younger than `age`; what cannot be told
+/// counts as young.
+fn is_young(folder: &Path, age: Duration) -> bool {
+    let mut paths = vec![folder.join(stamp::FILE)];
+    let work = entries(&folder.join(WORK)).unwrap_or_default();
+    paths.extend(work.iter().map(fs::DirEntry::path));
+    let modified = paths
+        .iter()
+        .filter_map(|path| path.symlink_metadata().ok()?.modified().ok());
+    let newest = modified.max().unwrap_or(SystemTime::UNIX_EPOCH);
+    // A clock that was set back makes files of the future.
+    newest.elapsed().is_ok_and(|elapsed| elapsed < age) || newest > SystemTime::now()
+}
+
+struct Judge<'a> {
+    store: &'a Store,
+    options: &'a Options,
+    roots: &'a Roots,
+    released: &'a Roots,
+}
+
+impl Judge<'_> {
+    fn fate(&self, stage: &str, folder: &Path) -> Fate {
+        match self.store.is_locked(folder) {
+            Ok(None) => {}
+            Ok(Some(holder)) => return Fate::Keep(format!("in use by {holder}")),
+            Err(error) => return Fate::Keep(error.to_string()),
+        }
+        match Stamp::read(folder) {
+            Err(error) => Fate::Keep(error.to_string()),
+            Ok(None) => self.unfinished(stage, folder),
+            Ok(Some(stamp)) => {
+                let name = folder.file_name().unwrap_or_default().to_string_lossy();
+                if stamp.stage != stage || stamp.key.hex() != name {
+                    return Fate::Keep("its stamp belongs to another folder".to_string());
+                }
+                self.finished(folder, stamp.label())
+            }
+        }
+    }
+
+    fn finished(&self, folder: &Path, label: String) -> Fate {
+        if let Some(holders) = self.roots.get(folder) {
+            return Fate::Keep(format!("for {}", holders.join(", ")));
+        }
+        if self.options.older_than.is_some() || self.released.contains_key(folder) {
+            return Fate::Remove(label);
+        }
+        Fate::Keep("finished; to remove it, say --older-than".to_string())
+    }
+
+    fn unfinished(&self, stage: &str, folder: &Path) -> Fate {
+        let names = match entries(folder) {
+            Ok(names) => names,
+            Err(error) => return Fate::Keep(error.to_string()),
+        };
+        let name = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+        if let Some(entry) = names.iter().find(|e| ![LOCK, WORK].contains(&&*name(e))) {
+            return Fate::Keep(format!("it holds {}", name(entry)));
+        }
+        if names.is_empty() {
+            return Fate::Keep("it is empty".to_string());
+        }
+        match has_checkpoint(&folder.join(WORK)) {
+            Err(error) => Fate::Keep(error.to_string()),
+            Ok(false) => Fate::Remove(format!("{stage}, unfinished, without a checkpoint")),
+            Ok(true) => {
+                let age = self.options.older_than.filter(|_| self.options.unfinished);
+                match age.is_some_and(|age| !is_young(folder, age)) {
+                    true => Fate::Remove(format!("{stage}, unfinished")),
+                    false => Fate::Keep("unfinished, with checkpoints to go on from".to_string()),
+                }
+            }
+        }
+    }
+}
+
+/// Removes left-overs from the folder of a result that stays. What cannot be done does no harm.
+fn tidy(store: &Store, folder: &Path) {
     let Ok(Some(stamp)) = Stamp::read(folder) else {
         return;
     };
-    if matches!(store.find(stage, &stamp.key), Found::Finished(_)) {
+    let Ok(Some(_lock)) = store.lock(folder, &mut |_| false) else {
+        return;
+    };
+    let _ = clean_up(folder);
+    if matches!(store.find(&stamp.stage, &stamp.key), Ok(Found::Finished(_))) {
         let _ = fs::remove_dir_all(folder.join(WORK));
     }
 }
 
-/// The stamp goes first, so that a kill on the way leaves an unfinished folder, not a wrong one.
-fn remove(folder: &Path) -> Result<(), FileError> {
-    let _ = fs::remove_file(folder.join(stamp::FILE));
-    fs::remove_dir_all(folder).map_err(FileError::new(folder, "remove"))
+/// Removes a folder, unless somebody works there. The stamp goes first, so that a kill on the way
+/// leaves an unfinished folder, not a wrong one.
+fn remove(store: &Store, folder: &Path) -> Result<bool, FileError> {
+    let Some(_lock) = store.lock(folder, &mut |_| false)? else {
+        return Ok(false);
+    };
+    let stamp = folder.join(stamp::FILE);
+    match fs::remove_file(&stamp) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            return Err(FileError::new(&stamp, "remove")(error));
+        }
+        _ => {}
+    }
+    fs::remove_dir_all(folder).map_err(FileError::new(folder, "remove"))?;
+    Ok(true)
 }
 
 fn size(folder: &Path) -> u64 {

@@ -1,102 +1,191 @@
 //! Hashes finished results again, whole, and sets aside what does not hold what its stamp says.
+//! What cannot be read is reported and left alone.
 
-use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
-use super::stamp::{self, OutputStamp, Stamp};
-use super::store::{Store, content, set_aside};
+use super::content::{ContentError, bytes, content, set_aside};
+use super::key::contradiction;
+use super::latest::{self, MANIFEST, ManifestError};
+use super::stamp::{self, OutputStamp, Stamp, StampError};
+use super::store::{LATEST, MARK, Store, refuse_links_below};
+use crate::file::FileError;
 
 /// What was found in one folder.
 #[derive(Clone, Debug)]
 pub struct Finding {
     pub folder: PathBuf,
-    /// For people: `relax drop`; only the stage, if the stamp cannot be read.
+    /// For people: `relax drop`; only the stage, if the stamp cannot be used.
     pub label: String,
     /// Bytes that were hashed.
     pub bytes: u64,
     pub problems: Vec<Problem>,
 }
 
-/// A file that cannot be trusted.
+/// A file that is not as it should be.
 #[derive(Clone, Debug)]
 pub struct Problem {
     pub file: PathBuf,
     pub what: String,
-    /// Where it is kept now; `None` if it is missing or could not be renamed.
+    /// It was read and is wrong; otherwise it could not be read, and nothing is known about it.
+    pub damaged: bool,
+    /// Where it is kept now; `None` if it is where it was.
     pub kept: Option<PathBuf>,
 }
 
-/// Verifies every finished result in the store; `each` sees a finding as soon as it is made.
-/// Unfinished folders are passed over, those in use too.
-pub fn verify(store: &Store, each: &mut dyn FnMut(&Finding)) -> Vec<Finding> {
+/// Verifies every finished result in the store, its mark and its manifests; `each` sees a finding
+/// as soon as it is made. Unfinished folders are passed over, those in use too.
+///
+/// # Errors
+/// If the store cannot be listed.
+pub fn verify(store: &Store, each: &mut dyn FnMut(&Finding)) -> Result<Vec<Finding>, FileError> {
     let mut findings = Vec::new();
-    for stage in store.stages() {
-        for folder in store.folders(&stage) {
-            let finding = match Stamp::read(&folder) {
-                Ok(None) => continue,
-                Ok(Some(stamp)) => examine(store, &folder, &stamp),
-                Err(error) => Finding {
-                    problems: vec![problem(
-                        store,
-                        &folder,
-                        &folder.join(stamp::FILE),
-                        error.to_string(),
-                    )],
-                    folder,
-                    label: stage.clone(),
-                    bytes: 0,
-                },
-            };
-            each(&finding);
-            findings.push(finding);
+    let mut add = |finding: Finding| {
+        each(&finding);
+        findings.push(finding);
+    };
+    for stage in store.stages()? {
+        for folder in store.folders(&stage)? {
+            if let Some(finding) = examine(store, &stage, folder) {
+                add(finding);
+            }
         }
     }
-    findings
+    let names = examine_names(store);
+    if !names.problems.is_empty() {
+        add(names);
+    }
+    Ok(findings)
 }
 
-fn examine(store: &Store, folder: &Path, stamp: &Stamp) -> Finding {
+fn examine(store: &Store, stage: &str, folder: PathBuf) -> Option<Finding> {
     let mut finding = Finding {
-        folder: folder.to_path_buf(),
-        label: stamp.label(),
+        label: stage.to_string(),
         bytes: 0,
         problems: Vec::new(),
+        folder,
     };
-    for output in &stamp.outputs {
-        let path = folder.join(&output.file);
-        match check(&path, output) {
-            Ok(()) => finding.bytes += output.bytes,
-            Err(what) => finding.problems.push(problem(store, folder, &path, what)),
+    let folder = finding.folder.clone();
+    let path = folder.join(stamp::FILE);
+    let checked = Stamp::read(&folder).map(|stamp| {
+        let stamp = stamp?;
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        let misplaced = stamp.stage != stage || stamp.key.hex() != name;
+        let wrong = misplaced.then_some("it belongs to another folder");
+        Some((wrong.or_else(|| contradiction(&stamp)), stamp))
+    });
+    match checked {
+        Ok(None) => return None,
+        Ok(Some((wrong, stamp))) => {
+            finding.label = stamp.label();
+            if let Some(what) = wrong {
+                let error = ContentError::Damaged(what.to_string());
+                finding.problems.push(problem(store, &folder, &path, error));
+            }
+            for output in &stamp.outputs {
+                let path = folder.join(&output.file);
+                match check(&folder, &path, output) {
+                    Ok(()) => finding.bytes += output.bytes,
+                    Err(error) => finding.problems.push(problem(store, &folder, &path, error)),
+                }
+            }
+        }
+        Err(error) => {
+            let error = match error {
+                StampError::File(error) => ContentError::File(error),
+                StampError::Invalid { what, .. } => ContentError::Damaged(what),
+            };
+            finding.problems.push(problem(store, &folder, &path, error));
         }
     }
-    finding
+    Some(finding)
 }
 
-fn check(path: &Path, output: &OutputStamp) -> Result<(), String> {
-    let length = fs::metadata(path)
-        .map_err(|_| "it is missing".to_string())?
-        .len();
+fn check(folder: &Path, path: &Path, output: &OutputStamp) -> Result<(), ContentError> {
+    refuse_links_below(folder, path).map_err(ContentError::File)?;
+    let length = match path.symlink_metadata() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return Err(ContentError::Damaged("it is missing".to_string()));
+        }
+        other => other.map_err(FileError::new(path, "examine"))?.len(),
+    };
     if length != output.bytes {
-        return Err(format!("it has {length} bytes, not {}", output.bytes));
+        let what = format!("it has {length} bytes, not {}", output.bytes);
+        return Err(ContentError::Damaged(what));
     }
     let found = content(path)?;
     if found != output.digest {
-        return Err(format!("it holds {found}, not {}", output.digest));
+        let what = format!("it holds {found}, not {}", output.digest);
+        return Err(ContentError::Damaged(what));
     }
-    Ok(())
+    match output.sha256 {
+        Some(wanted) if bytes(path)? != wanted => {
+            let what = "what it holds is right, but not the bytes around it".to_string();
+            Err(ContentError::Damaged(what))
+        }
+        _ => Ok(()),
+    }
 }
 
-/// Sets the file aside, unless somebody works in the folder.
-fn problem(store: &Store, folder: &Path, file: &Path, what: String) -> Problem {
-    let lock = store.lock(folder, &mut |_| false);
-    let kept = match lock {
-        Ok(Some(_lock)) if file.exists() => set_aside(folder, file).ok(),
-        // A missing file leaves a stamp that promises too much.
-        Ok(Some(_lock)) => set_aside(folder, &folder.join(stamp::FILE)).ok().and(None),
-        _ => None,
+/// Sets a damaged file aside, unless somebody works in the folder.
+fn problem(store: &Store, folder: &Path, file: &Path, error: ContentError) -> Problem {
+    let damaged = matches!(error, ContentError::Damaged(_));
+    let kept = match damaged {
+        true => aside(store, folder, file),
+        false => None,
     };
     Problem {
         file: file.to_path_buf(),
-        what,
+        what: error.to_string(),
+        damaged,
         kept,
     }
+}
+
+/// Where a damaged file is kept now. A missing one leaves a stamp that promises too much.
+fn aside(store: &Store, folder: &Path, file: &Path) -> Option<PathBuf> {
+    let _lock = store.lock(folder, &mut |_| false).ok()??;
+    if file.symlink_metadata().is_ok() {
+        return set_aside(folder, file).ok();
+    }
+    let _ = set_aside(folder, &folder.join(stamp::FILE));
+    None
+}
+
+/// The mark of the store and the manifests of its names. The next run writes them again, so
+/// nothing is set aside.
+fn examine_names(store: &Store) -> Finding {
+    let mut finding = Finding {
+        folder: store.root().join(LATEST),
+        label: LATEST.to_string(),
+        bytes: 0,
+        problems: Vec::new(),
+    };
+    let mut add = |file: PathBuf, what: String, damaged: bool| {
+        finding.problems.push(Problem {
+            file,
+            what,
+            damaged,
+            kept: None,
+        });
+    };
+    let mark = store.root().join(MARK);
+    match store.is_marked() {
+        Ok(true) => {}
+        Ok(false) => add(mark, "it is missing or was damaged".to_string(), true),
+        Err(error) => add(mark, error.to_string(), false),
+    }
+    let names = latest::pipelines(store).unwrap_or_else(|error| {
+        add(error.path.clone(), error.to_string(), false);
+        Vec::new()
+    });
+    for name in names {
+        let path = latest::folder(store, &name).join(MANIFEST);
+        match latest::read(store, &name) {
+            Ok(_) => {}
+            Err(ManifestError::Invalid { what, .. }) => add(path, what, true),
+            Err(ManifestError::File(error)) => add(path, error.to_string(), false),
+        }
+    }
+    finding
 }

@@ -20,25 +20,28 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Starts a new version of `path`, whose folder must exist.
+    /// Starts a new version of `path`, whose folder must exist. The temporary file is created
+    /// exclusively, so that a link of that name is never followed.
     pub fn create(path: &Path) -> Result<Self, FileError> {
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let unique = format!(".{name}.{}.{count}{SUFFIX}", std::process::id());
-        let temporary = path.with_file_name(unique);
-        // A left-over of a killed process with our id may be in the way: it is nobody's any more.
-        let file = OpenOptions::new()
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .open(&temporary)
-            .map_err(FileError::new(&temporary, "create"))?;
-        Ok(AtomicFile {
-            file: Some(file),
-            temporary,
-            path: path.to_path_buf(),
-        })
+        loop {
+            let temporary = temporary_name(path);
+            let created = OpenOptions::new()
+                .write(true)
+                .create_new(true)
+                .open(&temporary);
+            match created {
+                Ok(file) => {
+                    return Ok(AtomicFile {
+                        file: Some(file),
+                        temporary,
+                        path: path.to_path_buf(),
+                    });
+                }
+                // Left over by a killed process with our id; the next name is another one.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(FileError::new(&temporary, "create")(error)),
+            }
+        }
     }
 
     /// The open file, for writers that need it.
@@ -94,6 +97,30 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     file.write_all(bytes)
         .map_err(FileError::new(path, "write"))?;
     file.commit()
+}
+
+/// A name for a temporary file beside `path` that this process has not used yet.
+pub fn temporary_name(path: &Path) -> PathBuf {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    path.with_file_name(format!(".{name}.{}.{count}{SUFFIX}", std::process::id()))
+}
+
+/// Creates a folder with its missing parents and makes their names durable.
+pub fn create_folder(path: &Path) -> Result<(), FileError> {
+    if path.as_os_str().is_empty() || path.is_dir() {
+        return Ok(());
+    }
+    if let Some(parent) = path.parent() {
+        create_folder(parent)?;
+    }
+    match fs::create_dir(path) {
+        // Another process was faster.
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => Ok(()),
+        Err(error) => Err(FileError::new(path, "create the folder")(error)),
+        Ok(()) => sync_folder_of(path),
+    }
 }
 
 /// Makes the names in the folder of `path` durable.

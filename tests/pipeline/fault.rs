@@ -226,7 +226,10 @@ fn wrong_arguments_and_files_end_with_code_2() {
     program
         .call(&["run", "--threads", "0"])
         .badly(2, &["threads"]);
-    program.call(&["gc", "--forget", "nobody"]).well();
+    program
+        .call(&["gc", "--forget", "nobody"])
+        .badly(2, &["there is no store"]);
+    program.call(&["verify"]).badly(2, &["there is no store"]);
     program.run(&["--until", "pack"]);
     program
         .call(&["gc", "--forget", "nobody"])

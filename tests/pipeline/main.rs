@@ -1,7 +1,10 @@
 //! The pipeline from outside: a toy pipeline through the library, the real one through the binary.
 
+mod cleanup;
 #[cfg(target_os = "linux")]
 mod disk;
+#[cfg(target_os = "linux")]
+mod edge;
 mod fault;
 mod figures;
 mod golden;

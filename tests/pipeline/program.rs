@@ -172,7 +172,7 @@ pub fn fingerprint(objects: &[Value]) -> BTreeMap<String, String> {
 /// Digest of what a file holds. Paths in the program's output are relative to its folder, so the
 /// caller resolves them, see [`Program::fingerprint`].
 fn content(path: &Path) -> String {
-    let digest = coronet::pipeline::store::content(path);
+    let digest = coronet::pipeline::content::content(path);
     digest
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
         .to_string()

@@ -4,8 +4,9 @@ use std::cell::RefCell;
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use coronet::pipeline::store::{LATEST, set_aside};
+use coronet::pipeline::content::set_aside;
 use coronet::pipeline::*;
+use coronet::record::Digest;
 
 use crate::laboratory::{FILE, Lab, Notes, damage, go, grow, pipeline, store, watched, words};
 
@@ -22,6 +23,7 @@ fn second_run_is_fresh_and_a_change_reaches_only_what_reads_it() {
 
     let changed = pipeline(&lab, 2, 0);
     let planned: Vec<_> = plan(&store, &changed)
+        .unwrap()
         .iter()
         .map(|d| d.reasons.clone())
         .collect();
@@ -101,7 +103,7 @@ fn verification_finds_what_a_quick_look_does_not() {
         words(&go(&store, &pipeline(&lab, 1, 0)).unwrap()),
         ["fresh"; 3]
     );
-    let findings = coronet::pipeline::verify::verify(&store, &mut |_| {});
+    let findings = coronet::pipeline::verify::verify(&store, &mut |_| {}).unwrap();
     let problems: Vec<_> = findings
         .iter()
         .flat_map(|finding| &finding.problems)
@@ -177,13 +179,13 @@ fn an_interrupted_stage_is_planned_and_reported_as_resumed() {
         "{error}"
     );
     lab.interrupt.store(false, Ordering::Relaxed);
-    let planned = plan(&store, &pipeline(&lab, 1, 0));
+    let planned = plan(&store, &pipeline(&lab, 1, 0)).unwrap();
     assert_eq!(planned[2].word(), "resumes");
     let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
     assert_eq!(words(&reports), ["fresh", "fresh", "resumed"]);
     assert_eq!(reports[2].stamp.resumptions, 1);
     assert!(!reports[2].folder.join("work").exists());
-    let planned = plan(&store, &pipeline(&lab, 1, 5));
+    let planned = plan(&store, &pipeline(&lab, 1, 5)).unwrap();
     assert_eq!(
         planned[2].start.as_deref(),
         Some("the result for sum.end = 0 m")
@@ -213,44 +215,59 @@ fn two_runs_at_once_share_the_work() {
 }
 
 #[test]
-fn a_clean_up_keeps_what_pipelines_reach() {
+fn a_stamp_that_contradicts_itself_is_not_used() {
     let (_folder, store) = store();
     let lab = Lab::default();
-    let old = go(&store, &pipeline(&lab, 1, 0)).unwrap();
-    let new = go(&store, &pipeline(&lab, 2, 0)).unwrap();
-    let swept = sweep::sweep(&store, &[], &[], true).unwrap();
-    assert_eq!(swept.removed.len(), 2);
-    assert!(old[0].folder.exists());
-    // A pipeline that is named keeps its results, too.
-    let planned = plan(&store, &pipeline(&lab, 1, 0));
-    let swept = sweep::sweep(&store, &[("old".into(), planned)], &[], false).unwrap();
-    assert!(swept.removed.is_empty());
-    let swept = sweep::sweep(&store, &[], &[], false).unwrap();
-    assert_eq!(swept.removed.len(), 2);
-    assert!(!old[0].folder.exists() && !old[2].folder.exists());
-    assert_eq!(
-        words(&go(&store, &pipeline(&lab, 2, 0)).unwrap()),
-        ["fresh"; 3]
-    );
-    let link = store.root().join(LATEST).join("toy/grow-drop");
-    assert_eq!(
-        link.canonicalize().unwrap(),
-        new[0].folder.canonicalize().unwrap()
-    );
-    let swept = sweep::sweep(&store, &[], &["toy".into()], false).unwrap();
-    assert_eq!(swept.removed.len(), 3);
-    assert!(sweep::sweep(&store, &[], &["toy".into()], false).is_err());
+    let first = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    let other = first[1].stamp.digest;
+    let spoil: [fn(&mut Stamp, Digest); 4] = [
+        |stamp, other| stamp.digest = other,
+        |stamp, _| stamp.settings[0].canonical = "00".into(),
+        |stamp, _| stamp.version += 1,
+        |stamp, other| stamp.family = Some(other),
+    ];
+    for spoil in spoil {
+        let mut stamp = first[0].stamp.clone();
+        spoil(&mut stamp, other);
+        stamp.write(&first[0].folder).unwrap();
+        let findings = verify::verify(&store, &mut |_| {}).unwrap();
+        let problems = findings.iter().flat_map(|finding| &finding.problems);
+        assert_eq!(problems.count(), 1);
+        let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+        assert_eq!(words(&reports), ["ran", "fresh", "fresh"]);
+        assert_eq!(reports[0].stamp.digest, first[0].stamp.digest);
+    }
 }
 
 #[test]
-fn a_clean_up_refuses_while_a_pipeline_runs() {
-    let (_folder, store) = store();
-    go(&store, &pipeline(&Lab::default(), 1, 0)).unwrap();
-    let running = store.share(&mut |_| false).unwrap();
-    let error = sweep::sweep(&store, &[], &[], false).unwrap_err();
-    assert!(matches!(error, PipelineError::Busy { .. }), "{error}");
-    drop(running);
-    sweep::sweep(&store, &[], &[], false).unwrap();
+fn stamps_and_manifests_that_lead_out_of_the_store_are_refused() {
+    let (folder, store) = store();
+    let lab = Lab::default();
+    let first = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    let victim = folder.path().join("victim");
+    fs::write(&victim, "precious").unwrap();
+    for name in [
+        "../../../victim",
+        "/etc/passwd",
+        "a/../../b",
+        "",
+        "a\n",
+        ".",
+    ] {
+        let mut stamp = first[0].stamp.clone();
+        stamp.outputs[1].file = name.into();
+        stamp.write(&first[0].folder).unwrap();
+        verify::verify(&store, &mut |_| {}).unwrap();
+        let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+        assert_eq!(words(&reports), ["ran", "fresh", "fresh"], "{name:?}");
+        assert_eq!(fs::read(&victim).unwrap(), b"precious");
+    }
+    for name in ["..", "a/b", ".hidden", "", "a\u{7}"] {
+        let mut named = pipeline(&lab, 1, 0);
+        named.name = name.into();
+        let error = go(&store, &named).unwrap_err();
+        assert!(matches!(error, PipelineError::Name { .. }), "{error}");
+    }
 }
 
 #[test]

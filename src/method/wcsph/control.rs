@@ -121,7 +121,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                     self.control.held();
                     return Ok(());
                 }
-                Err(fault) if self.control.halvings == HALVINGS => return Err(fault),
+                Err(fault) if self.control.halvings >= HALVINGS => return Err(fault),
                 Err(_) => {
                     self.control.reject();
                     self.restore();

@@ -150,7 +150,7 @@ pub fn peek(path: &Path) -> Result<Peek, CheckpointError> {
 /// Returns the file at its first section, the header and the file's length.
 fn open(path: &Path) -> Result<(File, Header, u64), CheckpointError> {
     let io = FileError::new(path, "read");
-    let mut file = File::open(path).map_err(FileError::new(path, "open"))?;
+    let mut file = crate::file::open(path)?;
     let found = file.metadata().map_err(&io)?.len();
     let truncated = |expected| CheckpointError::Truncated {
         path: path.to_path_buf(),

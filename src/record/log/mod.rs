@@ -57,6 +57,15 @@ pub enum LogError {
 }
 
 impl LogError {
+    /// Whether the file was read and its content is wrong. Never for an I/O error, nor for a
+    /// mistake of the caller.
+    pub fn is_damage(&self) -> bool {
+        !matches!(
+            self,
+            LogError::Io(_) | LogError::Frame(_) | LogError::Closed
+        )
+    }
+
     /// For an error of the MCAP library while writing.
     fn writing(path: &Path) -> impl Fn(mcap::McapError) -> LogError {
         let path = path.to_path_buf();

@@ -62,7 +62,7 @@ pub struct Items {
 
 impl Items {
     pub fn open(path: &Path) -> Result<Self, LogError> {
-        let file = File::open(path).map_err(FileError::new(path, "open"))?;
+        let file = crate::file::open(path)?;
         let length = file.metadata().map_err(FileError::new(path, "read"))?.len();
         let mut start = Vec::new();
         (&file)

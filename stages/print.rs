@@ -1,0 +1,82 @@
+//! Standard output and standard error. Whatever becomes of them, the work goes on: a reader that
+//! has gone ends the printing, and any other error is reported by the exit code at the end.
+//!
+//! Texts from files are shown without control characters, which could drive a terminal.
+
+use std::fmt::Arguments;
+use std::io::{self, ErrorKind, Write as _};
+use std::sync::Mutex;
+
+/// What became of standard output.
+static OUTPUT: Mutex<Option<io::Error>> = Mutex::new(None);
+
+/// A line on standard output.
+macro_rules! out {
+    ($($argument:tt)*) => { $crate::print::line(format_args!($($argument)*)) };
+}
+
+/// A line on standard error.
+macro_rules! note {
+    ($($argument:tt)*) => { $crate::print::error_line(format_args!($($argument)*)) };
+}
+
+pub(crate) use {note, out};
+
+/// Prints one line, or more if the text has line breaks.
+pub fn line(text: Arguments) {
+    let mut failed = OUTPUT
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    if failed.is_some() {
+        return;
+    }
+    let text = plain(&text.to_string());
+    let mut out = io::stdout().lock();
+    *failed = writeln!(out, "{text}").and_then(|()| out.flush()).err();
+}
+
+/// Prints to standard error; nothing can be done about an error there.
+pub fn error_line(text: Arguments) {
+    let _ = writeln!(io::stderr().lock(), "{}", plain(&text.to_string()));
+}
+
+/// The first error of standard output, unless it is that its reader has gone.
+pub fn failure() -> Option<io::Error> {
+    let mut failed = OUTPUT
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    failed
+        .take()
+        .filter(|error| error.kind() != ErrorKind::BrokenPipe)
+}
+
+/// The text with its control characters, but for line breaks and tabs, written as escapes, and
+/// with those that turn the direction of writing.
+pub fn plain(text: &str) -> String {
+    let is_control = |c: char| {
+        (c.is_control() && c != '\n' && c != '\t')
+            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}')
+            || matches!(c, '\u{2066}'..='\u{2069}')
+    };
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_control(c) {
+            plain.extend(c.escape_unicode());
+        } else {
+            plain.push(c);
+        }
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn control_characters_become_escapes() {
+        assert_eq!(super::plain("a\tb\nµ 5°"), "a\tb\nµ 5°");
+        assert_eq!(
+            super::plain("\x1b[2J\r\u{9b}\u{202e}"),
+            "\\u{1b}[2J\\u{d}\\u{9b}\\u{202e}"
+        );
+    }
+}

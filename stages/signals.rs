@@ -1,0 +1,78 @@
+//! What asks a run to stop: signals, and the end of the process that started it.
+
+use std::io::{ErrorKind, Read as _};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context as _, Result};
+
+use crate::print::note;
+
+/// A flag that Ctrl-C and termination signals set. A second one ends the program at once: the last
+/// checkpoint is as good as after a kill. What was ignored when the program started, as `nohup`
+/// does with the hang-up, stays ignored.
+pub fn stop_flag(words: &'static str) -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    listen(&stop, words).context("cannot listen to signals")?;
+    Ok(stop)
+}
+
+/// Sets the flag when standard input ends, which the starting process holds open.
+pub fn stop_at_end_of_input(stop: &Arc<AtomicBool>) -> Result<()> {
+    let stop = stop.clone();
+    let wait = move || {
+        let mut input = std::io::stdin().lock();
+        let mut buffer = [0; 256];
+        loop {
+            match input.read(&mut buffer) {
+                Ok(0) => break,
+                Err(error) if error.kind() != ErrorKind::Interrupted => break,
+                _ => {}
+            }
+        }
+        stop.store(true, Ordering::Relaxed);
+    };
+    let thread = std::thread::Builder::new().name("parent".into());
+    thread.spawn(wait).context("cannot watch standard input")?;
+    Ok(())
+}
+
+fn ask(stop: &AtomicBool, words: &str) {
+    if stop.swap(true, Ordering::Relaxed) {
+        std::process::exit(i32::from(crate::fault::INTERRUPTED));
+    }
+    note!("{words}; once more to stop at once");
+}
+
+#[cfg(unix)]
+fn listen(stop: &Arc<AtomicBool>, words: &'static str) -> Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let heard: Vec<i32> = [SIGINT, SIGTERM, SIGHUP]
+        .into_iter()
+        .filter(|signal| !is_ignored(*signal))
+        .collect();
+    let mut signals = signal_hook::iterator::Signals::new(heard)?;
+    let stop = stop.clone();
+    let wait = move || {
+        for _ in signals.forever() {
+            ask(&stop, words);
+        }
+    };
+    let thread = std::thread::Builder::new().name("signals".into());
+    thread.spawn(wait)?;
+    Ok(())
+}
+
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    // SAFETY: all zeros are a valid `sigaction`, and with no new action the call only fills it.
+    let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
+    let asked = unsafe { libc::sigaction(signal, std::ptr::null(), &mut action) };
+    asked == 0 && action.sa_sigaction == libc::SIG_IGN
+}
+
+#[cfg(not(unix))]
+fn listen(stop: &Arc<AtomicBool>, words: &'static str) -> Result<()> {
+    let stop = stop.clone();
+    Ok(ctrlc::set_handler(move || ask(&stop, words))?)
+}

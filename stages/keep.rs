@@ -33,12 +33,13 @@ pub fn verify(arguments: &StoreArguments) -> Result<()> {
     }
     let damaged = problems.iter().filter(|problem| problem.damaged).count();
     if damaged > 0 {
-        let text = format!("{damaged} files cannot be trusted; `coronet run` makes them again");
+        let text =
+            format!("files that cannot be trusted: {damaged}; `coronet run` makes them again");
         bail!(Untrusted(text));
     }
     if count > 0 {
         bail!(Unreadable(format!(
-            "{count} files cannot be read; they are left as they are"
+            "files that cannot be read: {count}; they are left as they are"
         )));
     }
     if results == 0 {

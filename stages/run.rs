@@ -52,9 +52,10 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         program: PROGRAM.to_string(),
     };
     // On one of the threads: from outside, each pass would wait for another thread to wake up.
-    let reports = rayon::scope(|_| pipeline::run(&all))?;
-    finish(&store, &pipeline.name, &reports, arguments.store.json);
-    Ok(())
+    let ended = rayon::scope(|_| pipeline::run(&all))?;
+    finish(&store, &pipeline.name, &ended.reports, arguments.store.json);
+    let unnamed = ended.unnamed.map_or(Ok(()), Err);
+    unnamed.context("the results are finished and kept, but have no names in latest/")
 }
 
 fn threads(arguments: &RunArguments) -> usize {

@@ -43,7 +43,7 @@ pub mod verify;
 pub use context::{Context, Input, Relative};
 pub use decide::{Decision, plan};
 pub use error::{PipelineError, StageError};
-pub use run::{Report, Run, Status, run};
+pub use run::{Ended, Report, Run, Status, run};
 pub use stamp::{OutputStamp, Stamp};
 pub use store::Store;
 

@@ -9,7 +9,7 @@ use super::content::{ContentError, content, set_aside};
 use super::context::{Context, Input, Relative, Spent};
 use super::decide::{Done, decide, relatives};
 use super::machine::Clock;
-use super::name::is_plain_name;
+use super::name::is_name;
 use super::stamp::Stamp;
 use super::store::{OUT, Store, WORK};
 use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, latest, publish};
@@ -75,9 +75,21 @@ pub struct Run<'a> {
     pub program: String,
 }
 
-/// Brings every job up to date, in order. The reports are in the order of the jobs.
-pub fn run(run: &Run) -> Result<Vec<Report>, PipelineError> {
-    if !is_plain_name(&run.pipeline.name) {
+/// A run whose jobs all ended well.
+#[derive(Debug)]
+pub struct Ended {
+    /// In the order of the jobs.
+    pub reports: Vec<Report>,
+    /// Why the results have no names in `latest/`, if they have none.
+    pub unnamed: Option<FileError>,
+}
+
+/// Brings every job up to date, in order.
+///
+/// # Errors
+/// If a job fails, or the store cannot be used.
+pub fn run(run: &Run) -> Result<Ended, PipelineError> {
+    if !is_name(&run.pipeline.name) {
         return Err(PipelineError::Name {
             name: run.pipeline.name.clone(),
         });
@@ -98,8 +110,8 @@ pub fn run(run: &Run) -> Result<Vec<Report>, PipelineError> {
     let reports: Vec<_> = walk.done.into_iter().flatten().collect();
     let named = name_results(run, &reports, whole);
     ended?;
-    named?;
-    Ok(reports)
+    let unnamed = named.err();
+    Ok(Ended { reports, unnamed })
 }
 
 /// Points the names of the pipeline at its results.
@@ -292,7 +304,10 @@ impl Walk<'_> {
         let relatives = relatives(self.run.store, &decision.stage, family)?;
         Ok(Context {
             inputs,
-            relatives: relatives.into_iter().map(relative).collect(),
+            relatives: relatives
+                .into_iter()
+                .map(|(folder, stamp)| Relative { folder, stamp })
+                .collect(),
             key: decision.key.expect("known when it runs"),
             work,
             job: decision.label(),
@@ -370,10 +385,6 @@ fn finished(report: &Report) -> Done {
         key: report.stamp.key,
         digest: report.stamp.digest,
     }
-}
-
-fn relative((folder, stamp): (PathBuf, Stamp)) -> Relative {
-    Relative { folder, stamp }
 }
 
 fn fresh(store: &Store, decision: Decision) -> Option<Box<Report>> {

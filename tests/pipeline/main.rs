@@ -13,4 +13,5 @@ mod resume;
 mod sharing;
 mod study;
 mod toy;
+mod truth;
 mod tune;

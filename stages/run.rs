@@ -20,6 +20,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     if let Some(name) = &arguments.name {
         loaded.scene.name = name.clone();
     }
+    plan::warn(&loaded.scene);
     let pipeline = jobs::pipeline(&loaded)?;
     let store = Store::new(&arguments.store.artifacts);
     let threads = threads(arguments);

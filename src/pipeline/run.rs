@@ -10,55 +10,11 @@ use super::context::{Context, Input, Relative, Spent};
 use super::decide::{Done, decide, relatives};
 use super::machine::Clock;
 use super::name::is_name;
-use super::stamp::Stamp;
+use super::report::{Ended, Report, Status};
 use super::store::{OUT, Store, WORK};
 use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, latest, publish};
 use crate::file::FileError;
 use crate::record::Digest;
-
-/// How a job ended well.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// Nothing had to be done.
-    Fresh,
-    Ran,
-    /// Ran, but not from the beginning.
-    Resumed,
-}
-
-impl Status {
-    pub fn word(self) -> &'static str {
-        match self {
-            Status::Fresh => "fresh",
-            Status::Ran => "ran",
-            Status::Resumed => "resumed",
-        }
-    }
-}
-
-/// A job that ended well.
-#[derive(Clone, Debug)]
-pub struct Report {
-    pub stage: String,
-    /// What the stage was applied to, or empty.
-    pub body: String,
-    pub status: Status,
-    /// Why it ran.
-    pub reasons: Vec<String>,
-    /// Where the result is.
-    pub folder: PathBuf,
-    pub stamp: Stamp,
-    /// Wall and CPU time of this call, s.
-    pub seconds: f64,
-    pub cpu_seconds: f64,
-}
-
-impl Report {
-    /// For people: `relax drop`.
-    pub fn label(&self) -> String {
-        super::stamp::label(&self.stage, &self.body)
-    }
-}
 
 /// A run to be.
 pub struct Run<'a> {
@@ -73,15 +29,6 @@ pub struct Run<'a> {
     pub threads: usize,
     /// For the stamps: name and version of the program.
     pub program: String,
-}
-
-/// A run whose jobs all ended well.
-#[derive(Debug)]
-pub struct Ended {
-    /// In the order of the jobs.
-    pub reports: Vec<Report>,
-    /// Why the results have no names in `latest/`, if they have none.
-    pub unnamed: Option<FileError>,
 }
 
 /// Brings every job up to date, in order.

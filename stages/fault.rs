@@ -64,9 +64,8 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
     if let Some(error) = error.downcast_ref::<csv::Error>() {
         return error.is_io_error().then_some(FILES);
     }
-    if let Some(SceneError::Read { source, .. }) = error.downcast_ref::<SceneError>() {
-        let missing = source.kind() == io::ErrorKind::NotFound;
-        return Some(if missing { USAGE } else { FILES });
+    if let Some(SceneError::File(error)) = error.downcast_ref::<SceneError>() {
+        return Some(if error.is_not_found() { USAGE } else { FILES });
     }
     if error.is::<SceneError>() || error.is::<KeyError>() || error.is::<Usage>() {
         return Some(USAGE);

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
-use coronet::measure::series::Series;
+use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
+use coronet::scene::Clock;
 use serde::Deserialize;
 
 use crate::cost::Cost;
@@ -32,6 +33,8 @@ pub struct Figure {
     over: Option<String>,
     /// Divided by what this table has, from the study file.
     reference: Option<PathBuf>,
+    /// From when its times count; left out: as its column of times says.
+    clock: Option<Clock>,
 }
 
 /// One plot of a column of the measures for each label of an axis, one curve a point.
@@ -43,6 +46,28 @@ pub struct Curves {
     each: Option<String>,
     /// A table, from the study file, for one more curve.
     reference: Option<PathBuf>,
+    /// From when its times count; left out: as its column of times says.
+    clock: Option<Clock>,
+}
+
+/// The measures of a point, times from contact.
+pub struct Measured {
+    series: Series,
+    /// Time of contact, s from the start.
+    contact: f64,
+}
+
+/// The table of a reference with its times from a contact at `contact` s.
+fn beside_point(reference: &Reference, contact: f64) -> Series {
+    from(&reference.table, contact - reference.shift(contact))
+}
+
+/// A table with its times from `instant` s on.
+fn from(table: &Series, instant: f64) -> Series {
+    let mut table = table.clone();
+    let times = table.column_mut("time_s").into_iter().flatten();
+    times.for_each(|time| *time -= instant);
+    table
 }
 
 impl Figure {
@@ -77,6 +102,10 @@ impl Study {
     pub fn check_figures(&self) -> Result<(), String> {
         for figure in &self.figure {
             figure.times().map_err(|error| error.to_string())?;
+            if figure.clock.is_some() && figure.reference.is_none() {
+                let name = &figure.name;
+                return Err(format!("[[figure]] `{name}`: clock goes with reference"));
+            }
             if figure.at.is_some() && (figure.from.is_some() || figure.to.is_some()) {
                 let name = &figure.name;
                 return Err(format!(
@@ -113,7 +142,7 @@ impl Study {
 ///
 /// # Errors
 /// If a scene cannot be read.
-pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option<Series>>> {
+pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option<Measured>>> {
     let points = trials.iter().zip(outcomes);
     points
         .map(|(trial, outcome)| {
@@ -121,10 +150,8 @@ pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option
                 return Ok(None);
             };
             let contact = trial.contact()?;
-            let mut measures = measures.clone();
-            let times = measures.column_mut("time_s").into_iter().flatten();
-            times.for_each(|time| *time -= contact);
-            Ok(Some(measures))
+            let series = from(measures, contact);
+            Ok(Some(Measured { series, contact }))
         })
         .collect()
 }
@@ -133,8 +160,12 @@ pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option
 ///
 /// # Errors
 /// A column that no point measures; a reference that cannot be read.
-pub fn measure(study: &Study, measured: &[Option<Series>], folder: &Path) -> Result<Vec<Vec<f64>>> {
-    let known = || measured.iter().flatten();
+pub fn measure(
+    study: &Study,
+    measured: &[Option<Measured>],
+    folder: &Path,
+) -> Result<Vec<Vec<f64>>> {
+    let known = || measured.iter().flatten().map(|point| &point.series);
     let of_figures = study
         .figure
         .iter()
@@ -152,20 +183,21 @@ pub fn measure(study: &Study, measured: &[Option<Series>], folder: &Path) -> Res
     }
     let mut rows = vec![Vec::new(); measured.len()];
     for figure in &study.figure {
-        let unit = match &figure.reference {
-            None => Some(1.0),
-            Some(path) => figure.of(&Series::read(&folder.join(path))?)?,
+        let reference = match &figure.reference {
+            None => None,
+            Some(path) => Some(Reference::read(&folder.join(path), figure.clock)?),
         };
-        for (row, measures) in rows.iter_mut().zip(measured) {
-            let value = match measures {
-                Some(measures) => figure.of(measures)?,
-                None => None,
+        for (row, point) in rows.iter_mut().zip(measured) {
+            let Some(Measured { series, contact }) = point else {
+                row.push(f64::NAN);
+                continue;
             };
-            row.push(
-                value
-                    .zip(unit)
-                    .map_or(f64::NAN, |(value, unit)| value / unit),
-            );
+            let unit = match &reference {
+                None => Some(1.0),
+                Some(reference) => figure.of(&beside_point(reference, *contact))?,
+            };
+            let value = figure.of(series)?.zip(unit);
+            row.push(value.map_or(f64::NAN, |(value, unit)| value / unit));
         }
     }
     Ok(rows)
@@ -231,7 +263,7 @@ pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], found: &[Vec<
 pub fn plots(
     study: &Study,
     trials: &[Trial],
-    measured: &[Option<Series>],
+    measured: &[Option<Measured>],
     folder: &Path,
 ) -> Result<Vec<Plot>> {
     let mut plots = Vec::new();
@@ -242,7 +274,7 @@ pub fn plots(
             .position(|axis| Some(&axis.name) == curves.each.as_ref());
         let reference = match &curves.reference {
             None => None,
-            Some(path) => Some(Series::read(&folder.join(path))?),
+            Some(path) => Some(Reference::read(&folder.join(path), curves.clock)?),
         };
         let words = curves.column.replace('_', " ");
         let mut labels: Vec<Option<&String>> = Vec::new();
@@ -255,11 +287,12 @@ pub fn plots(
         for label in labels {
             let own = trials.iter().zip(measured);
             let own = own.filter(|(trial, _)| axis.map(|axis| &trial.labels[axis]) == label);
+            let references = references(reference.as_ref(), own.clone().map(|(_, point)| point));
             let known = own.filter_map(|(trial, measures)| {
                 let others = trial.labels.iter().enumerate();
                 let others = others.filter(|(k, _)| Some(*k) != axis);
                 let name: Vec<&str> = others.map(|(_, label)| label.as_str()).collect();
-                Some((name.join(", "), measures.as_ref()?))
+                Some((name.join(", "), &measures.as_ref()?.series))
             });
             let drawn = known.enumerate().map(|(k, (name, measures))| Curve {
                 label: name,
@@ -267,7 +300,7 @@ pub fn plots(
                 line: [Line::Solid, Line::Dashed][(k / PALETTE.len()).min(1)],
                 colour: PALETTE[k % PALETTE.len()],
             });
-            let beside = reference.iter().map(|table| Curve {
+            let beside = references.iter().map(|table| Curve {
                 label: "reference".to_string(),
                 points: points(table, &curves.column),
                 line: Line::Dashed,
@@ -286,6 +319,25 @@ pub fn plots(
         }
     }
     Ok(plots)
+}
+
+/// The reference beside some points: once for each time of contact if it counts from the start.
+fn references<'a>(
+    reference: Option<&Reference>,
+    points: impl Iterator<Item = &'a Option<Measured>>,
+) -> Vec<Series> {
+    let mut instants: Vec<f64> = Vec::new();
+    let Some(reference) = reference else {
+        return Vec::new();
+    };
+    for point in points.flatten() {
+        let instant = point.contact - reference.shift(point.contact);
+        if !instants.contains(&instant) {
+            instants.push(instant);
+        }
+    }
+    let table = |instant: &f64| from(&reference.table, *instant);
+    instants.iter().map(table).collect()
 }
 
 /// Times in ms and values of a column.

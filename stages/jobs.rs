@@ -22,7 +22,7 @@ pub mod version {
 
     pub const PACK: u32 = 2;
     const CALIBRATE: u32 = 7;
-    pub const POST: u32 = 8;
+    pub const POST: u32 = 9;
     const FLOW: u32 = 17;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,

@@ -33,12 +33,13 @@ pub fn verify(arguments: &StoreArguments) -> Result<()> {
     }
     let damaged = problems.iter().filter(|problem| problem.damaged).count();
     if damaged > 0 {
-        let text = format!("{damaged} files cannot be trusted; `coronet run` makes them again");
+        let text =
+            format!("files that cannot be trusted: {damaged}; `coronet run` makes them again");
         bail!(Untrusted(text));
     }
     if count > 0 {
         bail!(Unreadable(format!(
-            "{count} files cannot be read; they are left as they are"
+            "files that cannot be read: {count}; they are left as they are"
         )));
     }
     if results == 0 {
@@ -99,23 +100,21 @@ pub fn sweep(arguments: &SweepArguments) -> Result<()> {
     let options = options(&store, arguments)?;
     let json = arguments.store.json;
     if arguments.dry_run {
-        print_swept(&sweep::plan(&store, &options)?, json, "would remove");
-        return Ok(());
+        return print_swept(sweep::plan(&store, &options)?, json, "would remove");
     }
     // Refused before anything is asked.
     drop(sweep::hold(&store)?);
     let planned = sweep::plan(&store, &options)?;
     let asks = !arguments.yes && !json && std::io::stdin().is_terminal();
     if asks && !planned.removed.is_empty() {
-        print_swept(&planned, json, "would remove");
+        print_list(&planned, json, "would remove");
         if !agreed()? {
             out!("nothing was removed");
             return Ok(());
         }
     }
     let approved: Vec<PathBuf> = planned.removed.into_iter().map(|(path, ..)| path).collect();
-    print_swept(&sweep::sweep(&store, &options, &approved)?, json, "removed");
-    Ok(())
+    print_swept(sweep::sweep(&store, &options, &approved)?, json, "removed")
 }
 
 fn options(store: &Store, arguments: &SweepArguments) -> Result<Options> {
@@ -144,7 +143,16 @@ fn agreed() -> Result<bool> {
     Ok(["y", "yes"].contains(&answer.trim().to_lowercase().as_str()))
 }
 
-fn print_swept(swept: &Swept, json: bool, word: &str) {
+/// Fails if some folders could not be read.
+fn print_swept(swept: Swept, json: bool, word: &str) -> Result<()> {
+    print_list(&swept, json, word);
+    match swept.unknown.into_iter().next() {
+        Some(error) => Err(error).context("not all of the store can be read"),
+        None => Ok(()),
+    }
+}
+
+fn print_list(swept: &Swept, json: bool, word: &str) {
     for (folder, why) in &swept.kept {
         if json {
             out!("{}", json!({"kept": folder.to_string_lossy(), "why": why}));
@@ -159,6 +167,14 @@ fn print_swept(swept: &Swept, json: bool, word: &str) {
             out!("{object}");
         } else {
             out!("{word} {} ({label}, {})", folder.display(), size(*bytes));
+        }
+    }
+    for error in &swept.unknown {
+        if json {
+            let folder = error.path.to_string_lossy();
+            out!("{}", json!({"kept": folder, "why": error.to_string()}));
+        } else {
+            out!("keep    {error}");
         }
     }
     if json {

@@ -1,5 +1,7 @@
 //! `coronet plan`, and the head of `coronet run`.
 
+use std::path::Path;
+
 use anyhow::Result;
 use coronet::pipeline::{self, Decision, Store, machine};
 use serde_json::json;
@@ -8,9 +10,11 @@ use crate::arguments::{PipelineArguments, PlanArguments};
 use crate::fault::Usage;
 use crate::jobs;
 use crate::keep::size;
-use crate::print::out;
+use crate::print::{note, out};
 use crate::watch::duration;
+use coronet::measure::series::Reference;
 use coronet::scene::file::{self, Loaded};
+use coronet::scene::{Scene, sanity};
 
 /// How much more than this machine's memory is surely too much: forecasts may be a quarter off.
 const DOUBT: f64 = 1.25;
@@ -18,12 +22,27 @@ const DOUBT: f64 = 1.25;
 /// Bytes not worth telling.
 const LITTLE: f64 = 1e8;
 
+/// The scene, with references that can be read: a fault there would be found after the run.
 pub fn load(arguments: &PipelineArguments) -> Result<Loaded> {
-    Ok(file::load(&arguments.pipeline, &arguments.set)?)
+    let loaded = file::load(&arguments.pipeline, &arguments.set)?;
+    let folder = loaded.path.parent().unwrap_or(Path::new("."));
+    for reference in &loaded.scene.post.references {
+        Reference::read(&folder.join(&reference.path), reference.clock)
+            .map_err(|error| Usage(format!("`post.references`: {error}")))?;
+    }
+    Ok(loaded)
+}
+
+/// Warns of settings that are probably not meant.
+pub fn warn(scene: &Scene) {
+    for warning in sanity::warnings(scene) {
+        note!("warning: {warning}");
+    }
 }
 
 pub fn plan(arguments: &PlanArguments) -> Result<()> {
     let loaded = load(&arguments.pipeline)?;
+    warn(&loaded.scene);
     let pipeline = jobs::pipeline(&loaded)?;
     let store = Store::new(&arguments.store.artifacts);
     let decisions = pipeline::plan(&store, &pipeline)?;

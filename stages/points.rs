@@ -1,6 +1,5 @@
 //! A study file and the points that it names.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
@@ -15,6 +14,9 @@ use crate::figures::{Curves, Figure};
 use crate::promise::{Case, Ending};
 use crate::target::Target;
 use crate::trial::Trial;
+
+/// No study file is longer, bytes.
+const LONGEST: u64 = 16 << 20;
 
 /// A study file: an `error` to be measured, `figure`s to be told, or `case`s with promises.
 #[derive(Debug, Deserialize)]
@@ -71,8 +73,8 @@ type Point = (Vec<String>, Vec<String>);
 /// The study and its points, each checked against the format of scenes before anything runs. With
 /// cases, the points of each case in turn; a point that a case excludes is none.
 pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
-    let text =
-        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let content = coronet::file::read(path, LONGEST)?;
+    let text = String::from_utf8(content).with_context(|| format!("{}", path.display()))?;
     let wrong = |what: String| Usage(format!("{}: {what}", path.display()));
     let study: Study = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     study.check().map_err(wrong)?;

@@ -4,15 +4,20 @@ use std::path::Path;
 
 use coronet::measure::post;
 use coronet::particle::Frame;
-use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, Work};
+use coronet::pipeline::{
+    Context, Identity, Output, Progress, Stage, StageError, Stamp, Store, Work,
+};
 use coronet::record::log;
 use coronet::scene::file::Loaded;
 
 use crate::forecast;
 use crate::impact::FRAMES;
+use crate::relax::UNREST;
 
 /// The table of measures, as [`post::Post`] names it.
 pub const MEASURES: &str = "measures.csv";
+/// Name of the stage whose results may not be at rest.
+const RELAX: &str = "relax";
 /// The page that shows everything.
 pub const REPORT: &str = "report.html";
 
@@ -46,6 +51,11 @@ impl Stage for Post<'_> {
         let base = self.loaded.path.parent().unwrap_or(Path::new("."));
         let out = context.output();
         let mut post = post::Post::new(scene, base, &out).map_err(StageError::failed)?;
+        for text in unrest(context) {
+            post.remark(format!("Warning: {text}."));
+            context.warn(&text);
+            context.note(text);
+        }
         let mut frames = log::read_frames(&path).map_err(StageError::failed)?;
         let mut batch = next(&mut frames)?;
         while let Some(last) = batch.last() {
@@ -75,6 +85,11 @@ impl Stage for Post<'_> {
                 100.0 * norm.max
             ));
         }
+        for loss in &report.losses {
+            let text = loss.to_string();
+            context.warn(&text);
+            context.note(text);
+        }
         for sentence in &report.missed {
             context.warn(sentence);
         }
@@ -90,6 +105,31 @@ impl Stage for Post<'_> {
             })
             .collect())
     }
+}
+
+/// What the relaxations behind the impact say of bodies that did not come to rest.
+fn unrest(context: &Context) -> Vec<String> {
+    let impact = &context.inputs[0];
+    let Some(root) = impact.folder.ancestors().nth(2) else {
+        return Vec::new();
+    };
+    let relaxed = impact
+        .stamp
+        .inputs
+        .iter()
+        .filter(|input| input.stage == RELAX);
+    // A stamp that is gone or damaged is found where it is used; here it only has nothing to say.
+    let stamps = relaxed.filter_map(|input| {
+        let folder = Store::new(root).folder(RELAX, &input.key);
+        Some((input, Stamp::read(&folder).ok()??))
+    });
+    let texts = stamps.flat_map(|(input, stamp)| {
+        let notes = stamp.notes.into_iter();
+        let restless = notes.filter(|note| note.starts_with(UNREST));
+        let text = |note| format!("body `{}` starts {note}", input.body);
+        restless.map(text).collect::<Vec<_>>()
+    });
+    texts.collect()
 }
 
 /// Frames that are measured side by side; fewer if they are large.

@@ -21,6 +21,9 @@ const CALM_SINCE: &str = "calm_since";
 /// Part of the longest time for which the limits must be kept.
 const CALM_PART: f64 = 0.1;
 
+/// How the note of a body that has not come to rest begins.
+pub const UNREST: &str = "not at rest";
+
 pub struct Relax<'a> {
     pub loaded: &'a Loaded,
     /// Place in the scene.
@@ -113,7 +116,7 @@ impl Relax<'_> {
         );
         if !calm {
             let text =
-                format!("not at rest {reached}; raise relax.time or relax.damping, or the limits");
+                format!("{UNREST} {reached}; raise relax.time or relax.damping, or the limits");
             context.warn(&text);
             context.note(text);
         } else {

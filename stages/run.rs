@@ -20,6 +20,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     if let Some(name) = &arguments.name {
         loaded.scene.name = name.clone();
     }
+    plan::warn(&loaded.scene);
     let pipeline = jobs::pipeline(&loaded)?;
     let store = Store::new(&arguments.store.artifacts);
     let threads = threads(arguments);
@@ -52,9 +53,10 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         program: PROGRAM.to_string(),
     };
     // On one of the threads: from outside, each pass would wait for another thread to wake up.
-    let reports = rayon::scope(|_| pipeline::run(&all))?;
-    finish(&store, &pipeline.name, &reports, arguments.store.json);
-    Ok(())
+    let ended = rayon::scope(|_| pipeline::run(&all))?;
+    finish(&store, &pipeline.name, &ended.reports, arguments.store.json);
+    let unnamed = ended.unnamed.map_or(Ok(()), Err);
+    unnamed.context("the results are finished and kept, but have no names in latest/")
 }
 
 fn threads(arguments: &RunArguments) -> usize {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use coronet::measure::lamella::Lamella;
-use coronet::measure::series::{Series, compare_column};
+use coronet::measure::series::{Reference, Series, compare_column};
 use coronet::measure::summary::{mean, period};
-use coronet::scene::Scene;
 use coronet::scene::quantity::{Unit, parse};
+use coronet::scene::{Clock, Scene};
 use serde::Deserialize;
 
 use crate::fault::Usage;
@@ -27,6 +27,8 @@ pub struct Target {
     of: Feature,
     /// A table with the column, from the study file.
     reference: Option<PathBuf>,
+    /// From when its times count, `from` and `to` included; left out: as its column of times says.
+    clock: Option<Clock>,
     /// The point with the smallest spacing.
     #[serde(default)]
     pub finest: bool,
@@ -126,6 +128,9 @@ impl Target {
             self.reference.is_some(),
             self.finest,
         ];
+        if self.clock.is_some() && self.reference.is_none() {
+            return Err("[error] clock goes with reference");
+        }
         match given.iter().filter(|given| **given).count() {
             1 => Ok(()),
             _ => Err("[error] needs exactly one of value, theory, reference and finest = true"),
@@ -191,11 +196,14 @@ impl Target {
         let finest = (0..trials.len())
             .filter(|k| known(*k).is_some())
             .min_by(|a, b| trials[*a].spacing.total_cmp(&trials[*b].spacing));
-        let table = match &self.reference {
-            Some(path) => Series::read(&folder.join(path))?,
-            None => finest.and_then(known).cloned().unwrap_or_default(),
+        let mut reference = match &self.reference {
+            Some(path) => Reference::read(&folder.join(path), self.clock)?,
+            None => Reference {
+                table: finest.and_then(known).cloned().unwrap_or_default(),
+                clock: Clock::Start,
+            },
         };
-        let table = table.window(from, to);
+        reference.table = reference.table.window(from, to);
         (0..trials.len())
             .map(|k| {
                 let found = |error: f64| Found {
@@ -205,11 +213,8 @@ impl Target {
                 let Some(measures) = known(k).filter(|_| !self.finest || Some(k) != finest) else {
                     return Ok(found(f64::NAN));
                 };
-                let shift = match self.finest {
-                    true => 0.0,
-                    false => trials[k].contact()?,
-                };
-                let norm = compare_column(measures, &table, "", column, shift);
+                let shift = reference.shift(trials[k].contact()?);
+                let norm = compare_column(measures, &reference.table, "", column, shift);
                 Ok(found(norm.map_or(f64::NAN, |norm| norm.l2)))
             })
             .collect()

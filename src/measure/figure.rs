@@ -2,7 +2,7 @@
 
 use super::gauge::Kind;
 use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
-use super::series::Series;
+use super::series::{Reference, Series};
 use super::summary;
 use crate::scene::{Dimension, Scene};
 
@@ -12,8 +12,8 @@ pub struct Figures<'a> {
     pub kind: Kind,
     pub series: &'a Series,
     /// Label and table.
-    pub references: &'a [(String, Series)],
-    /// Time of contact, s: plots and references count from it.
+    pub references: &'a [(String, Reference)],
+    /// Time of contact, s: plots count from it.
     pub shift: f64,
 }
 
@@ -141,11 +141,13 @@ impl Figures<'_> {
         curves: &mut Vec<Curve>,
     ) {
         for (n, (label, reference)) in self.references.iter().enumerate() {
-            let Some(values) = reference.column(column).filter(|_| reference.has(column)) else {
+            let table = &reference.table;
+            let Some(values) = table.column(column).filter(|_| table.has(column)) else {
                 continue;
             };
             let end = self.series.time().last().copied().unwrap_or(0.0) - self.shift;
-            let mut points = self.points(reference, values, factor, 0.0);
+            let shift = self.shift - reference.shift(self.shift);
+            let mut points = self.points(table, values, factor, shift);
             points.retain(|p| p[0] <= 1.05e3 * end);
             let label = match what {
                 Some(what) if column != "crater_depth_m" => format!("{label}: {what}"),

@@ -31,10 +31,7 @@ impl Kind {
             .bodies
             .iter()
             .any(|b| matches!(b.shape, Geometry::Layer { .. }));
-        let drop = scene
-            .bodies
-            .iter()
-            .find_map(|body| axis(scene, body).map(|axis| (body, axis)));
+        let drop = drop(scene);
         let wets = scene.effects.wetting.is_some();
         let down = wets || scene.effects.gravity.is_some_and(|g| g[2] < 0.0);
         let floor = scene.domain.boundary[2][0] == Side::Wall;
@@ -67,6 +64,15 @@ impl Kind {
     }
 }
 
+/// The body that is measured as the drop, with its axis: of those that fall the one that arrives
+/// first, else the first of the file.
+fn drop(scene: &Scene) -> Option<(&Body, Axis)> {
+    let bodies = scene.bodies.iter();
+    let drops = bodies.filter_map(|body| axis(scene, body).map(|axis| (body, axis)));
+    let key = |body: &Body| arrival(scene, body).unwrap_or(f64::INFINITY);
+    drops.min_by(|(a, _), (b, _)| key(a).total_cmp(&key(b)))
+}
+
 /// Of a drop, and of a block that a wall with a contact angle makes one: the diameter of equal
 /// volume.
 fn axis(scene: &Scene, body: &Body) -> Option<Axis> {
@@ -92,6 +98,12 @@ fn speed_down(body: &Body) -> f64 {
     }
 }
 
+/// The axes of all drops but the one that is measured.
+fn other_drops(scene: &Scene, measured: &Axis) -> Vec<Axis> {
+    let all = scene.bodies.iter().filter_map(|body| axis(scene, body));
+    all.filter(|axis| axis.at != measured.at).collect()
+}
+
 /// Depth of the pool as the scene states it, m; 0 without one.
 pub fn pool_depth(scene: &Scene) -> f64 {
     let depths = scene.bodies.iter().map(|body| match body.shape {
@@ -101,23 +113,41 @@ pub fn pool_depth(scene: &Scene) -> f64 {
     depths.fold(0.0, f64::max)
 }
 
-/// Instant at which the drop meets pool or wall, moving at its first speed, s; 0 if it never does.
-/// Reference curves count from it.
+/// Instant at which the drop meets pool or wall, as it falls freely, s; 0 if it never does. Plots
+/// count from it, and references that say so.
 pub fn contact_time(scene: &Scene) -> f64 {
     if !matches!(Kind::new(scene), Kind::Pool(_) | Kind::Wall(_)) {
         return 0.0;
     }
-    let level = pool_depth(scene);
-    let times = scene.bodies.iter().filter_map(|body| {
-        let bottom = match body.shape {
-            Geometry::Sphere { centre, radius } => centre[2] - radius,
-            Geometry::Ellipsoid { centre, semi_axes } => centre[2] - semi_axes[2],
-            _ => return None,
-        };
-        let speed = speed_down(body);
-        (speed > 0.0).then(|| ((bottom - level) / speed).max(0.0))
-    });
-    times.reduce(f64::min).unwrap_or(0.0)
+    let time = drop(scene).and_then(|(body, _)| arrival(scene, body));
+    time.unwrap_or(0.0)
+}
+
+/// Instant at which a body that falls freely meets pool or floor, s; `None` if it does not fall.
+fn arrival(scene: &Scene, body: &Body) -> Option<f64> {
+    let height = drop_height(scene, body).max(0.0);
+    let pull = scene.effects.gravity.map_or(0.0, |g| -g[2]);
+    let speed = speed_down(body);
+    let square = speed * speed + 2.0 * pull * height;
+    // The root of speed t + pull t^2 / 2 = height that does not cancel.
+    let mean = speed + square.sqrt();
+    (mean > 0.0).then(|| 2.0 * height / mean)
+}
+
+/// Of the lowest point of a body over the level of the pool, or the floor, m.
+fn drop_height(scene: &Scene, body: &Body) -> f64 {
+    body.shape.bounds(&scene.domain, scene.dimension).0[2] - pool_depth(scene)
+}
+
+/// Whether a single drop falls on a dry wall: it moves towards it, or starts above it under
+/// gravity. Without that there is neither a lamella nor a rebound.
+pub fn strikes_wall(scene: &Scene) -> bool {
+    let whole = scene.whole();
+    let lone = whole.bodies.len() == 1 && matches!(Kind::new(&whole), Kind::Wall(_));
+    lone && drop(&whole).is_some_and(|(body, _)| {
+        let is_above = drop_height(&whole, body) > 0.5 * whole.pack.spacing;
+        arrival(&whole, body).is_some() && (is_above || speed_down(body) > 0.0)
+    })
 }
 
 /// One row: values by column name, in order. `NaN` is a blank.
@@ -191,7 +221,12 @@ impl Gauge {
                 let nominal = pool_depth(scene);
                 let first = || pool::far_level(region, &axis).unwrap_or(nominal);
                 let level = *level.get_or_insert_with(first);
-                put_pool(&Pool::new(region, &axis, scene.dimension, level), row);
+                let others = other_drops(scene, &axis);
+                put_pool(
+                    &Pool::beside(region, &axis, &others, scene.dimension, level),
+                    row,
+                );
+                row.put("detached_part", region.detached(&frame.position));
                 row.put("highest_particle_m", highest(frame) - level);
             }
             Kind::Wall(axis) => {
@@ -199,7 +234,10 @@ impl Gauge {
                 row.put("spread_factor", spread.wetted);
                 row.put("dry_part", spread.dry);
                 row.put("max_diameter_factor", spread.largest);
-                row.put("detached_part", region.detached(&frame.position));
+                // Of several drops all but one are off the main body.
+                if scene.bodies.len() == 1 {
+                    row.put("detached_part", region.detached(&frame.position));
+                }
                 row.put_some("apex_height_m", spread.apex);
                 row.put("highest_particle_m", highest(frame));
                 if scene.effects.wetting.is_some() {
@@ -221,28 +259,29 @@ impl Gauge {
                 row.put_some("surface_level_m", pool::far_level(region, &middle));
                 row.put("pressure_max_Pa", pressure_max(frame));
             }
-            Kind::Shape => {
-                let shape = Shape::new(frame, scene.dimension, scene.pack.spacing);
-                for (axis, name) in ["centre_x_m", "centre_y_m", "centre_z_m"]
-                    .iter()
-                    .enumerate()
-                {
-                    if axis != 1 || scene.dimension == Dimension::Three {
-                        row.put_some(name, shape.map(|s| s.centre[axis]));
-                    }
-                }
-                row.put_some(
-                    "aspect_ratio",
-                    shape.map(|s| s.aspect_ratio(scene.dimension)),
-                );
-                row.put_some("amplitude", shape.map(|s| s.amplitude(scene.dimension)));
-                if let (Some(_), [drop]) = (scene.effects.tension, scene.bodies.as_slice()) {
-                    let radius = drop.shape.equivalent_radius(&scene.domain, scene.dimension);
-                    let pressure = shape.and_then(|s| s.core_pressure(frame, radius));
-                    row.put_some("core_pressure_Pa", pressure);
-                }
-            }
+            Kind::Shape => self.measure_shape(frame, row),
             Kind::Bulk => {}
+        }
+    }
+
+    fn measure_shape(&self, frame: &Frame, row: &mut Table) {
+        let scene = &self.scene;
+        let shape = Shape::new(frame, scene.dimension, scene.pack.spacing);
+        let names = ["centre_x_m", "centre_y_m", "centre_z_m"];
+        for (axis, name) in names.iter().enumerate() {
+            if axis != 1 || scene.dimension == Dimension::Three {
+                row.put_some(name, shape.map(|s| s.centre[axis]));
+            }
+        }
+        row.put_some(
+            "aspect_ratio",
+            shape.map(|s| s.aspect_ratio(scene.dimension)),
+        );
+        row.put_some("amplitude", shape.map(|s| s.amplitude(scene.dimension)));
+        if let (Some(_), [drop]) = (scene.effects.tension, scene.bodies.as_slice()) {
+            let radius = drop.shape.equivalent_radius(&scene.domain, scene.dimension);
+            let pressure = shape.and_then(|s| s.core_pressure(frame, radius));
+            row.put_some("core_pressure_Pa", pressure);
         }
     }
 

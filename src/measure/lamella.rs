@@ -1,17 +1,10 @@
-//! Theory of how far a drop on a dry wall has spread when it would have fallen through the wall.
+//! Theory of how far a drop on a dry wall has spread when it would have fallen through the wall:
+//! the diameter of the lamella of [`crate::scene::lamella`], where the equations are.
 //!
-//! Roisman, Rioboo & Tropea (2002), as Xie, Koshizuka & Oka (2007) quote it and take it to two
-//! dimensions. At t = D0 / U0 the liquid is a lamella of mean thickness h1 D0 and diameter d1 D0:
-//! (1) 3 We + 5 (1 - cos theta) Re h1 = 10 Re We h1^3,  d1 = sqrt(2 / (3 h1))  Eqs. 19, 20
-//! (2) 3 We + 2 (1 - cos theta) Re h1 = 4 Re We h1^3,  d1 = pi / (4 h1)  2-D: Eqs. 21, 22
-//! Derived again from the assumptions stated there (a rigid drop squeezes a film of constant
-//! thickness; the momentum that it loses is the film's pressure and that of a meniscus as high as
-//! the lamella, sigma (1 - cos theta) / (h1 D0)), the second terms are
-//! (3) 10 (1 - cos theta) Re h1^2 in (1), 4 (1 - cos theta) Re h1^2 in (2);
-//! the others come out as printed.
-//!
-//! Holds while there is a film, h1 well below 1/2. Test: tests/engine/measure_lamella.rs.
+//! Test: tests/engine/measure_lamella.rs.
 
+use super::gauge::strikes_wall;
+use crate::scene::lamella::Thickness;
 use crate::scene::{Dimension, Scene, numbers};
 
 /// d1: diameter over that of the drop.
@@ -24,13 +17,13 @@ pub struct Lamella {
 }
 
 impl Lamella {
-    /// Of a drop that falls on a wall with a contact angle; `None` if the scene has none. With
-    /// hysteresis the advancing angle counts.
+    /// Of a single drop that falls on a dry wall with a contact angle; `None` if there is none.
+    /// With hysteresis the advancing angle counts.
     pub fn of(scene: &Scene) -> Option<Lamella> {
-        let wetting = scene.effects.wetting?;
-        let angle = wetting
-            .hysteresis
-            .map_or(wetting.angle, |[advancing, _]| advancing);
+        if !strikes_wall(scene) {
+            return None;
+        }
+        let angle = scene.effects.wetting?.advancing();
         let numbers = numbers::of(scene);
         let (weber, reynolds) = (numbers.get("We")?, numbers.get("Re")?);
         Some(Lamella::new(scene.dimension, weber, reynolds, angle))
@@ -38,42 +31,14 @@ impl Lamella {
 
     /// We and Re of the drop's diameter; `angle`: contact angle, degrees.
     pub fn new(dimension: Dimension, weber: f64, reynolds: f64, angle: f64) -> Lamella {
-        let (cubic, linear) = match dimension {
-            Dimension::Three => (10.0, 5.0),
-            Dimension::Two => (4.0, 2.0),
-        };
-        let meniscus = (1.0 - angle.to_radians().cos()) * reynolds;
-        let diameter = |capillary: &dyn Fn(f64) -> f64| {
-            let excess = |h: f64| {
-                cubic * reynolds * weber * h.powi(3) - 3.0 * weber - capillary(h) * meniscus
-            };
-            let h = positive_root(excess);
-            match dimension {
-                Dimension::Three => (2.0 / (3.0 * h)).sqrt(),
-                Dimension::Two => std::f64::consts::PI / (4.0 * h),
-            }
+        let thickness = Thickness::new(dimension, weber, reynolds, angle);
+        let diameter = |h: f64| match dimension {
+            Dimension::Three => (2.0 / (3.0 * h)).sqrt(),
+            Dimension::Two => std::f64::consts::PI / (4.0 * h),
         };
         Lamella {
-            printed: diameter(&|h| linear * h),
-            corrected: diameter(&|h| 2.0 * linear * h * h),
+            printed: diameter(thickness.printed),
+            corrected: diameter(thickness.corrected),
         }
     }
-}
-
-/// Where a function that is negative at 0 and rises beyond its only positive root has that root.
-fn positive_root(f: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    while f(high) < 0.0 {
-        (low, high) = (high, 2.0 * high);
-    }
-    // To round-off.
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if f(middle) < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
 }

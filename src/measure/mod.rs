@@ -14,6 +14,7 @@ pub mod figure;
 pub mod gauge;
 pub mod lamella;
 pub mod letter;
+pub mod loss;
 pub mod plot;
 pub mod pool;
 pub mod post;

@@ -8,7 +8,8 @@
 //!   (all columns within r ≤ 1.5 s0).
 //! * `crater_diameter`: 2 √(A/π), A the area at z = 0 inside the outer edge of the gas that
 //!   encloses the axis (2-D: the width).
-//! * `crown_height`: the highest point of the largest connected liquid at r > d: no mist.
+//! * `crown_height`: the highest point of the largest connected liquid at r > d: no mist. Of
+//!   several drops, beyond d of each.
 //!   `jet_height`: the same at r ≤ d. `highest_particle`: of any particle, mist and all.
 //! * `far_level`: mean level of the outermost tenth of the box; a crater in a small box lifts it.
 
@@ -87,6 +88,17 @@ fn for_columns(region: &Region, mut visit: impl FnMut(usize, usize)) {
 impl Pool {
     /// Measures with the initial level at `level`, m above the floor.
     pub fn new(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Pool {
+        Pool::beside(region, axis, &[], dimension, level)
+    }
+
+    /// As [`Pool::new`] of one of several drops; `others`: the axes of the rest.
+    pub fn beside(
+        region: &Region,
+        axis: &Axis,
+        others: &[Axis],
+        dimension: Dimension,
+        level: f64,
+    ) -> Pool {
         let reach = 1.5 * region.raster.particle_spacing;
         let mut pool = Pool {
             far_level: far_level(region, axis),
@@ -103,13 +115,16 @@ impl Pool {
                 sum += z - level;
                 count += 1;
             }
+            let is_near = |axis: &Axis| {
+                let [x, y] = offset(region, axis, i, j);
+                x.hypot(y) <= axis.diameter
+            };
             if let Some(z) = region.column_high(i, j) {
-                let height = if r > axis.diameter {
-                    &mut pool.crown_height
-                } else {
-                    &mut pool.jet_height
-                };
-                raise(height, z - level);
+                if is_near(axis) {
+                    raise(&mut pool.jet_height, z - level);
+                } else if !others.iter().any(is_near) {
+                    raise(&mut pool.crown_height, z - level);
+                }
             }
         });
         pool.axis_level_mean = (count > 0).then(|| sum / count as f64);

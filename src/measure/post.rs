@@ -12,14 +12,16 @@ use rayon::prelude::*;
 use super::canvas::Canvas;
 use super::field::Field;
 use super::gauge::{Gauge, Kind, Row, contact_time, pool_depth};
+use super::loss;
 use super::pool::Axis;
 use super::report::Report;
 use super::section::{self, Section};
-use super::series::{Norm, Series, SeriesError, compare};
+use super::series::{Norm, Reference, Series, SeriesError, compare};
 use super::summary;
 use super::view::{self, Camera};
 use super::whole::Unfold;
 use crate::particle::Frame;
+use crate::scene::sanity::Warning;
 use crate::scene::{Dimension, Scene, numbers};
 
 /// What can go wrong after the run.
@@ -49,6 +51,8 @@ pub struct PostReport {
     pub norms: Vec<Norm>,
     /// Sentences about panels and fields after the last frame.
     pub missed: Vec<String>,
+    /// Liquid that is missing at the end.
+    pub losses: Vec<Warning>,
     /// Files, relative to the folder; `measures.csv` first, `report.html` last.
     pub files: Vec<PathBuf>,
 }
@@ -64,7 +68,7 @@ pub struct Post {
     series: Series,
     /// Time of the last frame, s.
     last: Option<f64>,
-    references: Vec<(String, Series)>,
+    references: Vec<(String, Reference)>,
     axis: Axis,
     /// Time of contact, s.
     shift: f64,
@@ -75,6 +79,7 @@ pub struct Post {
     best: Option<(f64, Frame)>,
     averages: Vec<Field>,
     files: Vec<PathBuf>,
+    remarks: Vec<String>,
 }
 
 /// What is wanted of a frame besides its measures.
@@ -122,7 +127,7 @@ impl Post {
     pub fn new(scene: &Scene, base: &Path, out: &Path) -> Result<Post, PostError> {
         let mut references = Vec::new();
         for reference in &scene.post.references {
-            let table = Series::read(&base.join(&reference.path))?;
+            let table = Reference::read(&base.join(&reference.path), reference.clock)?;
             references.push((reference.label.clone(), table));
         }
         let (part, scene) = (scene.clone(), &scene.whole());
@@ -152,7 +157,13 @@ impl Post {
             best: None,
             averages: Vec::new(),
             files: vec![PathBuf::from("measures.csv")],
+            remarks: Vec::new(),
         })
+    }
+
+    /// Has the report show a sentence about the run.
+    pub fn remark(&mut self, text: String) {
+        self.remarks.push(text);
     }
 
     /// Measures a frame and keeps what the pictures need of it.
@@ -282,7 +293,12 @@ impl Post {
                 )
             })
             .collect();
+        let losses = loss::warnings(&self.series);
         report.notes = self.notes();
+        let told = losses.iter().map(Warning::to_string);
+        report
+            .notes
+            .extend(told.map(|loss| format!("Warning: {loss}.")));
         let missed = self.missed();
         self.write("report.html", report.html().as_bytes())?;
         let (series, files) = (self.series, self.files);
@@ -291,6 +307,7 @@ impl Post {
             results: report.results,
             norms,
             missed,
+            losses,
             files,
         })
     }
@@ -309,13 +326,15 @@ impl Post {
     }
 
     fn norms(&self) -> Vec<Norm> {
-        let one =
-            |(label, table): &(String, Series)| compare(&self.series, table, label, self.shift);
+        let one = |(label, reference): &(String, Reference)| {
+            let shift = reference.shift(self.shift);
+            compare(&self.series, &reference.table, label, shift)
+        };
         self.references.iter().flat_map(one).collect()
     }
 
     fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
+        let mut notes = self.remarks.clone();
         if let Some(level) = self.gauge.level {
             notes.push(format!(
                 "Lengths count from the level of the pool in the first frame, {:.3} mm above the \
@@ -325,8 +344,8 @@ impl Post {
         }
         if self.shift > 0.0 {
             notes.push(format!(
-                "Plots and references count time from the contact of the drop, {:.3} ms after the \
-                 start; measures.csv counts from the start.",
+                "Plots count time from the contact of the drop, {:.3} ms after the start; \
+                 measures.csv counts from the start, a reference as it says.",
                 1e3 * self.shift
             ));
         }

@@ -66,17 +66,35 @@ impl<'a> Region<'a> {
         None
     }
 
-    /// Part of some particles (positions in m) that is not in the main body.
+    /// Part of some particles (positions in m) that is not in the main body: farther than a spacing
+    /// from its inside. The particles of its surface are in it, though φ < 1/2 there.
     pub fn detached(&self, position: &[Vec<f32>; 3]) -> f64 {
-        let raster = self.raster;
-        let node = |a: usize, i: usize| {
-            let index = (position[a][i] as f64 / raster.spacing[a]).max(0.0) as usize;
-            index.min(raster.count[a] - 1)
-        };
         let count = position[0].len();
-        let is_main = |i: &usize| self.class([0, 1, 2].map(|a| node(a, *i))) == Class::Main;
+        let is_main = |i: &usize| self.is_beside_main([0, 1, 2].map(|a| position[a][*i]));
         let main = (0..count).filter(is_main).count();
         (count - main) as f64 / count.max(1) as f64
+    }
+
+    /// Whether a node within a spacing of a point, m, is in the main body.
+    fn is_beside_main(&self, point: [f32; 3]) -> bool {
+        let raster = self.raster;
+        let near = |a: usize| {
+            let (size, reach) = (raster.count[a] as i64, raster.particle_spacing);
+            let place = |x: f64| (x / raster.spacing[a]).floor() as i64;
+            let x = f64::from(point[a]);
+            let (low, high) = (place(x - reach), place(x + reach));
+            let inside = move |k: i64| match raster.periodic[a] {
+                true => k.rem_euclid(size),
+                false => k.clamp(0, size - 1),
+            };
+            (low..=high.min(low + size)).map(move |k| inside(k) as usize)
+        };
+        let at = [0, 1, 2].map(|a| {
+            let place = (f64::from(point[a]) / raster.spacing[a]).max(0.0) as usize;
+            place.min(raster.count[a] - 1)
+        });
+        let is_main = |node: [usize; 3]| self.class(node) == Class::Main;
+        is_main(at) || near(2).any(|k| near(1).any(|j| near(0).any(|i| is_main([i, j, k]))))
     }
 
     fn skip_up(&self, i: usize, j: usize, k: usize) -> usize {

@@ -3,15 +3,23 @@
 use std::path::{Path, PathBuf};
 
 use super::gauge::Row;
+use crate::file::{self, FileError};
+use crate::scene::Clock;
+use crate::scene::file::LONGEST_REFERENCE;
 
 /// What can go wrong with files of measures.
 #[derive(Debug, thiserror::Error)]
 pub enum SeriesError {
     #[error("cannot write {path}: {source}")]
     Write { path: PathBuf, source: csv::Error },
+    #[error(transparent)]
+    File(#[from] FileError),
     #[error("cannot read {path}: {source}")]
     Read { path: PathBuf, source: csv::Error },
-    #[error("{path}: no column `time_s`; the columns are {found}; name one `time_s` (seconds)")]
+    #[error(
+        "{path}: needs one column of times in seconds, `time_s` (from the start of the run) or \
+         `time_after_contact_s`; the columns are {found}"
+    )]
     NoTime { path: PathBuf, found: String },
     #[error("{path}, line {line}: `{column}` is `{value}`; give a number or leave it blank")]
     NotANumber {
@@ -20,7 +28,7 @@ pub enum SeriesError {
         column: String,
         value: String,
     },
-    #[error("{path}, line {line}: time_s does not increase; sort the rows by time")]
+    #[error("{path}, line {line}: the time does not increase; sort the rows by time")]
     NotIncreasing { path: PathBuf, line: u64 },
 }
 
@@ -151,23 +159,38 @@ impl Series {
         file.flush().map_err(|e| fail(e.into()))
     }
 
-    /// Reads a table with a `time_s` column; blanks are allowed elsewhere.
+    /// Reads a table with a `time_s` column; blanks are allowed elsewhere, and lines that start
+    /// with `#`.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not such a table.
     pub fn read(path: &Path) -> Result<Series, SeriesError> {
+        Self::read_with_clock(path).map(|(series, _)| series)
+    }
+
+    /// As [`Series::read`], with what the name of the column of times says; in the series it is
+    /// `time_s`.
+    fn read_with_clock(path: &Path) -> Result<(Series, Clock), SeriesError> {
+        let content = file::read(path, LONGEST_REFERENCE)?;
         let fail = |source| SeriesError::Read {
             path: path.to_owned(),
             source,
         };
         let mut file = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(fail)?;
+            .comment(Some(b'#'))
+            .from_reader(content.as_slice());
         let names: Vec<String> = file
             .headers()
             .map_err(fail)?
             .iter()
             .map(str::to_owned)
             .collect();
-        let Some(time) = names.iter().position(|n| n == "time_s") else {
+        let places = Clock::COLUMNS.iter().filter_map(|(name, clock)| {
+            let place = names.iter().position(|n| n == name)?;
+            Some((place, *clock))
+        });
+        let [(time, clock)] = places.collect::<Vec<_>>()[..] else {
             let found = names.join(", ");
             return Err(SeriesError::NoTime {
                 path: path.to_owned(),
@@ -206,7 +229,37 @@ impl Series {
         columns.swap(0, time);
         let mut names = names;
         names.swap(0, time);
-        Ok(Series { names, columns })
+        names[0] = "time_s".to_string();
+        Ok((Series { names, columns }, clock))
+    }
+}
+
+/// A table that runs are compared with, and from when it counts its times.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    pub table: Series,
+    pub clock: Clock,
+}
+
+impl Reference {
+    /// Reads a table; `clock` counts in place of the name of its column of times.
+    ///
+    /// # Errors
+    /// Those of [`Series::read`].
+    pub fn read(path: &Path, clock: Option<Clock>) -> Result<Reference, SeriesError> {
+        let (table, own) = Series::read_with_clock(path)?;
+        Ok(Reference {
+            table,
+            clock: clock.unwrap_or(own),
+        })
+    }
+
+    /// Time of a run minus that of the table, s; `contact`: time of contact in the run, s.
+    pub fn shift(&self, contact: f64) -> f64 {
+        match self.clock {
+            Clock::Start => 0.0,
+            Clock::Contact => contact,
+        }
     }
 }
 

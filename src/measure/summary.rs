@@ -1,6 +1,6 @@
 //! The few numbers that a run comes down to.
 
-use super::gauge::Kind;
+use super::gauge::{Kind, strikes_wall};
 use super::lamella::Lamella;
 use super::series::Series;
 use crate::scene::{Dimension, Scene, Shape, numbers};
@@ -123,7 +123,13 @@ fn wall(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
     ] {
         extreme(series, column, name, 1.0, "", shift, lines);
     }
-    rebound(series, shift, lines);
+    if strikes_wall(scene) {
+        rebound(series, shift, lines);
+    }
+    if let Some((part, time)) = series.maximum("detached_part") {
+        let text = format!("{:.1} % at {:.1} ms", 100.0 * part, 1e3 * (time - shift));
+        lines.push(("most liquid off the main body".to_owned(), text));
+    }
 }
 
 /// How far it has spread at t = D0 / U0, and what [`Lamella`] says.
@@ -142,7 +148,7 @@ fn lamella(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
     lines.push((name, text));
 }
 
-/// Whether the main body leaves the wall after it has spread, and how much is thrown off.
+/// Whether the drop leaves the wall after it has spread.
 fn rebound(series: &Series, shift: f64, lines: &mut Vec<Line>) {
     let (Some(spread), Some((_, widest))) = (
         series.column("spread_factor"),
@@ -155,15 +161,11 @@ fn rebound(series: &Series, shift: f64, lines: &mut Vec<Line>) {
     let never = || "not within the run".to_owned();
     let text = off.map_or_else(never, |(t, _)| format!("at {:.1} ms", 1e3 * (t - shift)));
     lines.push(("leaves the wall".to_owned(), text));
-    if let Some((part, time)) = series.maximum("detached_part") {
-        let text = format!("{:.1} % at {:.1} ms", 100.0 * part, 1e3 * (time - shift));
-        lines.push(("most liquid off the main body".to_owned(), text));
-    }
 }
 
 fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
     first_last(series, "aspect_ratio", "aspect ratio", 1.0, "", lines);
-    if let Some(period) = period(series, "amplitude") {
+    if let (1, Some(period)) = (scene.bodies.len(), period(series, "amplitude")) {
         lines.push((
             "period of the n = 2 oscillation".into(),
             format!("{:.3} ms", 1e3 * period),

@@ -15,7 +15,7 @@ impl Unfold {
     pub fn new(scene: &Scene) -> Self {
         let domain = &scene.domain;
         let fold = |axis: usize| {
-            let side = domain.fold(axis)?;
+            let side = scene.unfolds(axis)?;
             Some((axis, side, domain.size[axis] as f32))
         };
         Unfold {

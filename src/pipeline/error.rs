@@ -74,8 +74,8 @@ pub enum PipelineError {
     #[error("{job}: the stage named an output {file:?} that it did not write")]
     NoOutput { job: String, file: String },
     #[error(
-        "{name:?} cannot be the name of results: a name is a single part of a path, does not start \
-         with a dot and has no control characters; choose another with --name"
+        "{name:?} cannot be the name of results: a name, and each part of it between slashes, does \
+         not start with a dot and has no backslash or control character; choose another with --name"
     )]
     Name { name: String },
     #[error(

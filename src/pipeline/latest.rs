@@ -57,33 +57,38 @@ pub fn folder(store: &Store, pipeline: &str) -> PathBuf {
     store.root().join(LATEST).join(pipeline)
 }
 
-/// Names of all pipelines with results here.
+/// Names of all pipelines with results here; a name can have several parts.
 ///
 /// # Errors
-/// If a folder cannot be listed, or `latest` or a name in it is a symbolic link: what lies behind
-/// it is not known.
+/// If a folder cannot be listed, or a symbolic link stands for a name: what lies behind it is not
+/// known.
 pub fn pipelines(store: &Store) -> Result<Vec<String>, FileError> {
     let latest = store.root().join(LATEST);
     file::refuse_link(&latest)?;
-    for entry in entries(&latest)? {
-        file::refuse_link(&entry.path())?;
-    }
-    let mut names = Vec::new();
-    for folder in folders_in(&latest)? {
+    let (mut names, mut folders) = (Vec::new(), vec![latest.clone()]);
+    while let Some(folder) = folders.pop() {
         let path = folder.join(MANIFEST);
         match path.symlink_metadata() {
-            // Of a study, which reaches nothing by itself.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-            other => other.map_err(FileError::new(&path, "examine"))?,
-        };
-        let name = folder.file_name().unwrap_or_default().to_str();
-        let odd = || io::Error::other("its name is not UTF-8");
-        names.push(
-            name.ok_or_else(|| FileError::new(&folder, "use")(odd()))?
-                .to_string(),
-        );
+            Ok(_) => names.push(name_of(&folder, &latest)?),
+            // Of a study, or of names of several parts.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                for entry in entries(&folder)? {
+                    file::refuse_link(&entry.path())?;
+                }
+            }
+            Err(error) => return Err(FileError::new(&path, "examine")(error)),
+        }
+        folders.extend(folders_in(&folder)?);
     }
+    names.sort();
     Ok(names)
+}
+
+/// Name of the pipeline with this folder.
+fn name_of(folder: &Path, latest: &Path) -> Result<String, FileError> {
+    let name = folder.strip_prefix(latest).unwrap_or(folder).to_str();
+    let odd = || FileError::new(folder, "use")(io::Error::other("its name is not UTF-8"));
+    Ok(name.ok_or_else(odd)?.to_string())
 }
 
 /// The manifest of a pipeline; `None` if there is none.
@@ -163,9 +168,10 @@ pub(super) fn finish(
     let folder = folder(store, pipeline);
     // Another process may be writing the younger ones.
     sweep(&folder, LEFT_OVER)?;
+    let up = "../".repeat(Path::new(pipeline).components().count() + 1);
     let mut moved = Vec::new();
     for entry in &manifest.results {
-        let target = Path::new("../..").join(&entry.folder);
+        let target = Path::new(&up).join(&entry.folder);
         moved.extend(link(&target, &folder.join(&entry.name))?);
     }
     for entry in outdated {
@@ -177,14 +183,22 @@ pub(super) fn finish(
     Ok(moved)
 }
 
-/// Forgets a pipeline: its results stay until a clean-up.
+/// Forgets a pipeline: its results stay until a clean-up. What else lies in its folder stays.
 ///
 /// # Errors
-/// If its folder cannot be removed or is a symbolic link.
+/// If its folder cannot be read or written, or is a symbolic link.
 pub fn forget(store: &Store, pipeline: &str) -> Result<(), FileError> {
     let folder = folder(store, pipeline);
     store.refuse_links(&folder)?;
-    fs::remove_dir_all(&folder).map_err(FileError::new(&folder, "remove"))
+    for entry in entries(&folder)? {
+        let path = entry.path();
+        if path.is_symlink() || entry.file_name() == MANIFEST {
+            fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
+        }
+    }
+    // Only if nothing is left in it.
+    let _ = fs::remove_dir(&folder);
+    Ok(())
 }
 
 /// Removes what killed writers left; only while no pipeline runs.

@@ -1,5 +1,7 @@
 //! Where a result was made, and how much time it took.
 
+mod limit;
+
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
@@ -26,8 +28,14 @@ impl Machine {
     }
 }
 
-/// Memory of this machine, bytes; infinite where the system does not tell.
+/// Memory that this process may use, bytes: that of the machine, or of a container that allows
+/// less; infinite where the system does not say.
 pub fn memory() -> f64 {
+    let allowed = limit::here().map_or(f64::INFINITY, |bytes| bytes as f64);
+    physical_memory().min(allowed)
+}
+
+fn physical_memory() -> f64 {
     #[cfg(unix)]
     {
         // SAFETY: asks for two numbers.

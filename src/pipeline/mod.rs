@@ -9,7 +9,7 @@
 //! | [`content`] | what a file holds; setting damaged files aside |
 //! | [`lock`] | one process makes a result; none is removed while a pipeline runs |
 //! | [`decide`] | fresh or stale, and the reasons; the same function serves `plan` and `run` |
-//! | [`run`] | the walk over the jobs |
+//! | [`run`], `report` | the walk over the jobs, and what became of them |
 //! | [`context`] | what a running stage sees |
 //! | `publish` | from files in the work folder to a stamped result |
 //! | [`latest`] | the newest results by name, which are also the roots of [`sweep`] |
@@ -33,6 +33,7 @@ pub mod lock;
 pub mod machine;
 pub mod name;
 mod publish;
+mod report;
 pub mod run;
 mod seal;
 pub mod stamp;
@@ -43,7 +44,8 @@ pub mod verify;
 pub use context::{Context, Input, Relative};
 pub use decide::{Decision, plan};
 pub use error::{PipelineError, StageError};
-pub use run::{Report, Run, Status, run};
+pub use report::{Ended, Report, Status};
+pub use run::{Run, run};
 pub use stamp::{OutputStamp, Stamp};
 pub use store::Store;
 

@@ -25,7 +25,12 @@ pub fn is_inside(text: &str) -> bool {
         && !text.chars().any(char::is_control)
 }
 
-/// Whether `name` is one plain name, fit for a folder under `latest/`.
+/// Whether `name` is one plain name.
 pub fn is_plain_name(name: &str) -> bool {
     is_inside(name) && !name.contains('/') && !name.starts_with('.') && name.len() <= 200
+}
+
+/// Whether `name` can be the name of results: a plain name, or several with `/` between them.
+pub fn is_name(name: &str) -> bool {
+    is_inside(name) && name.split('/').all(is_plain_name)
 }

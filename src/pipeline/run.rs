@@ -9,56 +9,12 @@ use super::content::{ContentError, content, set_aside};
 use super::context::{Context, Input, Relative, Spent};
 use super::decide::{Done, decide, relatives};
 use super::machine::Clock;
-use super::name::is_plain_name;
-use super::stamp::Stamp;
+use super::name::is_name;
+use super::report::{Ended, Report, Status};
 use super::store::{OUT, Store, WORK};
 use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, latest, publish};
 use crate::file::FileError;
 use crate::record::Digest;
-
-/// How a job ended well.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// Nothing had to be done.
-    Fresh,
-    Ran,
-    /// Ran, but not from the beginning.
-    Resumed,
-}
-
-impl Status {
-    pub fn word(self) -> &'static str {
-        match self {
-            Status::Fresh => "fresh",
-            Status::Ran => "ran",
-            Status::Resumed => "resumed",
-        }
-    }
-}
-
-/// A job that ended well.
-#[derive(Clone, Debug)]
-pub struct Report {
-    pub stage: String,
-    /// What the stage was applied to, or empty.
-    pub body: String,
-    pub status: Status,
-    /// Why it ran.
-    pub reasons: Vec<String>,
-    /// Where the result is.
-    pub folder: PathBuf,
-    pub stamp: Stamp,
-    /// Wall and CPU time of this call, s.
-    pub seconds: f64,
-    pub cpu_seconds: f64,
-}
-
-impl Report {
-    /// For people: `relax drop`.
-    pub fn label(&self) -> String {
-        super::stamp::label(&self.stage, &self.body)
-    }
-}
 
 /// A run to be.
 pub struct Run<'a> {
@@ -75,9 +31,12 @@ pub struct Run<'a> {
     pub program: String,
 }
 
-/// Brings every job up to date, in order. The reports are in the order of the jobs.
-pub fn run(run: &Run) -> Result<Vec<Report>, PipelineError> {
-    if !is_plain_name(&run.pipeline.name) {
+/// Brings every job up to date, in order.
+///
+/// # Errors
+/// If a job fails, or the store cannot be used.
+pub fn run(run: &Run) -> Result<Ended, PipelineError> {
+    if !is_name(&run.pipeline.name) {
         return Err(PipelineError::Name {
             name: run.pipeline.name.clone(),
         });
@@ -98,8 +57,8 @@ pub fn run(run: &Run) -> Result<Vec<Report>, PipelineError> {
     let reports: Vec<_> = walk.done.into_iter().flatten().collect();
     let named = name_results(run, &reports, whole);
     ended?;
-    named?;
-    Ok(reports)
+    let unnamed = named.err();
+    Ok(Ended { reports, unnamed })
 }
 
 /// Points the names of the pipeline at its results.
@@ -292,7 +251,10 @@ impl Walk<'_> {
         let relatives = relatives(self.run.store, &decision.stage, family)?;
         Ok(Context {
             inputs,
-            relatives: relatives.into_iter().map(relative).collect(),
+            relatives: relatives
+                .into_iter()
+                .map(|(folder, stamp)| Relative { folder, stamp })
+                .collect(),
             key: decision.key.expect("known when it runs"),
             work,
             job: decision.label(),
@@ -370,10 +332,6 @@ fn finished(report: &Report) -> Done {
         key: report.stamp.key,
         digest: report.stamp.digest,
     }
-}
-
-fn relative((folder, stamp): (PathBuf, Stamp)) -> Relative {
-    Relative { folder, stamp }
 }
 
 fn fresh(store: &Store, decision: Decision) -> Option<Box<Report>> {

@@ -9,7 +9,7 @@ use super::context::Spent;
 use super::decide::has_checkpoint;
 use super::latest;
 use super::lock::LOCK;
-use super::stamp::{self, InputStamp, Stamp};
+use super::stamp::{self, InputStamp, Stamp, StampError};
 use super::store::{Found, LATEST, MARK, Store, WORK, clean_up, entries};
 use super::{Decision, PipelineError};
 use crate::file::FileError;
@@ -31,12 +31,14 @@ pub struct Options {
 }
 
 /// What a clean-up removes, and what it keeps.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Swept {
     /// Folder, label and bytes.
     pub removed: Vec<(PathBuf, String, u64)>,
     /// Folder, and why it stays.
     pub kept: Vec<(PathBuf, String)>,
+    /// Folders that stay because they cannot be read.
+    pub unknown: Vec<FileError>,
 }
 
 /// Results that must stay, with the names of those that reach them.
@@ -46,6 +48,8 @@ type Roots = BTreeMap<PathBuf, Vec<String>>;
 enum Fate {
     Remove(String),
     Keep(String),
+    /// It cannot be read, so it stays.
+    Unknown(FileError),
 }
 
 /// What [`sweep`] would remove. Nothing is written.
@@ -68,6 +72,7 @@ pub fn plan(store: &Store, options: &Options) -> Result<Swept, PipelineError> {
             };
             match judge.fate(&stage, &folder) {
                 Fate::Keep(why) => swept.kept.push((folder, why)),
+                Fate::Unknown(error) => swept.unknown.push(error),
                 Fate::Remove(label) => {
                     finished |= folder.join(stamp::FILE).exists();
                     let bytes = size(&folder);
@@ -259,9 +264,10 @@ impl Judge<'_> {
         match self.store.is_locked(folder) {
             Ok(None) => {}
             Ok(Some(holder)) => return Fate::Keep(format!("in use by {holder}")),
-            Err(error) => return Fate::Keep(error.to_string()),
+            Err(error) => return Fate::Unknown(error),
         }
         match Stamp::read(folder) {
+            Err(StampError::File(error)) => Fate::Unknown(error),
             Err(error) => Fate::Keep(error.to_string()),
             Ok(None) => self.unfinished(stage, folder),
             Ok(Some(stamp)) => {
@@ -287,7 +293,7 @@ impl Judge<'_> {
     fn unfinished(&self, stage: &str, folder: &Path) -> Fate {
         let names = match entries(folder) {
             Ok(names) => names,
-            Err(error) => return Fate::Keep(error.to_string()),
+            Err(error) => return Fate::Unknown(error),
         };
         let name = |entry: &fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
         if let Some(entry) = names.iter().find(|e| ![LOCK, WORK].contains(&&*name(e))) {
@@ -297,7 +303,7 @@ impl Judge<'_> {
             return Fate::Keep("it is empty".to_string());
         }
         match has_checkpoint(&folder.join(WORK)) {
-            Err(error) => Fate::Keep(error.to_string()),
+            Err(error) => Fate::Unknown(error),
             Ok(false) => Fate::Remove(format!("{stage}, unfinished, without a checkpoint")),
             Ok(true) => {
                 let age = self.options.older_than.filter(|_| self.options.unfinished);

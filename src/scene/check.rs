@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::cursor::Cursor;
 use super::error::SceneError;
+use super::file::LONGEST_REFERENCE;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
 use super::{
-    Dimension, Method, Motion, Projection, Scene, Shape, Side, TensionForm, TimeStepping,
-    WettingForm, numbers,
+    Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TensionForm, TimeStepping,
+    Wetting, WettingForm, numbers,
 };
 
 /// Bodies are numbered by a byte.
@@ -208,17 +209,51 @@ fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     for axis in periodic_axes(scene) {
         if scene.domain.size[axis] < 2.0 * reach {
             let problem = format!(
-                "is periodic in {} over less than twice the kernel",
-                AXES[axis]
+                "is periodic in {} over less than twice the kernel{}",
+                AXES[axis],
+                widened(scene)
             );
-            let remedy = format!(
-                "make it at least {}",
-                human(rounded(2.0 * reach), Unit::Length)
-            );
+            let remedy = at_least(scene, 2.0 * reach);
             return Err(root.nearest("box.size").fault(&problem, &remedy));
         }
     }
     Ok(())
+}
+
+/// What makes the kernel of a scene as wide as it is, if that is the contact angle.
+fn widened(scene: &Scene) -> String {
+    let Some(wetting) = scene.effects.wetting.filter(|_| is_stretched(scene)) else {
+        return String::new();
+    };
+    let keys = match wetting.hysteresis {
+        Some([advancing, receding]) => format!(
+            "effects.wetting.advancing` = {} and `receding` = {}",
+            human(advancing, Unit::Angle),
+            human(receding, Unit::Angle)
+        ),
+        None => {
+            let angle = human(wetting.angle, Unit::Angle);
+            format!("effects.wetting.angle` = {angle}")
+        }
+    };
+    let stretch = wetting.stretch();
+    format!(", which `{keys} widens by a factor of {stretch:.2}")
+}
+
+/// Whether a contact angle widens the kernel: it goes on into the wall at the angle.
+fn is_stretched(scene: &Scene) -> bool {
+    let mut plain = scene.clone();
+    plain.effects.wetting = scene.effects.wetting.map(|_| Wetting::of(90.0));
+    scene.widest() > plain.widest() * (1.0 + EQUAL)
+}
+
+fn at_least(scene: &Scene, length: f64) -> String {
+    let least = human(rounded(length), Unit::Length);
+    let angle = match is_stretched(scene) {
+        true => ", or take an angle nearer 90 deg",
+        false => "",
+    };
+    format!("make it at least {least}{angle}, or lower `pack.spacing`")
 }
 
 /// An image must not be near the next plane, and nothing may break the symmetry.
@@ -234,11 +269,11 @@ fn mirrors(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
             return Err(place.fault(&format!("has a mirror, but {what}"), &remedy));
         }
         if scene.domain.size[axis] < MIRRORED * reach {
-            let problem = format!("has mirrors in {name}, over less than {MIRRORED} kernels");
-            let least = human(rounded(MIRRORED * reach), Unit::Length);
-            return Err(root
-                .nearest("box.size")
-                .fault(&problem, &format!("make it at least {least}")));
+            let widened = widened(scene);
+            let problem =
+                format!("has mirrors in {name}, over less than {MIRRORED} kernels{widened}");
+            let remedy = at_least(scene, MIRRORED * reach);
+            return Err(root.nearest("box.size").fault(&problem, &remedy));
         }
     }
     Ok(())
@@ -341,18 +376,22 @@ fn references(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), Sce
         let place = item.nearest("path");
         let path = folder.join(&reference.path);
         let remedy = "give a CSV file, relative to the scene file";
-        let text = std::fs::read_to_string(&path).map_err(|error| {
-            place.fault(
-                &format!("{} cannot be read: {error}", path.display()),
-                remedy,
-            )
+        let content = crate::file::read(&path, LONGEST_REFERENCE).map_err(|error| {
+            match error.is_not_found() {
+                true => place.fault(&error.to_string(), remedy),
+                false => error.into(),
+            }
         })?;
+        let text = String::from_utf8_lossy(&content);
         let head = text
             .lines()
             .find(|line| !line.starts_with('#'))
             .unwrap_or("");
-        if !head.split(',').any(|column| column.trim() == "time_s") {
-            let problem = format!("{} has no column `time_s`", path.display());
+        let clocks = Clock::COLUMNS.map(|(name, _)| name);
+        let is_time = |column: &str| clocks.contains(&column.trim());
+        if !head.split(',').any(is_time) {
+            let path = path.display();
+            let problem = format!("{path} has no column `{}`", clocks.join("` or `"));
             return Err(place.fault(&problem, "name its columns as in measures.csv"));
         }
     }

@@ -3,6 +3,7 @@
 use super::error::SceneError;
 use super::format::{self, FILE, Field, Kind, Need};
 use super::quantity;
+use super::spelling::{ALIKE, beside, is_printable, nearest, printable};
 use super::tree::{Entry, Node, Value};
 
 /// Checks the whole file. The first fault in file order is returned.
@@ -99,10 +100,19 @@ fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
     }
 }
 
-/// The text of a node.
+/// The text of a node: one line that can be printed.
 pub fn text<'a>(node: &'a Node, path: &str) -> Result<&'a str, SceneError> {
     match &node.value {
-        Value::Text(text) => Ok(text),
+        Value::Text(text) if text.chars().all(is_printable) => Ok(text),
+        Value::Text(_) => {
+            let problem = "has a control character, which terminals and tables would act on";
+            Err(fault(
+                node,
+                path,
+                problem,
+                "leave it out; a text is one line",
+            ))
+        }
         _ => Err(unfit(node, path, "a string")),
     }
 }
@@ -171,7 +181,7 @@ fn word(node: &Node, path: &str, words: &[&str]) -> Result<(), SceneError> {
         return Ok(());
     }
     let guess = nearest(given, words.iter().copied())
-        .filter(|(_, likeness)| *likeness > 0.4)
+        .filter(|(_, likeness)| *likeness >= ALIKE)
         .map(|(word, _)| format!("did you mean \"{word}\"? "))
         .unwrap_or_default();
     let remedy = format!("{guess}known are \"{}\"", words.join("\", \""));
@@ -214,8 +224,8 @@ fn named(node: &Node, path: &str, fields: &[Field], one_of: &[&str]) -> Result<(
         {
             return Err(SceneError::Value {
                 place: entry.place.clone(),
-                key: dotted(path, &entry.key),
-                value: toml::Value::String(entry.key.clone()).to_string(),
+                key: dotted(path, &printable(&entry.key)),
+                value: toml::Value::String(printable(&entry.key)).to_string(),
                 problem: "is no name".to_string(),
                 remedy: "use lower-case letters, digits, - and _, a letter first".to_string(),
             });
@@ -290,62 +300,27 @@ fn example(field: &Field) -> String {
     format!("{} = {value}", field.name)
 }
 
-/// The word most like `given`, with its likeness from 0 to 1.
-fn nearest<'a>(given: &str, words: impl Iterator<Item = &'a str>) -> Option<(&'a str, f64)> {
-    let rated = words.map(|word| (word, strsim::normalized_damerau_levenshtein(given, word)));
-    rated.fold(
-        None,
-        |best: Option<(&str, f64)>, (word, likeness)| match best {
-            Some((_, top)) if top >= likeness => best,
-            _ => Some((word, likeness)),
-        },
-    )
-}
-
 fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> SceneError {
     let here = nearest(&entry.key, fields.iter().map(|field| field.name));
-    let (here_key, here_likeness) = match here {
-        Some((name, likeness)) => (Some(dotted(path, name)), likeness),
-        None => (None, 0.0),
-    };
-    let mut everywhere = Vec::new();
-    format::collect(&mut everywhere);
-    let leaf = |key: &str| key.rsplit('.').next().unwrap_or(key).to_string();
-    let elsewhere = everywhere
-        .iter()
-        .map(|key| {
-            (
-                key,
-                strsim::normalized_damerau_levenshtein(&entry.key, &leaf(key)),
-            )
-        })
-        .fold(
-            (None, 0.0),
-            |best: (Option<&String>, f64), (key, likeness)| {
-                if likeness > best.1 {
-                    (Some(key), likeness)
-                } else {
-                    best
-                }
-            },
-        );
-    let nearest_key = match elsewhere {
-        (Some(key), likeness) if likeness > here_likeness.max(0.8) => Some(key.clone()),
-        _ => here_key,
+    let here = here.map(|(name, likeness)| (dotted(path, name), likeness));
+    let guess = match here {
+        Some((_, likeness)) if likeness >= ALIKE => here,
+        _ => beside(&entry.key, path),
     };
     let known: Vec<&str> = fields.iter().map(|field| field.name).collect();
-    let guess = nearest_key
+    let nearest = guess.map(|(key, _)| key);
+    let question = nearest
         .as_ref()
         .map(|key| format!("did you mean `{key}`? "));
     SceneError::UnknownKey {
         place: entry.place.clone(),
-        key: dotted(path, &entry.key),
+        key: dotted(path, &printable(&entry.key)),
         remedy: format!(
             "{}known here: {}",
-            guess.unwrap_or_default(),
+            question.unwrap_or_default(),
             known.join(", ")
         ),
-        nearest: nearest_key,
+        nearest,
     }
 }
 
@@ -363,7 +338,7 @@ pub fn fault(node: &Node, path: &str, problem: &str, remedy: &str) -> SceneError
         } else {
             path.to_string()
         },
-        value: shortened(node.inline()),
+        value: shortened(printable(&node.inline())),
         problem: problem.to_string(),
         remedy: remedy.to_string(),
     }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::file::FileError;
+
 /// Where a value was written: a file with line and column (from 1), or a `--set` argument.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -29,11 +31,10 @@ impl fmt::Display for Place {
 /// what would be right.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error("{}: is not UTF-8 text; give a TOML file", path.display())]
+    NotText { path: PathBuf },
     #[error("{place}: not TOML: {message}")]
     Syntax { place: Place, message: String },
     #[error(

@@ -6,6 +6,12 @@ use super::cursor::{self, Cursor};
 use super::error::SceneError;
 use super::{Scene, check, conform, resolve, tree};
 
+/// No scene file is longer, bytes.
+const LONGEST: u64 = 16 << 20;
+
+/// No reference curve is longer, bytes.
+pub const LONGEST_REFERENCE: u64 = 256 << 20;
+
 /// A scene with the text that it came from.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -22,9 +28,9 @@ pub struct Loaded {
 /// [`SceneError`] for the first fault: unreadable file, no TOML, unknown key, missing key, wrong
 /// type, unit or range, or a scene that makes no sense.
 pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
-    let text = std::fs::read_to_string(path).map_err(|source| SceneError::Read {
+    let content = crate::file::read(path, LONGEST)?;
+    let text = String::from_utf8(content).map_err(|_| SceneError::NotText {
         path: path.to_path_buf(),
-        source,
     })?;
     read(&text, path, sets)
 }

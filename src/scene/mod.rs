@@ -12,15 +12,19 @@ pub mod file;
 pub mod format;
 mod isph;
 pub mod key;
+pub mod lamella;
 mod mps;
 pub mod numbers;
 mod pairs;
+mod post;
 pub mod preset;
 mod projection;
 pub mod quantity;
 mod resolve;
+pub mod sanity;
 pub mod schema;
 mod shape;
+mod spelling;
 mod sph;
 mod symmetry;
 mod tree;
@@ -29,6 +33,7 @@ mod wetting;
 pub use isph::{Closure, Gradient, Isph};
 pub use mps::{Mps, MpsClosure, MpsGradient};
 pub use pairs::{Pairs, Precision};
+pub use post::{Clock, Post, Reference};
 pub use projection::{PoissonSource, Preconditioner, Projection};
 pub use sph::{Sph, TensionLevel};
 pub use wetting::{Wetting, WettingForm};
@@ -187,25 +192,6 @@ pub enum Colour {
     Body,
     Speed,
     Pressure,
-}
-
-/// Settings of the post stage.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Post {
-    /// Instants of the snapshot panels, s.
-    pub panels: Vec<f64>,
-    /// Instants of the averaged pressure and velocity fields, s.
-    pub fields: Vec<f64>,
-    /// Reference curves to draw and compare with.
-    pub references: Vec<Reference>,
-}
-
-/// A reference curve from a CSV file with the column names of `measures.csv`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reference {
-    pub label: String,
-    /// As written in the file; relative to the pipeline file.
-    pub path: std::path::PathBuf,
 }
 
 /// Smoothing kernel.

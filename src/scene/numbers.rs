@@ -379,7 +379,7 @@ fn row(name: &str, value: f64, unit: Unit, definition: &str) -> Row {
 }
 
 /// Three digits with a unit.
-fn short(value: f64, unit: Unit) -> String {
+pub(super) fn short(value: f64, unit: Unit) -> String {
     human(format!("{value:.2e}").parse().unwrap_or(value), unit)
 }
 

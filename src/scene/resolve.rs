@@ -4,8 +4,8 @@ use super::cursor::Cursor;
 use super::error::SceneError;
 use super::quantity::Unit;
 use super::{
-    Arrangement, Colour, Dimension, Domain, Effects, Frames, Impact, Pack, Post, Reference, Relax,
-    Scene, Side, Wetting, body, preset, symmetry,
+    Arrangement, Clock, Colour, Dimension, Domain, Effects, Frames, Impact, Pack, Post, Reference,
+    Relax, Scene, Side, Wetting, body, preset, symmetry,
 };
 
 /// Keys of `[box]` for the sides of each axis.
@@ -80,11 +80,13 @@ fn domain(table: &Cursor<'_>, dimension: Dimension) -> Result<Domain, SceneError
 }
 
 fn sides(value: &Cursor<'_>) -> Result<[Side; 2], SceneError> {
-    let side = |item: &Cursor<'_>| match item.text()? {
-        "periodic" => Ok(Side::Periodic),
-        "open" => Ok(Side::Open),
-        "mirror" => Ok(Side::Mirror),
-        _ => Ok(Side::Wall),
+    let side = |item: &Cursor<'_>| -> Result<Side, SceneError> {
+        match item.text()? {
+            "periodic" => Ok(Side::Periodic),
+            "open" => Ok(Side::Open),
+            "mirror" => Ok(Side::Mirror),
+            _ => Ok(Side::Wall),
+        }
     };
     let sides = match value.items().as_slice() {
         [low, high] => [side(low)?, side(high)?],
@@ -198,12 +200,23 @@ fn frames(table: &Cursor<'_>) -> Result<Frames, SceneError> {
     })
 }
 
+fn clock_of(word: &Cursor<'_>) -> Result<Clock, SceneError> {
+    Ok(match word.text()? {
+        "contact" => Clock::Contact,
+        _ => Clock::Start,
+    })
+}
+
 fn post(table: &Cursor<'_>) -> Result<Post, SceneError> {
     let references = table.need("references")?;
-    let reference = |item: &Cursor<'_>| {
+    let reference = |item: &Cursor<'_>| -> Result<Reference, SceneError> {
         Ok(Reference {
             label: item.text_at("label")?.to_string(),
             path: item.text_at("path")?.into(),
+            clock: item
+                .get("clock")
+                .map(|clock| clock_of(&clock))
+                .transpose()?,
         })
     };
     Ok(Post {

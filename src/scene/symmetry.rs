@@ -4,7 +4,9 @@
 //! a whole that is unfolded about its low side, or about the high one if only that is a mirror; if
 //! both are, the whole is periodic. A round body whose centre lies in the plane of unfolding is cut
 //! by it, a block that touches the plane goes on behind it. `box.symmetry` makes such a part of a
-//! whole scene. Solvers, checkpoints and logs know the part only; measures are those of the whole.
+//! whole scene. Solvers, checkpoints and logs know the part only; measures are those of the whole,
+//! in which a body beside the plane has an image. An axis whose plane of unfolding cuts no body is
+//! not unfolded: its mirrors are sides without friction, and measures are those of the box.
 //! Mist that crosses the plane of unfolding is reflected like all else; at the plane on the other
 //! side of the box it is removed, as at the periodic sides of the whole.
 //! Tests: tests/engine/scene_symmetry.rs, tests/engine/method_mirror.rs.
@@ -63,7 +65,13 @@ impl Shape {
 
     /// Of how many equal parts this is one: 2 for each plane of unfolding that it meets.
     pub fn parts(&self, domain: &Domain) -> f64 {
-        let meets = |axis: usize| match self {
+        let met = (0..3).filter(|axis| self.is_met(domain, *axis)).count();
+        2f64.powi(met as i32)
+    }
+
+    /// Whether the plane of unfolding of an axis cuts this, or is one of its sides.
+    fn is_met(&self, domain: &Domain, axis: usize) -> bool {
+        match self {
             Shape::Block { low, high } => match domain.fold(axis) {
                 Some(0) => low[axis] <= EQUAL * domain.size[axis],
                 Some(_) => high[axis] >= (1.0 - EQUAL) * domain.size[axis],
@@ -71,23 +79,31 @@ impl Shape {
             },
             Shape::Layer { .. } => domain.fold(axis).is_some(),
             _ => self.cuts(domain)[axis].is_some(),
-        };
-        (0..3).fold(
-            1.0,
-            |parts, axis| if meets(axis) { 2.0 * parts } else { parts },
-        )
+        }
     }
 }
 
 impl Scene {
-    /// The whole that this scene is a part of; a scene without mirror planes is itself. Bodies that
-    /// the planes do not meet are named once.
+    /// The side about which an axis is unfolded to the whole: that of a mirror plane that cuts a
+    /// body, or that a block touches. A layer alone meets every side and makes no whole.
+    pub fn unfolds(&self, axis: usize) -> Option<usize> {
+        let is_cut = |body: &Body| body.shape.is_met(&self.domain, axis);
+        let solid = |body: &&Body| !matches!(body.shape, Shape::Layer { .. });
+        let fold = self.domain.fold(axis)?;
+        let mut bodies = self.bodies.iter().filter(solid);
+        bodies.any(is_cut).then_some(fold)
+    }
+
+    /// The whole that this scene is a part of; a scene that no mirror plane cuts is itself. Bodies
+    /// that the planes do not meet are followed, after all others, by their images.
     pub fn whole(&self) -> Scene {
         let mut whole = self.clone();
         for axis in 0..3 {
-            let Some(fold) = self.domain.fold(axis) else {
+            let Some(fold) = self.unfolds(axis) else {
                 continue;
             };
+            let is_beside = |body: &Body| !body.shape.is_met(&self.domain, axis);
+            let beside: Vec<bool> = whole.bodies.iter().map(is_beside).collect();
             let (size, sides) = (self.domain.size[axis], self.domain.boundary[axis]);
             whole.domain.size[axis] = 2.0 * size;
             whole.domain.boundary[axis] = match sides[1 - fold] {
@@ -99,9 +115,32 @@ impl Scene {
             for body in &mut whole.bodies {
                 unfold(body, &self.domain, axis, fold);
             }
+            let unfolded = whole.bodies.iter().zip(beside);
+            let images = unfolded.filter(|(_, is_beside)| *is_beside);
+            let images: Vec<Body> = images.map(|(body, _)| image(body, axis, size)).collect();
+            whole.bodies.extend(images);
         }
         whole
     }
+}
+
+/// The image of a body behind a plane across an axis at `plane` m.
+fn image(body: &Body, axis: usize, plane: f64) -> Body {
+    let mut image = body.clone();
+    image.name = format!("{} (image)", body.name);
+    match &mut image.shape {
+        Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. } => {
+            centre[axis] = 2.0 * plane - centre[axis];
+        }
+        Shape::Block { low, high } => {
+            (low[axis], high[axis]) = (2.0 * plane - high[axis], 2.0 * plane - low[axis]);
+        }
+        Shape::Layer { .. } => {}
+    }
+    if let Motion::Uniform(velocity) = &mut image.motion {
+        velocity[axis] = 0.0 - velocity[axis];
+    }
+    image
 }
 
 /// Puts a body of the part where it is in the whole.

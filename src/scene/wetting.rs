@@ -39,6 +39,12 @@ impl Wetting {
         }
     }
 
+    /// The angle at which a contact line advances, degrees.
+    pub fn advancing(&self) -> f64 {
+        self.hysteresis
+            .map_or(self.angle, |[advancing, _]| advancing)
+    }
+
     /// Half of what the cosines of receding and advancing angle differ by: the friction of a
     /// contact line over the tension.
     pub fn friction(&self) -> f64 {

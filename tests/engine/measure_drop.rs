@@ -1,6 +1,7 @@
 //! Shape, spread, front and surface area against known bodies; which scene gets which.
 
-use coronet::measure::gauge::{Gauge, Kind, Row, contact_time};
+use coronet::measure::gauge::{Gauge, Kind, Row, contact_time, strikes_wall};
+use coronet::measure::lamella::Lamella;
 use coronet::measure::raster::Raster;
 use coronet::scene::*;
 
@@ -165,7 +166,10 @@ fn the_surface_area_is_that_of_the_body() {
 fn the_scene_decides_what_is_measured() {
     let pool = pool_scene(Dimension::Three, 0.5);
     assert!(matches!(Kind::new(&pool), Kind::Pool(_)));
-    assert!((contact_time(&pool) - 0.313e-3 / 3.13).abs() < 1e-9);
+    // As it falls freely: v t + g t^2 / 2 is the gap.
+    let contact = contact_time(&pool);
+    let gap = 3.13 * contact + 0.5 * 9.81 * contact * contact;
+    assert!((gap / 0.313e-3 - 1.0).abs() < 1e-9, "{contact}");
     let mut rest = pool.clone();
     rest.bodies.pop();
     assert!(matches!(Kind::new(&rest), Kind::Level));
@@ -211,5 +215,78 @@ fn energies_that_the_solver_does_not_give_follow_from_the_particles() {
     assert_eq!(
         value(&Gauge::new(&scene).measure(&frame), "kinetic_energy_J"),
         42.0
+    );
+}
+
+/// A drop on a dry wall, falling.
+fn falling() -> Scene {
+    let mut scene = without_pool(Dimension::Three, 0.5);
+    scene.effects.wetting = Some(Wetting::of(90.0));
+    scene.effects.tension = Some(0.07);
+    scene.effects.viscosity = Some(1e-3);
+    scene
+}
+
+#[test]
+fn a_lamella_and_a_rebound_need_a_drop_that_falls_on_a_wall() {
+    let scene = falling();
+    assert!(strikes_wall(&scene) && Lamella::of(&scene).is_some());
+    let no = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = falling();
+        change(&mut scene);
+        assert!(!strikes_wall(&scene), "{scene:?}");
+        assert_eq!(Lamella::of(&scene), None);
+    };
+    no(&|scene| scene.domain.boundary[2][0] = Side::Open);
+    no(&|scene| scene.bodies = pool_scene(Dimension::Three, 0.5).bodies);
+    no(&|scene| scene.bodies.push(scene.bodies[0].clone()));
+    // At rest on the wall.
+    no(&|scene| {
+        scene.bodies[0].motion = Motion::Uniform([0.0; 3]);
+        scene.bodies[0].shape = Shape::Sphere {
+            centre: [12e-3, 12e-3, 2e-3],
+            radius: 2e-3,
+        };
+    });
+    // Upwards, without gravity.
+    no(&|scene| {
+        scene.bodies[0].motion = Motion::Uniform([0.0, 0.0, 1.0]);
+        scene.effects.gravity = None;
+    });
+    // From rest above the wall it falls.
+    let mut scene = falling();
+    scene.bodies[0].motion = Motion::Uniform([0.0; 3]);
+    assert!(strikes_wall(&scene));
+    let height = 10.313e-3;
+    let contact = contact_time(&scene);
+    assert!(
+        (contact / (2.0 * height / 9.81f64).sqrt() - 1.0).abs() < 1e-9,
+        "{contact}"
+    );
+}
+
+#[test]
+fn liquid_off_the_main_body_counts_where_there_is_one() {
+    let scene = falling();
+    let frame = lattice(&scene, |x, y, z| (x - 12.0).hypot(y - 12.0).hypot(z) < 4.0);
+    let row = Gauge::new(&scene).measure(&frame);
+    assert_eq!(value(&row, "detached_part"), 0.0);
+    // A ball beside it, 3 mm off.
+    let apart = |x: f64, y: f64| (x - 12.0).hypot(y - 12.0);
+    let off = lattice(&scene, |x, y, z| {
+        apart(x, y).hypot(z) < 4.0 || apart(x, y).hypot(z - 10.0) < 3.0
+    });
+    let row = Gauge::new(&scene).measure(&off);
+    let part = 1.0 - frame.id.len() as f64 / off.id.len() as f64;
+    assert!(
+        (value(&row, "detached_part") - part).abs() < 1e-9,
+        "{row:?}"
+    );
+    let mut two = scene.clone();
+    two.bodies.push(scene.bodies[0].clone());
+    let row = Gauge::new(&two).measure(&frame);
+    assert!(
+        row.iter().all(|(name, _)| name != "detached_part"),
+        "{row:?}"
     );
 }

@@ -4,7 +4,7 @@ use coronet::measure::gauge::{Gauge, Row};
 use coronet::particle::Frame;
 use coronet::scene::{Dimension, Scene};
 
-use crate::measure_splash::{SIDE, Splash, pool_scene, splash};
+use crate::measure_splash::{SIDE, Splash, lattice, pool_scene, splash};
 
 /// Level fixed by a flat pool first, then the frame; lengths in mm.
 fn measure(scene: &Scene, frame: &Frame) -> Row {
@@ -210,4 +210,25 @@ fn measures_do_not_depend_on_the_number_of_threads() {
             .collect::<Vec<_>>()
     });
     assert_eq!(one, three);
+}
+
+#[test]
+fn a_second_drop_is_no_crown() {
+    let mut scene = pool_scene(Dimension::Three, 0.4);
+    // Beside the first, joined to the pool by a bridge as drops are just before contact.
+    let mut second = scene.bodies[1].clone();
+    let place = [19e-3, 12e-3, 12.3e-3];
+    if let coronet::scene::Shape::Sphere { centre, .. } = &mut second.shape {
+        *centre = place;
+    }
+    scene.bodies.push(second);
+    let frame = lattice(&scene, |x, y, z| {
+        let apart = (x - 19.0).hypot(y - 12.0);
+        z < 10.0 || apart.hypot(z - 12.3) < 2.0 || (apart < 1.0 && z < 12.3)
+    });
+    let row = measure(&scene, &frame);
+    near(&row, "crown_height_m", 0.0, 0.1);
+    scene.bodies.pop();
+    let row = measure(&scene, &frame);
+    near(&row, "crown_height_m", 4.3, 0.4);
 }

@@ -12,7 +12,7 @@ use coronet::measure::report::Report;
 use coronet::measure::section::{self, Section};
 use coronet::measure::view::{self, Camera};
 use coronet::particle::Frame;
-use coronet::scene::{Dimension, Reference, Scene};
+use coronet::scene::{Clock, Dimension, Reference, Scene};
 
 use crate::measure_splash::{SIDE, Splash, pool_scene, splash};
 
@@ -50,7 +50,7 @@ fn scene(dimension: Dimension, folder: &Path) -> Scene {
     scene.post.fields = vec![4.4e-3];
     let mut text = String::from("time_s,crater_depth_m\n");
     for n in 1..9 {
-        // The frames count from the start, references from the contact 0.1 ms later.
+        // The frames count from the start, the reference from the contact 0.1 ms later.
         let depth = (2.0 + 0.5 * n as f64) * 1e-3;
         text += &format!("{},{}\n", n as f64 * 1e-3 - 1e-4, 1.1 * depth);
     }
@@ -58,6 +58,7 @@ fn scene(dimension: Dimension, folder: &Path) -> Scene {
     scene.post.references = vec![Reference {
         label: "ten percent <more>".into(),
         path: "curve.csv".into(),
+        clock: Some(Clock::Contact),
     }];
     scene
 }

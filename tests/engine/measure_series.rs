@@ -1,6 +1,7 @@
 //! The table of a run, its file, and the comparison with a reference.
 
-use coronet::measure::series::{Series, SeriesError, compare};
+use coronet::measure::series::{Reference, Series, SeriesError, compare};
+use coronet::scene::Clock;
 
 fn row(values: &[(&str, f64)]) -> Vec<(String, f64)> {
     values
@@ -89,10 +90,29 @@ fn a_bad_reference_is_named_with_line_and_column() {
         std::fs::write(&path, text).unwrap();
         Series::read(&path).unwrap_err().to_string()
     };
-    assert!(message("t,depth\n0,1\n").contains("no column `time_s`"));
+    assert!(message("t,depth\n0,1\n").contains("`time_s`"));
+    assert!(message("time_s,time_after_contact_s\n0,1\n").contains("needs one column of times"));
     let bad = message("time_s,crater_depth_m\n0,1\n1,deep\n");
     assert!(bad.contains("line 3") && bad.contains("crater_depth_m") && bad.contains("deep"));
     assert!(message("time_s,a\n1,1\n0,1\n").contains("does not increase"));
     let missing = Series::read(&folder.path().join("none.csv")).unwrap_err();
-    assert!(matches!(missing, SeriesError::Read { .. }) && missing.to_string().contains("none"));
+    assert!(matches!(missing, SeriesError::File(_)) && missing.to_string().contains("none"));
+}
+
+#[test]
+fn a_reference_counts_as_its_column_or_its_clock_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.csv");
+    for (column, clock, shift) in [
+        ("time_s", None, 0.0),
+        ("time_after_contact_s", None, 0.25),
+        ("time_s", Some(Clock::Contact), 0.25),
+        ("time_after_contact_s", Some(Clock::Start), 0.0),
+    ] {
+        std::fs::write(&path, format!("# source\na,{column}\n1,0\n2,1\n")).unwrap();
+        let reference = Reference::read(&path, clock).unwrap();
+        assert_eq!(reference.shift(0.25), shift, "{column} {clock:?}");
+        assert_eq!(reference.table.names, ["time_s", "a"]);
+        assert_eq!(reference.table.time(), [0.0, 1.0]);
+    }
 }

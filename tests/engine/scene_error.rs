@@ -6,7 +6,7 @@ use coronet::scene::file;
 use std::path::Path;
 
 /// The error of `SMALL` with one text replaced by another.
-fn edited(from: &str, to: &str) -> SceneError {
+pub fn edited(from: &str, to: &str) -> SceneError {
     assert!(SMALL.contains(from), "{from}");
     let text = SMALL.replacen(from, to, 1);
     file::read(&text, Path::new("small.toml"), &[]).expect_err(to)
@@ -45,13 +45,6 @@ fn unknown_keys_name_the_nearest_known_one() {
             "18:1",
         ),
         ("[liquid]", "[liqiud]", "liqiud", "liquid", "4:2"),
-        (
-            "dynamic =",
-            "kinematic =",
-            "effects.viscosity.kinematic",
-            "dynamic",
-            "9:1",
-        ),
         (
             "gap =",
             "gapp =",
@@ -320,13 +313,13 @@ fn reference_curves_must_be_there_with_a_time_column() {
             "scene.toml:",
             "post.references[0].path",
             "curve.csv",
-            "cannot be read",
+            "cannot open",
         ],
     );
     std::fs::write(folder.path().join("curve.csv"), "t,depth\n0,0\n").unwrap();
     holds(
         &file::load(&path, &[]).unwrap_err().to_string(),
-        &["no column `time_s`"],
+        &["no column `time_s` or `time_after_contact_s`"],
     );
     std::fs::write(
         folder.path().join("curve.csv"),
@@ -376,6 +369,6 @@ fn text_that_is_no_toml_and_files_that_are_not_there() {
         .to_string();
     holds(&error, &["small.toml:24:2", "duplicate"]);
     let error = file::load(Path::new("no/such.toml"), &[]).unwrap_err();
-    assert!(matches!(error, SceneError::Read { .. }));
-    holds(&error.to_string(), &["no/such.toml", "cannot be read"]);
+    assert!(matches!(error, SceneError::File(_)));
+    holds(&error.to_string(), &["no/such.toml", "cannot open"]);
 }

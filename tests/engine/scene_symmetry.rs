@@ -183,3 +183,50 @@ fn a_frame_unfolds_to_the_whole() {
     let values: Vec<f64> = whole.scalars.iter().map(|(_, value)| *value).collect();
     assert_eq!(values, [4.0, 8.0, 3.0, 0.0, 20.0]);
 }
+
+#[test]
+fn mirrors_that_cut_no_body_are_sides_of_the_box() {
+    // The drop hangs whole in the middle: it is there once, and so is its mass.
+    for sides in ["'mirror'", "['mirror', 'wall']", "['open', 'mirror']"] {
+        let x = format!("box.x={sides}");
+        let part = scene(&[&x, "box.y='mirror'"]);
+        assert!(part.domain.is_part());
+        assert_eq!(part.whole(), part);
+        assert!(Unfold::new(&part).is_plain());
+    }
+    // The pool alone meets every side and makes no whole.
+    let mut pool = scene(&["box.x='mirror'"]);
+    pool.bodies.pop();
+    assert_eq!(pool.whole(), pool);
+}
+
+#[test]
+fn a_body_beside_the_plane_has_an_image_in_the_whole() {
+    let second = "body.second={ sphere = { diameter = '2 mm', \
+                  centre = ['5 mm', '15 mm', '15 mm'] }, velocity = [1, 0, -2] }";
+    let part = scene(&["box.symmetry='half'", "box.x='wall'"]);
+    assert_eq!(part.whole().bodies.len(), 2);
+    let cut = "body.drop.sphere={ diameter='4 mm', centre=[0, '20 mm', '12.5 mm'] }";
+    let part = scene(&["box.x=['mirror', 'wall']", cut, second]);
+    let whole = part.whole();
+    let places: Vec<[f64; 3]> = whole.bodies[1..]
+        .iter()
+        .map(|body| match body.shape {
+            Shape::Sphere { centre, .. } => centre,
+            _ => panic!("{body:?}"),
+        })
+        .collect();
+    let x: Vec<i64> = places
+        .iter()
+        .map(|at| (at[0] * 1e6).round() as i64)
+        .collect();
+    assert_eq!(x, [40_000, 45_000, 35_000]);
+    let motion = |k: usize| match whole.bodies[k].motion {
+        coronet::scene::Motion::Uniform(velocity) => velocity,
+        _ => panic!("uniform"),
+    };
+    assert_eq!(
+        [motion(2), motion(3)],
+        [[1.0, 0.0, -2.0], [-1.0, 0.0, -2.0]]
+    );
+}

@@ -168,7 +168,7 @@ fn what_another_user_may_not_read_is_neither_damaged_nor_touched() {
     let Some(ended) = as_nobody(&program, "coronet verify") else {
         return;
     };
-    ended.badly(5, &["cannot be read"]);
+    ended.badly(5, &["files that cannot be read: 1"]);
     let ended = as_nobody(&program, &format!("coronet {RUN}")).unwrap();
     ended.badly(5, &["state.checkpoint", "Permission denied"]);
     assert!(state.exists());
@@ -302,6 +302,22 @@ fn a_loop_over_speeds_survives_the_clean_up() {
             "{set}: {statuses:?}"
         );
     }
+}
+
+#[test]
+fn a_name_of_several_parts_leads_to_its_results_and_keeps_them() {
+    let program = Program::new();
+    let arguments = ["run", "tiny.toml", "--until", "pack", "--name"];
+    for name in ["sweep/a", "sweep/b", "sweep"] {
+        program.call(&[&arguments[..], &[name]].concat()).well();
+    }
+    program.call(&["gc", "--older-than", "0s"]).well();
+    program.call(&["gc", "--forget", "sweep"]).well();
+    for name in ["sweep/a", "sweep/b"] {
+        let stamp = format!("artifacts/latest/{name}/pack-drop/stamp.json");
+        assert!(program.path(&stamp).is_file(), "{name}");
+    }
+    assert!(!program.path("artifacts/latest/sweep/pack-drop").exists());
 }
 
 #[test]

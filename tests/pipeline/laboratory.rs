@@ -155,7 +155,7 @@ pub fn watched(
     pipeline: &Pipeline,
     watch: &dyn Watch,
 ) -> Result<Vec<Report>, PipelineError> {
-    run(&Run {
+    let ended = run(&Run {
         store,
         pipeline,
         until: None,
@@ -163,7 +163,9 @@ pub fn watched(
         watch,
         threads: 1,
         program: "toy".into(),
-    })
+    })?;
+    assert!(ended.unnamed.is_none(), "{:?}", ended.unnamed);
+    Ok(ended.reports)
 }
 
 pub fn words(reports: &[Report]) -> Vec<&'static str> {

@@ -16,4 +16,5 @@ mod resume;
 mod sharing;
 mod study;
 mod toy;
+mod truth;
 mod tune;

@@ -262,7 +262,7 @@ fn stamps_and_manifests_that_lead_out_of_the_store_are_refused() {
         assert_eq!(words(&reports), ["ran", "fresh", "fresh"], "{name:?}");
         assert_eq!(fs::read(&victim).unwrap(), b"precious");
     }
-    for name in ["..", "a/b", ".hidden", "", "a\u{7}"] {
+    for name in ["..", "a/../b", "/a", "a//b", ".hidden", "", "a\u{7}"] {
         let mut named = pipeline(&lab, 1, 0);
         named.name = name.into();
         let error = go(&store, &named).unwrap_err();

@@ -1,6 +1,6 @@
 //! `[pack]`, `[relax]`, `[impact]`, `[frames]` and `[post]`.
 
-use super::{Field, Kind, LENGTH, Range, TIME, Unit, default, required};
+use super::{Field, Kind, LENGTH, Range, TIME, Unit, default, optional, required};
 
 const INSTANTS: Kind = Kind::List(
     &Kind::Quantity(Unit::Time, Range::NotNegative),
@@ -111,5 +111,11 @@ pub static REFERENCE: &[Field] = &[
         "path",
         Kind::Text,
         "CSV file with columns as in measures.csv, from this file.",
+    ),
+    optional(
+        "clock",
+        Kind::Word(&["start", "contact"]),
+        "From when its times count: the start of the run, or the contact of the drop. Left out: \
+         start for the column time_s, contact for time_after_contact_s.",
     ),
 ];

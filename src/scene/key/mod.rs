@@ -13,8 +13,9 @@ mod projection;
 
 use std::path::Path;
 
+use super::file::LONGEST_REFERENCE;
 use super::quantity::{Unit, human};
-use super::{Arrangement, Colour, Scene, TensionStrength};
+use super::{Arrangement, Clock, Colour, Scene, TensionStrength};
 use body::{body_colour, size};
 use flow::{colour, effects, flow, kernel, pairs, particle, physics, tension, walls, wetting};
 
@@ -46,12 +47,8 @@ pub struct Setting {
 pub enum KeyError {
     #[error("`{0}` is not a number: it cannot be part of a key")]
     NotANumber(String),
-    #[error("`{name}`: {path} cannot be read: {problem}")]
-    Reference {
-        name: String,
-        path: String,
-        problem: String,
-    },
+    #[error("`{name}`: {problem}")]
+    Reference { name: String, problem: String },
 }
 
 /// Settings in their order, with the first fault.
@@ -252,9 +249,9 @@ pub fn post(scene: &Scene, folder: &Path) -> Result<Vec<Setting>, KeyError> {
             &reference.label,
         );
         let path = folder.join(&reference.path);
-        let content = std::fs::read(&path).map_err(|error| KeyError::Reference {
+        let content = crate::file::read(&path, LONGEST_REFERENCE);
+        let content = content.map_err(|error| KeyError::Reference {
             name: format!("{name}.path"),
-            path: path.display().to_string(),
             problem: error.to_string(),
         })?;
         let shown = format!(
@@ -263,6 +260,13 @@ pub fn post(scene: &Scene, folder: &Path) -> Result<Vec<Setting>, KeyError> {
             fingerprint(&content)
         );
         list.push(&format!("{name}.path"), &name, shown, b'b', &content);
+        if let Some(clock) = reference.clock {
+            let word = match clock {
+                Clock::Start => "start",
+                Clock::Contact => "contact",
+            };
+            list.word(&format!("{name}.clock"), word);
+        }
     }
     list.end()
 }

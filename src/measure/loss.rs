@@ -1,0 +1,52 @@
+//! What a run lost on its way: liquid that left the box, and parts off the main body, of which most
+//! measures know nothing.
+//!
+//! Test: tests/engine/measure_loss.rs.
+
+use super::series::Series;
+use super::summary::digits;
+use crate::scene::sanity::Warning;
+
+/// Part of the liquid from which on it is said. A length goes with the cube root of a volume: 1 %
+/// is a third of a per cent of a length, below what any measure here is accurate to
+/// (docs/validation.md).
+const WORTH: f64 = 0.01;
+
+/// Warnings about the liquid that is missing at the end of a run.
+pub fn warnings(series: &Series) -> Vec<Warning> {
+    let mut all = Vec::new();
+    let end = |name: &str| {
+        series
+            .column(name)
+            .and_then(|values| values.last().copied())
+    };
+    let first = |name: &str| {
+        series
+            .column(name)
+            .and_then(|values| values.first().copied())
+    };
+    if let (Some(removed), Some(mass)) = (end("mass_removed_kg"), first("mass_kg"))
+        && removed > WORTH * mass
+    {
+        let why = format!(
+            "{} of the liquid left the box through open sides: energies and measures are those of \
+             the rest",
+            percent(removed / mass)
+        );
+        let remedy = "enlarge `box.size` on that side, make it a wall, or end the run before";
+        let value = format!("{} kg", digits(removed));
+        all.push(Warning::new("mass_removed_kg", value, &why, remedy));
+    }
+    if let Some(part) = end("detached_part").filter(|part| *part > WORTH) {
+        let why = "so much of the liquid is off the main body at the end: crater, crown, jet and \
+                   spread are those of the main body";
+        let remedy = "look at the panels whether these are drops or mist; mist becomes less with a \
+                      finer `pack.spacing`";
+        all.push(Warning::new("detached_part", percent(part), why, remedy));
+    }
+    all
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.1} %", 100.0 * part)
+}

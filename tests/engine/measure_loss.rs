@@ -1,0 +1,39 @@
+//! Warnings at the end of a run: liquid that left the box, parts off the main body.
+
+use coronet::measure::loss::warnings;
+use coronet::measure::series::Series;
+
+/// A run of two frames that ends with so much removed and detached.
+fn ended(removed: f64, detached: f64) -> Series {
+    let mut series = Series::default();
+    for (time, removed, detached) in [(0.0, 0.0, 0.3), (1.0, removed, detached)] {
+        let row = [
+            ("time_s", time),
+            ("mass_kg", 2.0 - removed),
+            ("mass_removed_kg", removed),
+            ("detached_part", detached),
+        ];
+        series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
+    }
+    series
+}
+
+#[test]
+fn what_is_missing_at_the_end_is_named_with_its_part() {
+    // The drop is off the pool at first; droplets and mist of less than a hundredth are not told.
+    assert_eq!(warnings(&ended(0.019, 0.009)), []);
+    let lost = warnings(&ended(0.5, 0.0));
+    assert_eq!(lost.len(), 1);
+    let text = lost[0].to_string();
+    for part in ["mass_removed_kg", "25.0 %", "box.size"] {
+        assert!(text.contains(part), "{text}");
+    }
+    let apart = warnings(&ended(0.0, 0.3));
+    assert_eq!(apart.len(), 1);
+    let text = apart[0].to_string();
+    assert!(
+        text.contains("detached_part") && text.contains("30.0 %"),
+        "{text}"
+    );
+    assert_eq!(warnings(&Series::default()), []);
+}

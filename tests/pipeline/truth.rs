@@ -1,0 +1,161 @@
+//! Nothing false in a result: clocks of references, warnings before, during and after a run.
+
+use super::program::Program;
+use std::fs;
+
+/// `--set` that compares with a table beside the scene.
+const OWN: &str = "post.references=[{ label = \"own\", path = \"own.csv\" }]";
+
+fn notes(objects: &[serde_json::Value]) -> Vec<String> {
+    let post = objects.iter().find(|object| object["stage"] == "post");
+    let notes = post.expect("a run ends with post")["notes"].as_array();
+    let text = |note: &serde_json::Value| note.as_str().unwrap().to_string();
+    notes.unwrap().iter().map(text).collect()
+}
+
+#[test]
+fn a_run_compared_with_its_own_measures_has_no_error() {
+    let program = Program::new();
+    program.run(&[]);
+    let own = program.latest("post").join("measures.csv");
+    let table = fs::read_to_string(&own).unwrap();
+    fs::write(program.path("own.csv"), &table).unwrap();
+    let compared = notes(&program.run(&["--set", OWN]));
+    let norms: Vec<&String> = compared
+        .iter()
+        .filter(|note| note.contains("against own"))
+        .collect();
+    assert!(norms.len() > 5, "{compared:?}");
+    for norm in norms {
+        assert!(norm.contains("L2 0.0 %, max 0.0 %"), "{norm}");
+    }
+    // The same table by the other clock is another curve.
+    fs::write(
+        program.path("own.csv"),
+        table.replacen("time_s", "time_after_contact_s", 1),
+    )
+    .unwrap();
+    let compared = notes(&program.run(&["--set", OWN]));
+    let energy = compared
+        .iter()
+        .find(|note| note.starts_with("kinetic_energy_J against own"));
+    assert!(!energy.unwrap().contains("L2 0.0 %"), "{energy:?}");
+    // A study too.
+    fs::write(program.path("own.csv"), &table).unwrap();
+    for (clock, is_zero) in [("", true), ("clock = \"contact\"", false)] {
+        let study = format!(
+            "title = \"own\"\npipeline = \"tiny.toml\"\n\
+             [[axis]]\nname = \"seed\"\nkey = \"pack.seed\"\nvalues = [71]\n\
+             [error]\ncolumn = \"kinetic_energy_J\"\nreference = \"own.csv\"\n{clock}\n"
+        );
+        let seed = "pack.seed=71";
+        program.run(&["--set", seed]);
+        fs::copy(
+            program.latest("post").join("measures.csv"),
+            program.path("own.csv"),
+        )
+        .unwrap();
+        fs::write(program.path("study.toml"), study).unwrap();
+        program.call(&["study", "study.toml"]).well();
+        let table = fs::read_to_string(program.path("artifacts/latest/study/study.csv")).unwrap();
+        let mut rows = table
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let place = rows
+            .next()
+            .unwrap()
+            .iter()
+            .position(|name| *name == "error")
+            .unwrap();
+        let error: f64 = rows.next().unwrap()[place].parse().unwrap();
+        assert_eq!(error == 0.0, is_zero, "{clock}: {error}");
+    }
+}
+
+#[test]
+fn a_reference_that_cannot_be_used_is_refused_before_the_run() {
+    let program = Program::new();
+    fs::write(program.path("own.csv"), "time_s,mass_kg\n0,1\n1,heavy\n").unwrap();
+    for command in ["plan", "run"] {
+        let ended = program.call(&[command, "tiny.toml", "--set", OWN]);
+        ended.badly(2, &["post.references", "own.csv", "line 3", "heavy"]);
+    }
+    assert!(!program.path("artifacts/pack").exists());
+}
+
+#[test]
+fn nonsense_is_told_before_the_run() {
+    let program = Program::new();
+    let quiet = program.call(&["plan", "tiny.toml"]).well();
+    assert!(!quiet.err.contains("warning"), "{}", quiet.err);
+    let sets = ["--set", "liquid.density=1", "--until", "pack"];
+    for arguments in [
+        &["plan", "tiny.toml", "--set", "liquid.density=1"][..],
+        &["plan", "tiny.toml", "--json", "--set", "liquid.density=1"],
+        &[&["run", "tiny.toml"][..], &sets].concat(),
+    ] {
+        let told = program.call(arguments).well();
+        let line = told
+            .err
+            .lines()
+            .find(|line| line.starts_with("warning: `liquid.density` = "));
+        assert!(line.is_some(), "{arguments:?}: {}", told.err);
+    }
+}
+
+#[test]
+fn a_body_that_did_not_come_to_rest_is_in_the_report() {
+    let program = Program::new();
+    let sets = [
+        "--set",
+        "relax.time=0.01 ms",
+        "--set",
+        "relax.kinetic_energy=1e-12",
+    ];
+    let first = program
+        .call(&[&["run", "tiny.toml"][..], &sets].concat())
+        .well();
+    assert!(
+        first.err.contains("warning: relax pool: not at rest"),
+        "{}",
+        first.err
+    );
+    // Also where the relaxation is an earlier run's.
+    let more = ["--set", "body.drop.velocity=1.1 m/s"];
+    let second = program
+        .call(&[&["run", "tiny.toml"][..], &sets, &more].concat())
+        .well();
+    assert!(!second.err.contains("warning: relax"), "{}", second.err);
+    assert!(
+        second
+            .err
+            .contains("warning: post: body `pool` starts not at rest"),
+        "{}",
+        second.err
+    );
+    let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
+    assert!(page.contains("body `pool` starts not at rest"));
+}
+
+#[test]
+fn liquid_that_left_the_box_is_told_at_the_end() {
+    let program = Program::new();
+    // Its drop is thrown out through the top.
+    let sets = ["--set", "body.drop.velocity=-2 m/s"];
+    let told = program
+        .call(&[&["run", "tiny.toml"][..], &sets].concat())
+        .well();
+    let starts = [
+        "warning: `body.drop.velocity` = ",
+        "warning: post: `mass_removed_kg` = ",
+    ];
+    for start in starts {
+        assert!(
+            told.err.lines().any(|line| line.starts_with(start)),
+            "{}",
+            told.err
+        );
+    }
+    let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
+    assert!(page.contains("Warning: `mass_removed_kg` = "));
+}

@@ -5,6 +5,7 @@ mod disk;
 mod fault;
 mod figures;
 mod golden;
+mod inspect;
 mod keys;
 mod laboratory;
 mod program;

@@ -248,7 +248,7 @@ impl Watch for KillInFlight {
 /// A finished store with results that no pipeline reaches any more.
 fn with_garbage() -> Files {
     let place = Place::new();
-    let other = [RUN, &["--set", "body.drop.velocity=1.1 m/s"]].concat();
+    let other = [RUN, &["--set", "pack.spacing=0.5 mm", "--until", "pack"]].concat();
     for command in [other.as_slice(), RUN] {
         let ended = place.call(command);
         assert_eq!(ended.end, End::Code(0), "{}{}", ended.out, ended.err);

@@ -16,7 +16,8 @@ pub const SCENE: &str = include_str!("smallest.toml");
 /// The command that makes everything; on one thread, so that calls come in about the same order.
 pub const RUN: &[&str] = &["run", "smallest.toml", "--json", "--threads", "1"];
 pub const VERIFY: &[&str] = &["verify", "--json"];
-pub const GC: &[&str] = &["gc", "--json"];
+/// Removes all that no name reaches.
+pub const GC: &[&str] = &["gc", "--json", "--yes", "--older-than", "0s"];
 pub const PLAN: &[&str] = &["plan", "smallest.toml", "--json"];
 
 /// No command takes longer, unless it hangs.

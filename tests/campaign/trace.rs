@@ -223,6 +223,10 @@ impl Tracer<'_> {
         let r = registers;
         let arguments = [r.rdi, r.rsi, r.rdx, r.r10, r.r8, r.r9];
         let (name, place) = syscalls::look_up(r.orig_rax)?;
+        // Only builds with assertions ask whether a file is open.
+        if name == "fcntl" && arguments[1] == libc::F_GETFD as u64 {
+            return None;
+        }
         let at = |folder: Option<usize>, path: usize| {
             path_of(thread, folder.map(|f| arguments[f]), arguments[path])
         };

@@ -42,7 +42,7 @@ pub fn planned(loaded: &Loaded) -> Option<String> {
     let shown = numbers::of(&loaded.scene).to_string();
     let pipeline = jobs::pipeline(loaded).ok()?;
     let store = coronet::pipeline::Store::new(scratch().join("none"));
-    let decisions = coronet::pipeline::plan(&store, &pipeline);
+    let decisions = coronet::pipeline::plan(&store, &pipeline).expect("an empty store");
     let identities = pipeline
         .jobs
         .iter()

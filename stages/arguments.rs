@@ -194,7 +194,8 @@ pub struct ExportArguments {
     /// Format
     #[arg(long, value_name = "FORMAT")]
     pub to: Format,
-    /// Folder for the files [default: `export` in the current folder]
+    /// Folder for the files; frames of an earlier export there are removed [default: `export` in
+    /// the current folder]
     #[arg(long, value_name = "DIR", default_value = "export")]
     pub output: PathBuf,
     /// One JSON object on standard output, for scripts
@@ -216,7 +217,8 @@ pub enum Format {
 pub struct RecoverArguments {
     /// The log
     pub log: PathBuf,
-    /// The new log [default: `<log>-recovered.mcap` beside it]
+    /// The new log; a file of that name is replaced only if it is empty or a log of Coronet
+    /// [default: `<log>-recovered.mcap` beside it]
     pub output: Option<PathBuf>,
     /// One JSON object on standard output, for scripts
     #[arg(long)]

@@ -2,10 +2,11 @@
 //! tension on this arrangement.
 
 use coronet::method;
-use coronet::pipeline::{Context, Identity, Output, Stage, StageError};
+use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::file::Loaded;
 
+use crate::forecast;
 use crate::impact::read_body;
 
 const FILE: &str = "strength.checkpoint";
@@ -25,6 +26,10 @@ impl Stage for Calibrate<'_> {
 
     fn inputs(&self) -> Vec<usize> {
         self.bodies.clone()
+    }
+
+    fn work(&self) -> Option<Work> {
+        forecast::calibrate(&self.loaded.scene)
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
+use coronet::record::export::cell;
 use coronet::scene::Clock;
 use serde::Deserialize;
 
@@ -214,16 +215,22 @@ pub fn table(
     let axes = study.axis.iter().map(|axis| axis.name.as_str());
     let names = study.figure.iter().map(|figure| figure.name.as_str());
     let head = ["point"].into_iter().chain(axes).chain(["status"]);
-    file.write_record(head.chain(names).chain(["cpu_s"]))?;
+    file.write_record(cells(head.chain(names).chain(["cpu_s"])))?;
     for ((trial, outcome), found) in trials.iter().zip(outcomes).zip(found) {
         let mut row = vec![trial.name.clone()];
         row.extend(trial.labels.iter().cloned());
         row.push(outcome.status().to_string());
         let cost = Cost::Cpu.of(outcome);
         row.extend(found.iter().chain([&cost]).map(|value| number(*value)));
-        file.write_record(row)?;
+        file.write_record(cells(row))?;
     }
     Ok(file.into_inner()?)
+}
+
+/// A row of a table that no spreadsheet takes for formulas: labels come from study files.
+pub fn cells<T: AsRef<str>>(row: impl IntoIterator<Item = T>) -> Vec<String> {
+    let row = row.into_iter();
+    row.map(|text| cell(text.as_ref()).into_owned()).collect()
 }
 
 /// A number for a table; nothing for none.

@@ -7,7 +7,7 @@ use coronet::measure::tradeoff::{Sample, growth, worst};
 use coronet::scene::quantity::{Unit, human};
 
 use crate::cost::Cost;
-use crate::figures::number;
+use crate::figures::{cells, number};
 use crate::points::Study;
 use crate::target::{Found, Target};
 use crate::trial::{Outcome, Trial};
@@ -99,7 +99,7 @@ pub fn table(
         "wall_s",
         "memory_MB",
     ];
-    file.write_record(["point"].into_iter().chain(axes).chain(rest))?;
+    file.write_record(cells(["point"].into_iter().chain(axes).chain(rest)))?;
     for (k, trial) in trials.iter().enumerate() {
         let mut row = vec![trial.name.clone()];
         row.extend(trial.labels.iter().cloned());
@@ -111,7 +111,7 @@ pub fn table(
         row.extend([number(samples[k].error), on_front[k].to_string()]);
         let costs = [Cost::Cpu, Cost::Wall, Cost::Memory];
         row.extend(costs.map(|cost| number(cost.of(&outcomes[k]))));
-        file.write_record(row)?;
+        file.write_record(cells(row))?;
     }
     Ok(file.into_inner()?)
 }

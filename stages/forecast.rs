@@ -5,6 +5,8 @@
 //! [probe](crate::probe). Steps are counted along the speed that limits them: a splash is faster
 //! than the impact at first, then slows down as 1 / t until waves and jet set the pace.
 
+use coronet::measure::{gauge, section};
+use coronet::particle::wall::layers;
 use coronet::pipeline::Work;
 use coronet::scene::{
     Arrangement, Dimension, Method, Motion, Preconditioner, Projection, Scene, Side, TensionForm,
@@ -29,15 +31,49 @@ const HELD: f64 = 0.12;
 /// seconds of an unknown in one: diagonal (or none), SSOR.
 const DIAGONAL: [f64; 2] = [187.0, 40e-9];
 const SSOR: [f64; 2] = [144.0, 220e-9];
+/// Acoustic steps in an advective one, about.
+const ACOUSTIC: f64 = 4.0;
+/// Part of a step of WCSPH that liquid at rest takes: its rows last.
+const STILL: f64 = 0.4;
 /// Neighbours in two dimensions over those in three, about.
 const FLAT: f64 = 0.5;
-/// CPU seconds of a step whatever the number of particles.
-const STEP: f64 = 0.2e-3;
-/// CPU seconds of a particle: lattice, Poisson disks, rest; of a particle in a frame measured.
+/// CPU seconds of a step whatever the number of particles: WCSPH, projections.
+const STEP: [f64; 2] = [0.05e-3, 0.2e-3];
+/// CPU seconds of a wall particle in a step: WCSPH, projections. Its layers cover the widest
+/// kernel.
+const WALL: [f64; 2] = [0.05e-6, 0.26e-6];
+/// What a contact angle adds to that.
+const WETTING: [f64; 2] = [0.1e-6, 0.42e-6];
+/// CPU seconds of a particle in a frame that is written.
+const LOG: f64 = 0.8e-6;
+/// CPU seconds of a particle on a lattice.
 const LATTICE: f64 = 2e-6;
-const POISSON: f64 = 130e-6;
-const REST: f64 = 180e-6;
-const MEASURE: f64 = 1e-6;
+/// CPU seconds of packing a body, of each particle in 2-D, in 3-D over N^(4/3): the iterations grow
+/// with its width. Those of a free body, most of it near the surface, are so many times more, and
+/// each digit of the tolerance below a thousandth of the density adds this part.
+const POISSON: [f64; 2] = [24e-6, 1.9e-6];
+const ROUND: f64 = 2.5;
+const DIGIT: f64 = 0.35;
+const START: f64 = 0.006;
+/// Part of `relax.time` until a body is at rest: over density and the spread that is allowed, over
+/// the kinetic energy that is allowed, kg/J; at least. Found for pools, and no better than by a
+/// factor of two or three. With contact lines, which creep, it takes all the time.
+const CALM: [f64; 3] = [0.5e-3, 1e-6, 0.12];
+/// Cosine of a contact angle that moves no contact line.
+const UPRIGHT: f64 = 0.1;
+/// CPU seconds of a particle in the calibration, and so many times that with a contact angle.
+const CALIBRATE: [f64; 2] = [1.7e-6, 4.0];
+/// CPU seconds of a particle in a frame measured: of each, and over N^(2/3) for the surface; in 2-D
+/// of each.
+const MEASURE: [f64; 2] = [0.9e-6, 12.8e-6];
+const MEASURE_FLAT: f64 = 0.55e-6;
+/// CPU seconds of a pixel: of a section up to the highest body; of a view and the title picture,
+/// over the square of a section's width, so many times that where no pool fills them. Of a field.
+const SECTION: f64 = 0.09e-6;
+const VIEW: f64 = 0.55e-6;
+const TITLE: f64 = 1.25e-6;
+const DRY: f64 = 0.45;
+const FIELD: f64 = 6e-3;
 /// Bytes of a particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// checkpoints that stay.
 const MEMORY: [f64; 2] = [1300.0, 2500.0];
@@ -47,8 +83,8 @@ const BASE: f64 = 2e7;
 const PICTURE: f64 = 550.0;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
-/// CPU seconds of work for which it pays to probe the machine.
-const PROBED: f64 = 20.0;
+/// CPU seconds of work for which it pays to probe the machine, which takes some tenths of a second.
+const PROBED: f64 = 0.3;
 
 /// Particles of the whole scene.
 fn particles(scene: &Scene) -> f64 {
@@ -56,8 +92,17 @@ fn particles(scene: &Scene) -> f64 {
     counts.sum::<u64>() as f64
 }
 
+/// Frames of the log: at most one for each step in which the liquid moves on.
 fn frames(scene: &Scene) -> f64 {
-    (scene.impact.end / scene.frames.interval).floor() + 1.0
+    let wanted = (scene.impact.end / scene.frames.interval).floor();
+    let inner = match &scene.method {
+        Method::Wcsph(settings) => match settings.time_stepping {
+            TimeStepping::Dual { .. } => ACOUSTIC,
+            _ => 1.0,
+        },
+        _ => 1.0,
+    };
+    wanted.min(steps(scene) / inner) + 1.0
 }
 
 fn is_projected(scene: &Scene) -> bool {
@@ -66,10 +111,7 @@ fn is_projected(scene: &Scene) -> bool {
 
 /// CPU seconds of a particle's step.
 fn particle_step(scene: &Scene) -> f64 {
-    let flat = match scene.dimension {
-        Dimension::Two => FLAT,
-        Dimension::Three => 1.0,
-    };
+    let flat = flat(scene);
     let settings = match &scene.method {
         Method::Isph(settings) => return flat * (ISPH + iterations(scene, &settings.projection)),
         Method::Mps(settings) => return flat * (MPS + iterations(scene, &settings.projection)),
@@ -93,6 +135,34 @@ fn particle_step(scene: &Scene) -> f64 {
     flat * (plain + found * tension)
 }
 
+/// CPU seconds of what walls add to a step. Their particles lie in layers as deep as the widest
+/// kernel, also beyond open sides.
+fn walls(scene: &Scene) -> f64 {
+    let layers = layers(scene) as f64;
+    let projected = usize::from(is_projected(scene));
+    let (mut inner, mut outer, mut open) = (1.0, 1.0, 1.0);
+    for &axis in scene.dimension.axes() {
+        let cells = scene.domain.size[axis] / scene.pack.spacing;
+        let sides = |kind: Side| {
+            let sides = scene.domain.boundary[axis].iter();
+            layers * sides.filter(|side| **side == kind).count() as f64
+        };
+        let beyond = if axis < 2 { sides(Side::Open) } else { 0.0 };
+        (inner, outer) = (inner * cells, outer * (cells + sides(Side::Wall) + beyond));
+        open *= cells + beyond;
+    }
+    let is_wetted = scene.effects.wetting.is_some() && scene.effects.tension.is_some();
+    let wetting = if is_wetted { WETTING[projected] } else { 0.0 };
+    flat(scene) * (outer - open.max(inner)) * (WALL[projected] + wetting)
+}
+
+fn flat(scene: &Scene) -> f64 {
+    match scene.dimension {
+        Dimension::Two => FLAT,
+        Dimension::Three => 1.0,
+    }
+}
+
 /// CPU seconds of a particle's step that another preconditioner than multigrid adds.
 fn iterations(scene: &Scene, settings: &Projection) -> f64 {
     let [count, cost] = match settings.preconditioner {
@@ -107,7 +177,7 @@ fn iterations(scene: &Scene, settings: &Projection) -> f64 {
 /// Part of the deepest layer that is within [`BAND`] H of its surface.
 fn near_surface(scene: &Scene) -> f64 {
     let long = scene.method.sph().tension_smoothing * numbers::smoothing_length(scene);
-    let depth = coronet::measure::gauge::pool_depth(scene);
+    let depth = gauge::pool_depth(scene);
     if depth > 0.0 {
         (BAND * long / depth).min(1.0)
     } else {
@@ -142,8 +212,18 @@ fn speed(scene: &Scene, time: f64) -> f64 {
 const RISE: f64 = 30.0;
 const FALL: f64 = 55.0;
 
-/// Time step at a speed, s.
-fn step(scene: &Scene, speed: f64) -> f64 {
+/// Speed of sound when the fastest particle has a speed, m/s.
+fn sound(scene: &Scene, speed: f64) -> f64 {
+    let [least, most] = numbers::sound_speeds(scene);
+    // Adaptive where the two differ: it follows the speed.
+    match least < most {
+        true => (most / numbers::reference_speed(scene) * speed).max(least),
+        false => most,
+    }
+}
+
+/// Time step at a speed, and a speed of sound, s.
+fn step(scene: &Scene, speed: f64, sound: f64) -> f64 {
     let calm = numbers::limits(scene);
     let calm = calm
         .iter()
@@ -154,19 +234,12 @@ fn step(scene: &Scene, speed: f64) -> f64 {
         return cross.clamp(settings.shortest, settings.longest).min(calm);
     }
     let h = numbers::smoothing_length(scene);
-    let [least, most] = numbers::sound_speeds(scene);
-    // Adaptive where the two differ: it follows the speed.
-    let follows = least < most;
-    let sound = match follows {
-        true => (most / numbers::reference_speed(scene) * speed).max(least),
-        false => most,
-    };
     let Method::Wcsph(settings) = &scene.method else {
         return calm;
     };
     match settings.time_stepping {
         TimeStepping::Fixed { step } => step,
-        TimeStepping::Adaptive { safety, .. } => calm.min(safety * 0.25 * h / (most + speed)),
+        TimeStepping::Adaptive { safety, .. } => calm.min(safety * 0.25 * h / (sound + speed)),
         TimeStepping::Dual { acoustic, .. } => calm.min(acoustic * h / (sound + speed)),
     }
 }
@@ -176,9 +249,31 @@ fn steps(scene: &Scene) -> f64 {
     const SLICES: usize = 1000;
     let slice = scene.impact.end / SLICES as f64;
     let middle = |k: usize| (k as f64 + 0.5) * slice;
-    (0..SLICES)
-        .map(|k| slice / step(scene, speed(scene, middle(k))))
-        .sum()
+    let count = |k: usize| {
+        let speed = speed(scene, middle(k));
+        slice / step(scene, speed, sound(scene, speed))
+    };
+    (0..SLICES).map(count).sum()
+}
+
+/// Steps of the relaxation of a body, which ends when it is at rest.
+fn resting_steps(scene: &Scene, body: usize) -> Option<f64> {
+    let relax = scene.relax.as_ref()?;
+    let lateral = scene.domain.boundary[..2].iter().flatten();
+    let creeps = |angle: f64| angle.to_radians().cos().abs() > UPRIGHT;
+    let has_line = scene.effects.tension.is_some()
+        && scene.effects.wetting.is_none_or(|w| creeps(w.angle))
+        && !scene.bodies[body].shape.is_free()
+        && lateral.into_iter().any(|side| *side == Side::Wall);
+    let [spread, energy, least] = CALM;
+    let spread = spread * scene.density / relax.density_spread;
+    let part = match has_line {
+        true => 1.0,
+        false => spread.max(energy / relax.kinetic_energy).clamp(least, 1.0),
+    };
+    // Nothing moves; a projection has the same limits as ever.
+    let sound = numbers::rest_sound_speed(scene, body);
+    Some(part * relax.time / step(scene, 0.0, sound))
 }
 
 fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
@@ -194,34 +289,107 @@ fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
 /// Of packing body `body`.
 pub fn pack(scene: &Scene, body: usize) -> Option<Work> {
     let count = numbers::count(scene, body) as f64;
-    let cost = match scene.pack.arrangement {
-        Arrangement::Lattice => LATTICE,
-        Arrangement::Poisson => POISSON,
+    let cpu = match scene.pack.arrangement {
+        Arrangement::Lattice => LATTICE * count,
+        Arrangement::Poisson => {
+            let digits = (1e-3 * scene.density / scene.pack.tolerance).log10();
+            let round = scene.bodies[body].shape.is_free();
+            let form = if round { ROUND } else { 1.0 };
+            let [flat, space] = POISSON;
+            START
+                + match scene.dimension {
+                    Dimension::Two => flat * count,
+                    Dimension::Three => {
+                        let harder = 1.0 + DIGIT * digits.max(0.0);
+                        space * form * harder * count.powf(4.0 / 3.0)
+                    }
+                }
+        }
     };
-    work(scene, count * cost, [count, count * CHECKPOINT])
+    work(scene, cpu, [count, count * CHECKPOINT])
 }
 
-/// Of relaxing body `body`, which ends when it is at rest.
+/// Of relaxing body `body`.
 pub fn relax(scene: &Scene, body: usize) -> Option<Work> {
-    scene.relax.as_ref()?;
     let count = numbers::count(scene, body) as f64;
-    work(scene, count * REST, [count, count * CHECKPOINT])
+    let walls = match scene.bodies[body].shape.is_free() {
+        true => 0.0,
+        false => walls(scene),
+    };
+    let step = STEP[usize::from(is_projected(scene))] + count * particle_step(scene) + walls;
+    let cpu = resting_steps(scene, body)? * step;
+    work(scene, cpu, [count, count * CHECKPOINT])
+}
+
+/// Of calibrating the tension.
+pub fn calibrate(scene: &Scene) -> Option<Work> {
+    let count = particles(scene);
+    let [each, wetted] = CALIBRATE;
+    let wetted = scene.effects.wetting.map_or(1.0, |_| wetted);
+    work(scene, flat(scene) * each * wetted * count, [count, 0.0])
+}
+
+/// CPU seconds of a step of the impact.
+pub fn step_cost(scene: &Scene) -> f64 {
+    let step = STEP[usize::from(is_projected(scene))];
+    let still = numbers::impact_speed(scene) == 0.0 && !is_projected(scene);
+    let part = if still { STILL } else { 1.0 };
+    step + part * particles(scene) * particle_step(scene) + walls(scene)
 }
 
 /// Of the impact.
 pub fn impact(scene: &Scene) -> Option<Work> {
     let count = particles(scene);
-    let cpu = steps(scene) * (STEP + count * particle_step(scene));
+    let cpu = steps(scene) * step_cost(scene) + frames(scene) * count * LOG;
     let disk = count * (frames(scene) * FRAME + CHECKPOINTS * CHECKPOINT);
     work(scene, cpu, [count, disk])
 }
 
+/// CPU seconds of the section of a panel.
+fn section(scene: &Scene) -> f64 {
+    let width = section::width(&scene.whole()) as f64;
+    let tops = scene.bodies.iter();
+    let tops = tops.map(|body| body.shape.bounds(&scene.domain, scene.dimension).1[2]);
+    let height = tops.fold(0.0, f64::max) / scene.whole().domain.size[0];
+    SECTION * width * width * height
+}
+
+/// CPU seconds of the views of panels and the title picture.
+fn views(scene: &Scene, panels: f64) -> f64 {
+    if scene.dimension == Dimension::Two || panels == 0.0 {
+        return 0.0;
+    }
+    let width = section::width(&scene.whole()) as f64;
+    let covered = if gauge::pool_depth(scene) > 0.0 {
+        1.0
+    } else {
+        DRY
+    };
+    covered * width * width * (VIEW * panels + TITLE)
+}
+
 /// Of measuring, drawing and plotting the frames, which show the whole of a symmetric scene.
 pub fn post(scene: &Scene) -> Option<Work> {
-    let cut = |axis: &usize| scene.domain.boundary[*axis].contains(&Side::Mirror);
-    let whole = particles(scene) * 2f64.powi((0..2).filter(cut).count() as i32);
+    let is_unfolded = |axis: &usize| scene.unfolds(*axis).is_some();
+    let whole = particles(scene) * 2f64.powi((0..2).filter(is_unfolded).count() as i32);
+    let flat = scene.dimension == Dimension::Two;
+    let measure = match flat {
+        true => MEASURE_FLAT * whole,
+        false => MEASURE[0] * whole + MEASURE[1] * whole.powf(2.0 / 3.0),
+    };
+    let before_end = |times: &[f64]| {
+        let shown = times.iter().filter(|time| **time <= scene.impact.end);
+        shown.count() as f64
+    };
+    let panels = before_end(&scene.post.panels);
+    let pictures = panels * section(scene) + views(scene, panels);
+    let fields = before_end(&scene.post.fields) * FIELD;
     // One thread measures while another reads.
-    let work = work(scene, frames(scene) * whole * MEASURE, [0.0, 0.0])?;
+    let work = work(
+        scene,
+        frames(scene) * measure + pictures + fields,
+        [0.0, 0.0],
+    )?;
     let memory = BASE + whole * PICTURE;
     Some(Work {
         threads: 1,

@@ -1,20 +1,21 @@
 //! `coronet show`, `export`, `recover` and `schema`: looking at what there is.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use coronet::pipeline::store::{CHECKPOINT, LOG};
 use coronet::pipeline::{Stamp, stamp};
-use coronet::record::checkpoint::{self, Array};
-use coronet::record::{export, log};
+use coronet::record::checkpoint::{self, Array, CheckpointError};
+use coronet::record::export;
+use coronet::record::log::{self, LogError};
 use serde_json::{Value, json};
 
 use crate::arguments::{ExportArguments, Format, RecoverArguments, ShowArguments};
-use crate::fault::Usage;
+use crate::fault::{Untrusted, Usage};
 use crate::impact::FRAMES;
 use crate::keep::size;
+use crate::print::out;
 
 /// What a path leads to.
 enum Thing {
@@ -27,24 +28,26 @@ enum Thing {
 
 fn thing(path: &Path) -> Result<Thing> {
     let extension = path.extension().and_then(|extension| extension.to_str());
-    if path.is_dir() {
-        if path.join(stamp::FILE).exists() {
+    let cannot = |what| move || format!("cannot {what} {}", path.display());
+    let metadata = fs::metadata(path).with_context(cannot("read"))?;
+    if metadata.is_dir() {
+        if is_there(&path.join(stamp::FILE))? {
             return Ok(Thing::Result(path.to_path_buf()));
         }
-        let entries =
-            fs::read_dir(path).with_context(|| format!("cannot list {}", path.display()))?;
-        let folders = entries.flatten().map(|entry| entry.path());
-        let mut results: Vec<_> = folders
-            .filter(|path| path.join(stamp::FILE).exists())
-            .collect();
+        let mut results = Vec::new();
+        for entry in fs::read_dir(path).with_context(cannot("list"))? {
+            let folder = entry.with_context(cannot("list"))?.path();
+            if folder.is_dir() && is_there(&folder.join(stamp::FILE))? {
+                results.push(folder);
+            }
+        }
         results.sort();
         if results.is_empty() {
-            let text = format!("{} is no result and holds none", path.display());
+            let text = format!("{} is neither a result nor holds one", path.display());
             bail!(Usage(text));
         }
         return Ok(Thing::Latest(results));
     }
-    fs::metadata(path).with_context(|| format!("cannot read {}", path.display()))?;
     match extension {
         Some(LOG) => Ok(Thing::Log(path.to_path_buf())),
         Some(CHECKPOINT) => Ok(Thing::Checkpoint(path.to_path_buf())),
@@ -52,6 +55,27 @@ fn thing(path: &Path) -> Result<Thing> {
             "{} is no checkpoint (.{CHECKPOINT}), log (.{LOG}) or folder of a result",
             path.display()
         ))),
+    }
+}
+
+fn is_there(path: &Path) -> Result<bool> {
+    path.try_exists()
+        .with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// A path for people and for JSON, which has no other texts than Unicode.
+fn shown(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+/// Gives damage its own exit code.
+fn judged<E>(is_damage: fn(&E) -> bool) -> impl Fn(E) -> anyhow::Error
+where
+    E: std::error::Error + Send + Sync + 'static,
+{
+    move |error| match is_damage(&error) {
+        true => Untrusted(error.to_string()).into(),
+        false => error.into(),
     }
 }
 
@@ -68,15 +92,14 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
             facts.collect::<Result<_>>()?
         }
     };
-    let mut out = std::io::stdout().lock();
     for facts in things {
         if arguments.json {
             let named = facts
                 .into_iter()
                 .map(|(name, value)| (name.to_string(), value));
-            writeln!(out, "{}", Value::Object(named.collect()))?;
+            out!("{}", Value::Object(named.collect()));
         } else {
-            write_facts(&mut out, &facts)?;
+            write_facts(&facts);
         }
     }
     Ok(())
@@ -84,8 +107,9 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
 
 /// Reads, and so verifies, a whole checkpoint.
 fn checkpoint_facts(path: &Path) -> Result<Facts> {
-    let peek = checkpoint::peek(path)?;
-    let checkpoint = checkpoint::read(path)?;
+    let judge = judged(CheckpointError::is_damage);
+    let peek = checkpoint::peek(path).map_err(&judge)?;
+    let checkpoint = checkpoint::read(path).map_err(&judge)?;
     let array = |(name, array): &(String, Array)| {
         let (least, greatest) = range(array);
         json!({"name": name, "length": array.len(), "least": least, "greatest": greatest})
@@ -93,7 +117,7 @@ fn checkpoint_facts(path: &Path) -> Result<Facts> {
     let scalar = |(name, value): &(String, f64)| json!({"name": name, "value": value});
     let text = |(name, value): &(String, String)| json!({"name": name, "value": value});
     Ok(vec![
-        ("checkpoint", json!(path)),
+        ("checkpoint", json!(shown(path))),
         ("kind", json!(checkpoint.kind)),
         ("time_s", json!(checkpoint.time)),
         ("step", json!(checkpoint.step)),
@@ -123,21 +147,25 @@ fn range(array: &Array) -> (f64, f64) {
 }
 
 fn log_facts(path: &Path) -> Result<Facts> {
-    let info = log::info(path)?;
+    let judge = judged(LogError::is_damage);
+    let info = log::info(path).map_err(&judge)?;
     let (mut frames, mut first, mut last, mut particles) = (0u64, f64::NAN, f64::NAN, 0);
-    for frame in log::read_frames(path)? {
-        let frame = frame?;
+    for frame in log::read_frames(path).map_err(&judge)? {
+        let frame = frame.map_err(&judge)?;
         if frames == 0 {
             first = frame.time;
         }
         (frames, last, particles) = (frames + 1, frame.time, frame.id.len());
     }
+    let length = fs::metadata(path)
+        .with_context(|| format!("cannot read {}", path.display()))?
+        .len();
     let bodies: Vec<_> = info.bodies.iter().map(|body| body.name.as_str()).collect();
     let fact = |(name, value): (&String, &String)| json!({"name": name, "value": value});
     Ok(vec![
-        ("log", json!(path)),
-        ("size", json!(size(fs::metadata(path)?.len()))),
-        ("digest", json!(log::content_digest(path)?)),
+        ("log", json!(shown(path))),
+        ("size", json!(size(length))),
+        ("digest", json!(log::content_digest(path).map_err(&judge)?)),
         ("bodies", json!(bodies)),
         ("frames", json!(frames)),
         ("first_s", json!(first)),
@@ -162,7 +190,7 @@ fn result_facts(folder: &Path) -> Result<Facts> {
     };
     Ok(vec![
         ("result", json!(stamp.label())),
-        ("folder", json!(folder)),
+        ("folder", json!(shown(folder))),
         ("key", json!(stamp.key)),
         ("digest", json!(stamp.digest)),
         ("version", json!(stamp.version)),
@@ -182,20 +210,20 @@ fn result_facts(folder: &Path) -> Result<Facts> {
 }
 
 /// One line a fact; lists below their names.
-fn write_facts(out: &mut impl std::io::Write, facts: &Facts) -> std::io::Result<()> {
+fn write_facts(facts: &Facts) {
     for (name, value) in facts {
         match value {
             Value::Array(list) if list.is_empty() => {}
             Value::Array(list) => {
-                writeln!(out, "{name}")?;
+                out!("{name}");
                 for item in list {
-                    writeln!(out, "  {}", line(item))?;
+                    out!("  {}", line(item));
                 }
             }
-            value => writeln!(out, "{name:18} {}", line(value))?,
+            value => out!("{name:18} {}", line(value)),
         }
     }
-    writeln!(out)
+    out!("");
 }
 
 /// A value in one line: of an object first its name, then the rest.
@@ -227,104 +255,95 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
         Format::Ply => export::Format::Ply,
     };
     let folder = &arguments.output;
-    let make = || {
-        fs::create_dir_all(folder)
-            .with_context(|| format!("cannot create the folder {}", folder.display()))
-    };
-    let files = match thing(&arguments.path)? {
-        Thing::Checkpoint(path) => {
-            make()?;
-            vec![export::export_checkpoint(&path, folder, format)?]
-        }
-        Thing::Log(path) => {
-            make()?;
-            export::export_log(&path, folder, format)?
-        }
-        Thing::Result(path) => {
-            make()?;
-            export_result(&path, folder, format)?
-        }
+    let thing = thing(&arguments.path)?;
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+    let judge = judged(export::ExportError::is_damage);
+    let exported = match thing {
+        Thing::Checkpoint(path) => export::Exported {
+            files: vec![export::export_checkpoint(&path, folder, format).map_err(judge)?],
+            removed: 0,
+        },
+        Thing::Log(path) => export::export_log(&path, folder, format).map_err(judge)?,
+        Thing::Result(path) => export_result(&path, folder, format)?,
         Thing::Latest(results) => {
             let run = results.iter().find(|path| path.join(FRAMES).exists());
-            let run = run.with_context(|| format!("no run in {}", arguments.path.display()))?;
-            make()?;
-            export::export_log(&run.join(FRAMES), folder, format)?
+            let Some(run) = run else {
+                let text = format!("{} has no run", arguments.path.display());
+                bail!(Usage(text));
+            };
+            export::export_log(&run.join(FRAMES), folder, format).map_err(judge)?
         }
     };
-    let mut out = std::io::stdout().lock();
     if arguments.json {
-        writeln!(out, "{}", json!({"files": files}))?;
-    } else {
-        let (first, count) = (files[0].display(), files.len());
-        writeln!(
-            out,
-            "{first}{}",
-            if count > 1 {
-                format!(" and {} more", count - 1)
-            } else {
-                String::new()
-            }
-        )?;
+        let files: Vec<_> = exported.files.iter().map(|file| shown(file)).collect();
+        let object = json!({"files": files, "removed": exported.removed});
+        out!("{object}");
+        return Ok(());
     }
+    let mut line = shown(&exported.files[0]);
+    if exported.files.len() > 1 {
+        line += &format!(" and {} more", exported.files.len() - 1);
+    }
+    if exported.removed > 0 {
+        line += &format!("; {} frames of an earlier export removed", exported.removed);
+    }
+    out!("{line}");
     Ok(())
 }
 
 /// The frames of a run, or else each checkpoint of a result.
-fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<Vec<PathBuf>> {
-    if path.join(FRAMES).exists() {
-        return Ok(export::export_log(&path.join(FRAMES), folder, format)?);
+fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<export::Exported> {
+    let judge = judged(export::ExportError::is_damage);
+    if is_there(&path.join(FRAMES))? {
+        return export::export_log(&path.join(FRAMES), folder, format).map_err(judge);
     }
     let stamp = Stamp::read(path)?.context("no stamp")?;
     let mut files = Vec::new();
     for output in &stamp.outputs {
         if output.file.ends_with(CHECKPOINT) {
-            files.push(export::export_checkpoint(
-                &path.join(&output.file),
-                folder,
-                format,
-            )?);
+            let checkpoint = path.join(&output.file);
+            let file = export::export_checkpoint(&checkpoint, folder, format);
+            files.push(file.map_err(&judge)?);
         }
     }
     if files.is_empty() {
         bail!(Usage(format!("{} holds no particles", path.display())));
     }
-    Ok(files)
+    Ok(export::Exported { files, removed: 0 })
 }
 
 pub fn recover(arguments: &RecoverArguments) -> Result<()> {
-    let stem = arguments
-        .log
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
-    let beside = arguments
-        .log
-        .with_file_name(format!("{stem}-recovered.{LOG}"));
+    let mut beside = arguments.log.file_stem().unwrap_or_default().to_os_string();
+    beside.push(format!("-recovered.{LOG}"));
+    let beside = arguments.log.with_file_name(beside);
     let new = arguments.output.clone().unwrap_or(beside);
-    let recovered = log::recover(&arguments.log, &new)?;
-    let mut out = std::io::stdout().lock();
+    let recovered = log::recover(&arguments.log, &new).map_err(|error| match error {
+        LogError::NotReplaced { .. } => Usage(error.to_string()).into(),
+        error if error.is_damage() => Untrusted(format!(
+            "{error}; nothing was written. Run the pipeline again to get the frames: it goes on \
+             from its last checkpoint"
+        ))
+        .into(),
+        error => anyhow::Error::from(error),
+    })?;
+    let (frames, last) = (recovered.frames, recovered.last_time);
     if arguments.json {
-        let last = recovered.last_time;
-        let object = json!({"log": new, "frames": recovered.frames, "last_s": last,
+        let object = json!({"log": shown(&new), "frames": frames, "last_s": last,
             "damage": recovered.damage});
-        writeln!(out, "{object}")?;
+        out!("{object}");
         return Ok(());
     }
     match recovered.damage {
-        None => writeln!(out, "{} was complete", arguments.log.display())?,
-        Some(damage) => writeln!(out, "{damage}")?,
+        None => out!("{} was complete", arguments.log.display()),
+        Some(damage) => out!("{} is damaged: {damage}", arguments.log.display()),
     }
-    let (frames, last) = (recovered.frames, recovered.last_time);
-    writeln!(
-        out,
-        "{} has {frames} frames up to t = {last} s",
-        new.display()
-    )?;
+    out!("{} has {frames} frames up to t = {last} s", new.display());
     Ok(())
 }
 
 pub fn schema() -> Result<()> {
     let schema = coronet::scene::schema::json();
-    std::io::stdout().lock().write_all(schema.as_bytes())?;
+    out!("{}", schema.trim_end());
     Ok(())
 }

@@ -114,7 +114,9 @@ pub fn sweep(arguments: &SweepArguments) -> Result<()> {
         }
     }
     let approved: Vec<PathBuf> = planned.removed.into_iter().map(|(path, ..)| path).collect();
-    print_swept(sweep::sweep(&store, &options, &approved)?, json, "removed")
+    let mut swept = sweep::sweep(&store, &options, &approved)?;
+    swept.unknown.extend(planned.unknown);
+    print_swept(swept, json, "removed")
 }
 
 fn options(store: &Store, arguments: &SweepArguments) -> Result<Options> {

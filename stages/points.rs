@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use coronet::measure::series::Series;
 use coronet::scene::file;
 use coronet::scene::numbers::count;
@@ -73,9 +73,12 @@ type Point = (Vec<String>, Vec<String>);
 /// The study and its points, each checked against the format of scenes before anything runs. With
 /// cases, the points of each case in turn; a point that a case excludes is none.
 pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
-    let content = coronet::file::read(path, LONGEST)?;
-    let text = String::from_utf8(content).with_context(|| format!("{}", path.display()))?;
     let wrong = |what: String| Usage(format!("{}: {what}", path.display()));
+    let content = match coronet::file::read(path, LONGEST) {
+        Err(error) if error.is_not_found() => bail!(Usage(error.to_string())),
+        other => other?,
+    };
+    let text = String::from_utf8(content).map_err(|error| wrong(error.to_string()))?;
     let study: Study = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     study.check().map_err(wrong)?;
     study.check_tables(path).map_err(wrong)?;

@@ -149,7 +149,9 @@ fn next(frames: &mut log::Frames) -> Result<Vec<Frame>, StageError> {
 impl Post<'_> {
     /// What the report says about where its numbers come from.
     fn provenance(&self, context: &Context) -> Vec<(String, String)> {
-        let command: Vec<String> = std::env::args().collect();
+        let command: Vec<String> = std::env::args_os()
+            .map(|word| word.to_string_lossy().into_owned())
+            .collect();
         let mut lines = vec![
             ("program".to_string(), crate::PROGRAM.to_string()),
             ("command".to_string(), command.join(" ")),

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 
+use crate::figures::cells;
 use crate::points::Study;
 use crate::promise::Verdict;
 use crate::trial::{Outcome, Trial};
@@ -11,7 +12,7 @@ pub fn table(study: &Study, trials: &[Trial], verdicts: &[Verdict]) -> Result<Ve
     let mut file = csv::Writer::from_writer(Vec::new());
     let axes = study.axis.iter().map(|axis| axis.name.as_str());
     let rest = ["promise", "bound", "found", "kept", "known"];
-    file.write_record(["point", "case"].into_iter().chain(axes).chain(rest))?;
+    file.write_record(cells(["point", "case"].into_iter().chain(axes).chain(rest)))?;
     for (trial, verdict) in trials.iter().zip(verdicts) {
         for promise in &verdict.promises {
             let mut row = vec![trial.name.clone(), case(study, trial).to_string()];
@@ -19,7 +20,7 @@ pub fn table(study: &Study, trials: &[Trial], verdicts: &[Verdict]) -> Result<Ve
             row.extend([promise.name.clone(), promise.bound.clone()]);
             row.extend([promise.found.clone(), promise.kept.to_string()]);
             row.push(verdict.known.clone().unwrap_or_default());
-            file.write_record(row)?;
+            file.write_record(cells(row))?;
         }
     }
     Ok(file.into_inner()?)

@@ -1,7 +1,7 @@
 //! `artifacts/latest/<pipeline>/`: the newest results by name, as links, and `manifest.json`, which
 //! says what the pipeline reaches.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -162,12 +162,17 @@ pub(super) fn finish(
         results,
     };
     // A second run must end well where nothing can be written.
-    if manifest != old {
-        write(store, pipeline, &manifest)?;
-    }
+    let changes = manifest != old;
     let folder = folder(store, pipeline);
-    // Another process may be writing the younger ones.
-    sweep(&folder, LEFT_OVER)?;
+    if changes {
+        store.create(&folder)?;
+    }
+    // Without the lock, another process may be writing the younger ones.
+    let lock = lock(&folder);
+    sweep(&folder, lock.as_ref().map_or(LEFT_OVER, |_| Duration::ZERO))?;
+    if changes {
+        write(&folder, &manifest)?;
+    }
     let up = "../".repeat(Path::new(pipeline).components().count() + 1);
     let mut moved = Vec::new();
     for entry in &manifest.results {
@@ -213,6 +218,13 @@ pub(super) fn clean_up(store: &Store) -> Result<(), FileError> {
         .try_for_each(|folder| sweep(folder, Duration::ZERO))
 }
 
+/// Keeps other processes from writing links in a folder; `None` where folders cannot be locked.
+fn lock(folder: &Path) -> Option<File> {
+    let file = File::open(folder).ok()?;
+    file.lock().ok()?;
+    Some(file)
+}
+
 /// Removes temporary files from a folder that are older than `age`.
 fn sweep(folder: &Path, age: Duration) -> Result<(), FileError> {
     for entry in entries(folder)? {
@@ -238,9 +250,7 @@ fn entry(report: &Report) -> Entry {
     }
 }
 
-fn write(store: &Store, pipeline: &str, manifest: &Manifest) -> Result<(), FileError> {
-    let folder = folder(store, pipeline);
-    store.create(&folder)?;
+fn write(folder: &Path, manifest: &Manifest) -> Result<(), FileError> {
     let json = serde_json::to_string_pretty(manifest).expect("plain data");
     write_file(&folder.join(MANIFEST), seal::seal(&json).as_bytes())
 }

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use coronet::record::checkpoint::{FORMAT_VERSION, peek, read};
+use coronet::record::checkpoint::{FORMAT_VERSION, LEVEL, peek, read};
 use coronet::record::{Array, Checkpoint, CheckpointError};
 use sha2::{Digest as _, Sha256};
 
+use crate::allocation::peak;
 use crate::record_checkpoint::example;
 
 /// Builds files from the description of the format, independently of the writer.
@@ -211,6 +212,137 @@ fn hostile_lengths_are_refused_before_anything_is_allocated() {
     craft.sections = bomb;
     let error = craft.read(folder).unwrap_err();
     assert!(matches!(error, CheckpointError::Corrupt { .. }), "{error}");
+}
+
+/// Reads on one thread, so that its allocations are seen.
+fn held_while_reading(folder: &Path, bytes: &[u8]) -> (usize, Result<Checkpoint, CheckpointError>) {
+    let work = || {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .use_current_thread();
+        let pool = pool.build().unwrap();
+        let mut result = None;
+        let held = peak(|| result = Some(pool.install(|| read_bytes(folder, bytes))));
+        (held, result.unwrap())
+    };
+    std::thread::scope(|scope| scope.spawn(work).join().unwrap())
+}
+
+#[test]
+fn a_small_hostile_file_takes_no_more_memory_than_it_may_claim() {
+    let folder = tempfile::tempdir().unwrap();
+    let zeros = |count: u64, size: usize| {
+        zstd::bulk::compress(&vec![0; size], 1).map(|packed| (count, packed))
+    };
+    // Many arrays that compress well, one that does so honestly, and claims without data.
+    let (count, packed) = zeros(8 << 20, 64 << 20).unwrap();
+    let digest = Sha256::digest(vec![0; 64 << 20]).into();
+    for arrays in [1, 4, 40] {
+        let rows = vec![("v", 0, count, packed.len() as u64, digest); arrays];
+        let mut craft = Craft::new(&rows);
+        craft.sections = packed.repeat(arrays);
+        let bytes = craft.file();
+        let may_claim = (16 << 20) + 4096 * bytes.len();
+        let (held, result) = held_while_reading(folder.path(), &bytes);
+        assert!(result.is_err_and(|error| matches!(error, CheckpointError::TooLarge { .. })));
+        assert!(
+            held < may_claim + (8 << 20),
+            "{arrays} arrays: {held} bytes"
+        );
+    }
+    // Within the limit by its claim, but there is nothing behind it.
+    let mut craft = Craft::new(&[("v", 0, 2 << 20, 4096, digest)]);
+    craft.sections = vec![0; 4096];
+    let (held, result) = held_while_reading(folder.path(), &craft.file());
+    assert!(result.unwrap_err().is_damage());
+    assert!(held < 4 << 20, "{held} bytes for nothing");
+    // A text, a table and a header that are longer than the file.
+    for at in [0, 24, 32, 40] {
+        let mut craft = Craft::new(&[]);
+        let start = craft.header.len() - 24;
+        let at = if at == 0 { 0 } else { start + at - 24 };
+        craft.header[at..at + 8].copy_from_slice(&(1u64 << 19).to_le_bytes());
+        let (held, result) = held_while_reading(folder.path(), &craft.file());
+        assert!(result.unwrap_err().is_damage());
+        assert!(held < 8 << 20, "{held} bytes for a claim at {at}");
+    }
+}
+
+/// A lattice at rest with a dozen arrays of zeros: no method writes what compresses more. By how
+/// much is half of what is allowed at most.
+#[test]
+fn what_compresses_best_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rest");
+    let (n, d) = (100usize, 1e-4);
+    let reals = |f: fn(usize, usize) -> usize| {
+        Array::F64((0..n * n * n).map(|i| (f(i, n) as f64 + 0.5) * d).collect())
+    };
+    let mut arrays = vec![
+        (
+            "id".to_string(),
+            Array::U32((0..(n * n * n) as u32).collect()),
+        ),
+        ("body".to_string(), Array::U8(vec![0; n * n * n])),
+        ("position_x".to_string(), reals(|i, n| i % n)),
+        ("position_y".to_string(), reals(|i, n| i / n % n)),
+        ("position_z".to_string(), reals(|i, n| i / n / n)),
+    ];
+    for k in 0..12 {
+        arrays.push((format!("zeros_{k}"), Array::F64(vec![0.0; n * n * n])));
+    }
+    let content = Checkpoint {
+        arrays,
+        ..Checkpoint::default()
+    };
+    content.write(&path, LEVEL).unwrap();
+    let length = fs::metadata(&path).unwrap().len() as usize;
+    let ratio = n * n * n * (5 + 15 * 8) / length;
+    assert!(ratio < 2048, "compresses by {ratio}");
+    assert!(read(&path).unwrap() == content);
+
+    // What could not be read is not written.
+    let zeros = Checkpoint {
+        arrays: vec![("zeros".into(), Array::F64(vec![0.0; 6 << 20]))],
+        ..Checkpoint::default()
+    };
+    let error = zeros.write(&path, LEVEL).unwrap_err();
+    assert!(matches!(error, CheckpointError::TooLarge { .. }), "{error}");
+    assert!(read(&path).unwrap() == content);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_cannot_be_read_is_not_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    for path in [&pipe, folder.path(), "/dev/zero".as_ref()] {
+        for error in [read(path).unwrap_err(), peek(path).unwrap_err()] {
+            assert!(
+                matches!(error, CheckpointError::Io(_)) && !error.is_damage(),
+                "{error}"
+            );
+            let source = std::error::Error::source(&error).expect("a source");
+            assert!(source.is::<std::io::Error>(), "{error}");
+        }
+    }
+}
+
+#[test]
+fn any_zeroed_tail_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a");
+    example().write(&path, 1).unwrap();
+    let good = fs::read(&path).unwrap();
+    for length in (0..good.len()).step_by(5) {
+        let zeroed = [&good[..length], &vec![0; good.len() - length]].concat();
+        match read_bytes(folder.path(), &zeroed) {
+            Ok(content) => assert!(zeroed == good || content == example(), "{length} bytes"),
+            Err(error) => assert!(error.is_damage(), "{length} bytes: {error}"),
+        }
+    }
 }
 
 #[test]

@@ -92,7 +92,7 @@ fn state() -> State {
 fn a_log_becomes_a_vtk_series() {
     let folder = tempfile::tempdir().unwrap();
     let log = write_log(folder.path());
-    let files = export_log(&log, folder.path(), Format::Vtk).unwrap();
+    let files = export_log(&log, folder.path(), Format::Vtk).unwrap().files;
     let names: Vec<_> = files
         .iter()
         .map(|f| f.file_name().unwrap().to_str().unwrap())
@@ -174,7 +174,7 @@ fn a_checkpoint_becomes_csv_and_ply() {
 fn a_log_becomes_a_csv_series() {
     let folder = tempfile::tempdir().unwrap();
     let log = write_log(folder.path());
-    let files = export_log(&log, folder.path(), Format::Csv).unwrap();
+    let files = export_log(&log, folder.path(), Format::Csv).unwrap().files;
     let index = fs::read_to_string(&files[0]).unwrap();
     let lines: Vec<_> = index.lines().collect();
     assert_eq!(lines[0], "time_s,file,kinetic_energy_J,mass_kg");
@@ -195,6 +195,122 @@ fn a_log_becomes_a_csv_series() {
             Ok(expected)
         );
     }
+}
+
+#[test]
+fn an_export_leaves_nothing_of_an_earlier_one_and_everything_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = write_log(folder.path());
+    let out = folder.path().join("out");
+    fs::create_dir(&out).unwrap();
+    let kept = [
+        "frame-0003.vtp",
+        "frame-00003.vtp.bak",
+        "frame-000003.vtp",
+        "frame-00003.ply",
+        "frame-3.vtp",
+        "my-frame-00003.vtp",
+        "frames.csv",
+        ".frame-00003.vtp",
+    ];
+    let stale = ["frame-00003.vtp", "frame-00041.vtp", "frame-123456.vtp"];
+    let killed = ".frame-00004.vtp.77.0.coronet-tmp";
+    for name in kept.into_iter().chain(stale).chain([killed]) {
+        fs::write(out.join(name), name).unwrap();
+    }
+    fs::create_dir(out.join("frame-00009.vtp")).unwrap();
+    let exported = export_log(&log, &out, Format::Vtk).unwrap();
+    assert_eq!(exported.removed, 3);
+    for name in kept {
+        assert_eq!(fs::read_to_string(out.join(name)).unwrap(), name);
+    }
+    let mut expected: Vec<_> = exported.files.clone();
+    expected.extend(kept.map(|name| out.join(name)));
+    expected.push(out.join("frame-00009.vtp"));
+    let entries = fs::read_dir(&out).unwrap();
+    let mut found: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    found.sort();
+    expected.sort();
+    assert_eq!(found, expected);
+
+    // Each format has its own files; a log that cannot be read costs none of them.
+    let csv = export_log(&log, &out, Format::Csv).unwrap();
+    let ply = export_log(&log, &out, Format::Ply).unwrap();
+    assert_eq!((csv.removed, ply.removed), (0, 1));
+    let all = || exported.files.iter().chain(&csv.files).chain(&ply.files);
+    fs::write(&log, "no log").unwrap();
+    assert!(export_log(&log, &out, Format::Vtk).unwrap_err().is_damage());
+    assert!(all().all(|file| file.is_file()));
+}
+
+/// A frame number of a folder: the write fails there.
+#[test]
+fn an_export_that_fails_midway_has_no_index_and_no_temporary_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = write_log(folder.path());
+    let out = folder.path().join("out");
+    fs::create_dir_all(out.join("frame-00001.vtp")).unwrap();
+    fs::write(out.join("frames.pvd"), "of an earlier export").unwrap();
+    let error = export_log(&log, &out, Format::Vtk).unwrap_err();
+    assert!(!error.is_damage(), "{error}");
+    let entries = fs::read_dir(&out).unwrap();
+    let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["frame-00000.vtp", "frame-00001.vtp"]);
+}
+
+#[test]
+fn names_from_a_stranger_stay_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("kept-1.5.checkpoint");
+    let reals = || coronet::record::Array::F64(vec![-1.0]);
+    let hostile = [
+        "=HYPERLINK(\"x\")",
+        "-1+1",
+        "a,b",
+        "a<b>&\"\u{1b}[2J",
+        "x\nproperty float y",
+    ];
+    let mut checkpoint = Checkpoint {
+        scalars: vec![("=now()".into(), -2.0)],
+        ..Checkpoint::default()
+    };
+    for name in ["position_x", "position_y", "position_z"]
+        .into_iter()
+        .chain(hostile)
+    {
+        checkpoint.arrays.push((name.into(), reals()));
+    }
+    checkpoint.write(&path, 1).unwrap();
+    let file = export_checkpoint(&path, folder.path(), Format::Csv).unwrap();
+    assert_eq!(file, folder.path().join("kept-1.5.csv"));
+    let mut reader = csv::Reader::from_path(&file).unwrap();
+    let header: Vec<_> = reader
+        .headers()
+        .unwrap()
+        .iter()
+        .skip(3)
+        .map(String::from)
+        .collect();
+    assert_eq!(header[..3], ["'=HYPERLINK(\"x\")", "'-1+1", "a,b"]);
+    let row = reader.records().next().unwrap().unwrap();
+    assert!(row.iter().all(|number| number == "-1.0"), "{row:?}");
+
+    let vtp = fs::read(export_checkpoint(&path, folder.path(), Format::Vtk).unwrap()).unwrap();
+    let text = String::from_utf8_lossy(&vtp);
+    assert!(
+        text.contains("Name=\"a&lt;b&gt;&amp;&quot;_[2J\""),
+        "{text}"
+    );
+    assert!(text.contains("Name=\"x_property float y\""), "{text}");
+    let ply = fs::read(export_checkpoint(&path, folder.path(), Format::Ply).unwrap()).unwrap();
+    let text = String::from_utf8_lossy(&ply);
+    let properties = text.lines().filter(|line| line.starts_with("property "));
+    assert_eq!(properties.count(), 3 + hostile.len());
+    assert!(
+        text.contains("property double x_property_float_y\n"),
+        "{text}"
+    );
 }
 
 #[test]

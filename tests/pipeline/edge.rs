@@ -323,7 +323,7 @@ fn a_name_of_several_parts_leads_to_its_results_and_keeps_them() {
 #[test]
 fn what_is_not_utf8_works_or_is_refused_in_words() {
     let program = Program::new();
-    let line = format!("coronet {RUN} --until pack --artifacts $'s\\xff'");
+    let line = format!("coronet {RUN} --artifacts $'s\\xff'");
     bash(&program, &line).well();
     bash(&program, "coronet verify --artifacts $'s\\xff'").well();
     for more in [

@@ -8,6 +8,7 @@ mod edge;
 mod fault;
 mod figures;
 mod golden;
+mod inspect;
 mod keys;
 mod laboratory;
 mod program;

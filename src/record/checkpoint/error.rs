@@ -45,7 +45,8 @@ pub enum CheckpointError {
 }
 
 impl CheckpointError {
-    /// Whether the file is there but cannot be trusted, so that its stage should run again.
+    /// Whether the file was read and its content is wrong, so that its stage should run again.
+    /// Never for an I/O error.
     pub fn is_damage(&self) -> bool {
         !matches!(self, CheckpointError::Io(_))
     }

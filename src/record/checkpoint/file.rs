@@ -1,7 +1,15 @@
 //! Writing, reading and glancing at checkpoint files.
+//!
+//! A file may come from a stranger, so its claims are limited. The arrays of a file together have
+//! at most [`SMALL`] + [`EXPANSION`] times its length, bytes, and the header has at most
+//! [`HEADER_LIMIT`]. A single array may compress more, zeros by 30,000, but the arrays of one
+//! checkpoint share the number of particles, and identifiers and positions do not compress like
+//! that: at [`LEVEL`](super::LEVEL), a lattice at rest of a million particles with a dozen arrays
+//! of zeros compresses by 1,200, one of a hundred million by 1,900. What compresses more is not
+//! written. Below these limits, too, memory grows only as data are decoded.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -10,13 +18,20 @@ use sha2::{Digest as _, Sha256};
 use super::codec::{self, ElementType, FORMAT_VERSION, HEADER_LIMIT, Header, Section};
 use super::section::{self, Unreadable};
 use super::{Checkpoint, CheckpointError, content_digest};
-use crate::record::atomic::{AtomicFile, FileError};
+use crate::file::{self, FileError};
+use crate::record::atomic::AtomicFile;
 use crate::record::digest::Digest;
 
 const MAGIC: [u8; 8] = *b"\x89CRN\r\n\x1a\n";
 
 /// Magic, version, header length, SHA-256 of the rest of this and of the header.
 const PREAMBLE: usize = 8 + 4 + 8 + 32;
+
+/// What the arrays of any checkpoint may have, bytes.
+const SMALL: u64 = 16 << 20;
+
+/// How many times the length of its file the arrays of a checkpoint may have beyond that.
+const EXPANSION: u64 = 4096;
 
 /// What the header of a checkpoint tells without reading its arrays.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +91,13 @@ pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest,
         }
     }
     let bytes = encode(&header, path)?;
+    // Nothing is written that could not be read.
+    let packed: u64 = header
+        .sections
+        .iter()
+        .map(|section| section.compressed)
+        .sum();
+    check_size(path, &header, (PREAMBLE + length) as u64 + packed)?;
     let mut start = Vec::with_capacity(PREAMBLE + bytes.len());
     start.extend(MAGIC);
     start.extend(FORMAT_VERSION.to_le_bytes());
@@ -91,14 +113,13 @@ pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest,
 /// Reads and verifies a whole checkpoint.
 pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     let (mut file, header, _) = open(path)?;
-    let io = FileError::new(path, "read");
     let mut arrays = Vec::with_capacity(header.sections.len());
     for batch in header.sections.chunks(rayon::current_num_threads().max(1)) {
         let mut packed = Vec::with_capacity(batch.len());
         for section in batch {
             // `open` found that the file is long enough for all of them.
             let mut bytes = vec![0; section.compressed as usize];
-            file.read_exact(&mut bytes).map_err(&io)?;
+            read_exact(&mut file, &mut bytes, path)?;
             packed.push((section, bytes));
         }
         let unpacked: Vec<_> = packed
@@ -150,7 +171,7 @@ pub fn peek(path: &Path) -> Result<Peek, CheckpointError> {
 /// Returns the file at its first section, the header and the file's length.
 fn open(path: &Path) -> Result<(File, Header, u64), CheckpointError> {
     let io = FileError::new(path, "read");
-    let mut file = crate::file::open(path)?;
+    let mut file = file::open(path)?;
     let found = file.metadata().map_err(&io)?.len();
     let truncated = |expected| CheckpointError::Truncated {
         path: path.to_path_buf(),
@@ -187,7 +208,7 @@ fn open(path: &Path) -> Result<(File, Header, u64), CheckpointError> {
         return Err(truncated(after_header));
     }
     let mut bytes = vec![0; length as usize];
-    file.read_exact(&mut bytes).map_err(&io)?;
+    read_exact(&mut file, &mut bytes, path)?;
     if header_hash(&start[8..20], &bytes) != start[20..] {
         return Err(corrupt(path, "header", "SHA-256 does not match".into()));
     }
@@ -196,11 +217,26 @@ fn open(path: &Path) -> Result<(File, Header, u64), CheckpointError> {
     Ok((file, header, found))
 }
 
+/// Fills `bytes`; the file was long enough when it was opened.
+fn read_exact(file: &mut File, bytes: &mut [u8], path: &Path) -> Result<(), CheckpointError> {
+    match file.read_exact(bytes) {
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            let found = file.metadata().map_err(FileError::new(path, "read"))?.len();
+            Err(CheckpointError::Truncated {
+                path: path.to_path_buf(),
+                expected: found + 1,
+                found,
+            })
+        }
+        other => Ok(other.map_err(FileError::new(path, "read"))?),
+    }
+}
+
 /// Compares the sum of the sections with the length of the file.
 fn check_end(path: &Path, header: &Header, start: u64, found: u64) -> Result<(), CheckpointError> {
     let mut end = start;
     for section in &header.sections {
-        section::check_length(section).map_err(|what| too_large(path, what))?;
+        section::length(section).map_err(|what| too_large(path, what))?;
         end = end.checked_add(section.compressed).ok_or_else(|| {
             too_large(
                 path,
@@ -218,6 +254,20 @@ fn check_end(path: &Path, header: &Header, start: u64, found: u64) -> Result<(),
     if found > end {
         let what = format!("{} bytes after the last array", found - end);
         return Err(corrupt(path, "end", what));
+    }
+    check_size(path, header, found)
+}
+
+/// Compares what the arrays claim with the length of the file.
+fn check_size(path: &Path, header: &Header, found: u64) -> Result<(), CheckpointError> {
+    let mut decoded = 0u64;
+    for section in &header.sections {
+        let length = section::length(section).map_err(|what| too_large(path, what))?;
+        decoded = decoded.saturating_add(length);
+    }
+    if decoded > SMALL.saturating_add(found.saturating_mul(EXPANSION)) {
+        let what = format!("arrays of {decoded} bytes in a file of {found}");
+        return Err(too_large(path, what));
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 //! Shuffling puts the sign and exponent bytes of neighbours side by side, where they compress; the
 //! noise of the mantissa's last bytes stays apart. A block has 131072 elements, so that each of
 //! its byte planes is exactly one zstd block of 128 KiB, and work space is 2 MiB however long the
-//! array.
+//! array. Reading, memory grows as data are decoded, whatever the table claims.
 
 use std::io::{self, Read, Write};
 
@@ -18,8 +18,8 @@ const BLOCK: usize = 128 << 10;
 /// zstd's smallest block (4 bytes) holds at most 128 KiB: no frame expands more.
 const LARGEST_EXPANSION: u64 = 32 << 10;
 
-/// Largest window of a frame that is decoded, log2 of bytes.
-const WINDOW_LOG: u32 = 27;
+/// Largest window of a frame that is decoded, log2 of bytes; level 19 has that.
+const WINDOW_LOG: u32 = 23;
 
 /// An array, ready for a file.
 pub struct Packed {
@@ -106,12 +106,12 @@ pub fn unpack(section: &Section, bytes: &[u8]) -> Result<Array, Unreadable> {
     })
 }
 
-/// Refuses a length that the compressed bytes cannot hold, before anything is allocated.
-pub fn check_length(section: &Section) -> Result<(), String> {
+/// Number of bytes that the table claims, if the compressed bytes can hold them.
+pub fn length(section: &Section) -> Result<u64, String> {
     let length = section.count.checked_mul(section.element.size() as u64);
     let most = section.compressed.saturating_mul(LARGEST_EXPANSION);
     match length {
-        Some(length) if length <= most => Ok(()),
+        Some(length) if length <= most => Ok(length),
         _ => Err(format!(
             "array {:?} of {} elements in {} bytes",
             section.name, section.count, section.compressed
@@ -154,12 +154,9 @@ fn pack_values<T: Element>(values: &[T], level: i32) -> io::Result<Packed> {
 
 fn unpack_values<T: Element>(section: &Section, bytes: &[u8]) -> Result<Vec<T>, Unreadable> {
     let corrupt = |error: io::Error| Unreadable::Corrupt(error.to_string());
-    check_length(section).map_err(Unreadable::TooLarge)?;
+    length(section).map_err(Unreadable::TooLarge)?;
     let count = section.count as usize;
     let mut values = Vec::new();
-    values
-        .try_reserve_exact(count)
-        .map_err(|error| Unreadable::TooLarge(error.to_string()))?;
     let mut decoder = zstd::stream::read::Decoder::with_buffer(bytes)
         .map_err(corrupt)?
         .single_frame();
@@ -168,10 +165,17 @@ fn unpack_values<T: Element>(section: &Section, bytes: &[u8]) -> Result<Vec<T>, 
     let mut plain = vec![0; BLOCK.min(count) * T::SIZE];
     let mut planes = plain.clone();
     while values.len() < count {
-        let here = BLOCK.min(count - values.len()) * T::SIZE;
+        let left = count - values.len();
+        let here = BLOCK.min(left) * T::SIZE;
         decoder.read_exact(&mut planes[..here]).map_err(corrupt)?;
         unshuffle(&planes[..here], &mut plain[..here], T::SIZE);
         hasher.update(&plain[..here]);
+        if values.len() == values.capacity() {
+            // Doubles, but never beyond what the array needs.
+            let more = values.len().max(BLOCK).min(left);
+            let reserved = values.try_reserve_exact(more);
+            reserved.map_err(|error| Unreadable::TooLarge(error.to_string()))?;
+        }
         T::from_bytes(&plain[..here], &mut values);
     }
     // Reading on also makes zstd compare its checksum.

@@ -1,16 +1,36 @@
 //! Comma-separated values: a header, then one line a particle. Numbers are written with the fewest
 //! digits that read back to the same bits.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use super::pvd::Entry;
 use super::table::Table;
 use crate::record::checkpoint::Array;
 
+/// A text for a cell of a CSV file. Spreadsheets run a cell that begins with `=`, `+`, `-`, `@`, a
+/// tab or a line end as a formula, so such a text gets an apostrophe first; numbers stay as they
+/// are. Quoting is left to the writer of the file.
+///
+/// ```
+/// use coronet::record::export::cell;
+/// assert_eq!(cell("=1+1"), "'=1+1");
+/// assert_eq!(cell("-9.81"), "-9.81");
+/// assert_eq!(cell("drop.velocity"), "drop.velocity");
+/// ```
+pub fn cell(text: &str) -> Cow<'_, str> {
+    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
+    let is_number = || text.parse().is_ok_and(f64::is_finite);
+    match is_formula && !is_number() {
+        true => format!("'{text}").into(),
+        false => text.into(),
+    }
+}
+
 /// Writes `table` as a `.csv` file.
 pub fn write(table: &Table, out: &mut impl Write) -> io::Result<()> {
     let (names, arrays): (Vec<_>, Vec<_>) = table.flat().unzip();
-    writeln!(out, "{}", names.join(","))?;
+    out.write_all(&header(names.iter().map(String::as_str))?)?;
     for index in 0..table.len() {
         for (k, array) in arrays.iter().enumerate() {
             if k > 0 {
@@ -29,21 +49,24 @@ pub fn write(table: &Table, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Text of the index of a series: time, file, scalars.
-pub fn index(entries: &[Entry]) -> String {
-    let mut text = String::from("time_s,file");
-    if let Some(first) = entries.first() {
-        for (name, _) in &first.scalars {
-            text += &format!(",{name}");
-        }
-    }
-    text += "\n";
+/// The index of a series: time, file, scalars.
+pub fn index(entries: &[Entry]) -> io::Result<Vec<u8>> {
+    let scalars = entries.first().into_iter().flat_map(|entry| &entry.scalars);
+    let names = scalars.map(|(name, _)| name.as_str());
+    let mut text = header(["time_s", "file"].into_iter().chain(names))?;
     for entry in entries {
-        text += &format!("{:?},{}", entry.time, entry.file);
+        write!(text, "{:?},{}", entry.time, entry.file)?;
         for (_, value) in &entry.scalars {
-            text += &format!(",{value:?}");
+            write!(text, ",{value:?}")?;
         }
-        text += "\n";
+        text.push(b'\n');
     }
-    text
+    Ok(text)
+}
+
+/// One line of texts.
+fn header<'a>(names: impl Iterator<Item = &'a str>) -> io::Result<Vec<u8>> {
+    let mut line = ::csv::Writer::from_writer(Vec::new());
+    line.write_record(names.map(|name| cell(name).into_owned()))?;
+    line.into_inner().map_err(|error| error.into_error())
 }

@@ -7,15 +7,18 @@ mod pvd;
 mod table;
 mod vtp;
 
+pub use self::csv::cell;
 pub use table::{Column, Table};
 
+use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use super::atomic::{AtomicFile, FileError};
+use super::atomic::{self, AtomicFile};
 use super::checkpoint::{self, CheckpointError};
 use super::log::{self, LogError};
+use crate::file::FileError;
 
 /// An export that failed.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +31,26 @@ pub enum ExportError {
     Log(#[from] LogError),
     #[error("{name:?} is no export format; choose vtk, csv or ply")]
     Format { name: String },
+}
+
+impl ExportError {
+    /// Whether a file was read and its content is wrong. Never for an I/O error.
+    pub fn is_damage(&self) -> bool {
+        match self {
+            ExportError::Checkpoint(error) => error.is_damage(),
+            ExportError::Log(error) => error.is_damage(),
+            ExportError::Io(_) | ExportError::Format { .. } => false,
+        }
+    }
+}
+
+/// What the export of a log has done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Exported {
+    /// The new files, the index first.
+    pub files: Vec<PathBuf>,
+    /// Number of frames of an earlier export that were removed.
+    pub removed: usize,
 }
 
 /// A format to export to.
@@ -63,6 +86,59 @@ impl Format {
         }
     }
 
+    /// Name of the index of a series.
+    fn index(self) -> &'static str {
+        match self {
+            Format::Vtk => "frames.pvd",
+            Format::Csv => "frames.csv",
+            Format::Ply => "frames-ply.csv",
+        }
+    }
+
+    fn frame(self, number: usize) -> String {
+        format!("frame-{number:05}.{}", self.extension())
+    }
+
+    /// Whether `name` is exactly that of a frame, or of a frame that a killed export was writing.
+    fn is_frame(self, name: &str) -> bool {
+        let number = |name: &str| name.strip_prefix("frame-")?.split('.').next()?.parse().ok();
+        let is = |name: &str, whole: fn(&str, &str) -> bool| {
+            number(name).is_some_and(|number| whole(name, &self.frame(number)))
+        };
+        match name.strip_prefix('.') {
+            None => is(name, |name, frame| name == frame),
+            Some(hidden) => {
+                atomic::is_temporary(Path::new(name))
+                    && is(hidden, |name, frame| {
+                        name.strip_prefix(frame)
+                            .is_some_and(|rest| rest.starts_with('.'))
+                    })
+            }
+        }
+    }
+
+    /// Removes the index and the frames of an earlier export; returns the number of frames.
+    fn clear(self, folder: &Path) -> Result<usize, FileError> {
+        let mut removed = 0;
+        for entry in fs::read_dir(folder).map_err(FileError::new(folder, "list"))? {
+            let entry = entry.map_err(FileError::new(folder, "list"))?;
+            let (name, path) = (entry.file_name(), entry.path());
+            let Some(name) = name.to_str() else { continue };
+            let is_frame = self.is_frame(name);
+            if !is_frame && name != self.index() {
+                continue;
+            }
+            let kind = entry
+                .file_type()
+                .map_err(FileError::new(&path, "examine"))?;
+            if kind.is_file() {
+                fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
+                removed += usize::from(is_frame && !name.starts_with('.'));
+            }
+        }
+        Ok(removed)
+    }
+
     /// Writes one table of particles to `path`, atomically.
     pub fn write(self, table: &Table, path: &Path) -> Result<(), ExportError> {
         let mut file = AtomicFile::create(path)?;
@@ -87,21 +163,30 @@ pub fn export_checkpoint(
     format: Format,
 ) -> Result<PathBuf, ExportError> {
     let table = Table::try_from(checkpoint::read(path)?)?;
-    let stem = path.file_stem().unwrap_or_default();
-    let out = folder.join(stem).with_extension(format.extension());
+    // Not `with_extension`: a stem may hold a dot.
+    let mut name = path.file_stem().unwrap_or_default().to_os_string();
+    name.push(".");
+    name.push(format.extension());
+    let out = folder.join(name);
     format.write(&table, &out)?;
     Ok(out)
 }
 
 /// Exports every frame of the log at `path` to `folder/frame-00000.EXTENSION` ..., and an index:
-/// `frames.pvd` for VTK, else `frames.csv` with the scalars. Returns the new files, the index
-/// first.
-pub fn export_log(path: &Path, folder: &Path, format: Format) -> Result<Vec<PathBuf>, ExportError> {
+/// `frames.pvd` for VTK, `frames.csv` and `frames-ply.csv` with the scalars for the others.
+///
+/// Frames of an earlier export to this format are removed first, so that the folder never holds
+/// frames of two runs; files of other names stay. The index comes last: without one, an export is
+/// not complete.
+pub fn export_log(path: &Path, folder: &Path, format: Format) -> Result<Exported, ExportError> {
+    let mut frames = log::read_frames(path)?;
+    // A log that cannot be read at all costs nothing of what is there.
+    let mut next = frames.next().transpose()?;
+    let removed = format.clear(folder)?;
     let mut files = Vec::new();
     let mut index = Vec::new();
-    for (number, frame) in log::read_frames(path)?.enumerate() {
-        let frame = frame?;
-        let name = format!("frame-{number:05}.{}", format.extension());
+    while let Some(frame) = next {
+        let name = format.frame(files.len());
         index.push(pvd::Entry {
             time: frame.time,
             file: name.clone(),
@@ -110,13 +195,14 @@ pub fn export_log(path: &Path, folder: &Path, format: Format) -> Result<Vec<Path
         let out = folder.join(name);
         format.write(&Table::from(frame), &out)?;
         files.push(out);
+        next = frames.next().transpose()?;
     }
-    let (name, text) = match format {
-        Format::Vtk => ("frames.pvd", pvd::text(&index)),
-        Format::Csv | Format::Ply => ("frames.csv", csv::index(&index)),
+    let out = folder.join(format.index());
+    let text = match format {
+        Format::Vtk => pvd::text(&index).into_bytes(),
+        Format::Csv | Format::Ply => csv::index(&index).map_err(FileError::new(&out, "write"))?,
     };
-    let out = folder.join(name);
-    super::atomic::write_file(&out, text.as_bytes())?;
+    atomic::write_file(&out, &text)?;
     files.insert(0, out);
-    Ok(files)
+    Ok(Exported { files, removed })
 }

@@ -24,7 +24,9 @@ pub fn write(table: &Table, out: &mut impl Write) -> io::Result<()> {
             Array::U8(_) => "uchar",
         };
         let name = name.strip_prefix("position_").unwrap_or(name);
-        writeln!(out, "property {kind} {}", name.replace(['/', ' '], "_"))?;
+        // A name ends at the first blank, a property at the end of its line.
+        let name = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+        writeln!(out, "property {kind} {name}")?;
     }
     out.write_all(b"end_header\n")?;
     for index in 0..table.len() {

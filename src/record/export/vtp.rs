@@ -123,8 +123,14 @@ fn type_name(array: &Array) -> &'static str {
     }
 }
 
+/// A text for an attribute. XML has no way to write control characters; they become `_`.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
+        .replace('>', "&gt;")
         .replace('"', "&quot;")
+        .replace(
+            |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'),
+            "_",
+        )
 }

@@ -3,6 +3,7 @@
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{PackedElementField, PointCloud, Pose, Quaternion, Timestamp, Vector3};
 use prost::Message as _;
+use prost::encoding::{DecodeContext, decode_key, skip_field};
 
 use super::LogSetup;
 use crate::particle::Frame;
@@ -32,6 +33,9 @@ const FIELDS: [(&str, usize, NumericType); 15] = [
     ("alpha", 43, NumericType::Uint8),
     ("surface", 44, NumericType::Uint8),
 ];
+
+/// Number of the repeated member `fields` of `foxglove.PointCloud`.
+const FIELDS_TAG: u32 = 5;
 
 /// Bytes of a wall particle: x, y, z and its colour.
 const WALL_STRIDE: usize = 16;
@@ -112,6 +116,10 @@ pub fn encode_wall(position: &[Vec<f64>; 3]) -> Vec<u8> {
 
 /// Adds the particles of a message of [`encode`] to `frame`.
 pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
+    let described = count_fields(bytes).map_err(|error| error.to_string())?;
+    if described != FIELDS.len() {
+        return Err("its point clouds have other fields".into());
+    }
     let cloud = PointCloud::decode(bytes).map_err(|error| error.to_string())?;
     let stride = cloud.point_stride as usize;
     let fits = |(field, (name, offset, number)): (&PackedElementField, &(_, usize, _))| {
@@ -137,6 +145,18 @@ pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
         frame.body.push(body);
     }
     Ok(())
+}
+
+/// How many fields a message describes. Decoded, an empty one takes 16 times its length, so they
+/// are counted before.
+fn count_fields(mut bytes: &[u8]) -> Result<usize, prost::DecodeError> {
+    let mut count = 0;
+    while !bytes.is_empty() {
+        let (tag, wire) = decode_key(&mut bytes)?;
+        count += usize::from(tag == FIELDS_TAG);
+        skip_field(wire, tag, &mut bytes, DecodeContext::default())?;
+    }
+    Ok(count)
 }
 
 /// `foxglove.PointCloud` timestamps and log times are the same instant.

@@ -1,12 +1,15 @@
 //! Making one log of segments, and of a log that was cut off.
 
-use std::collections::BTreeMap;
+use std::fs::{self, Metadata};
+use std::io::{BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::output::{Channel, Output};
 use super::read::{Item, Items, MeasuresDecoder, Message, content_hasher};
+use super::records::only_zeros;
 use super::{LogError, read};
-use crate::record::atomic::{AtomicFile, FileError};
+use crate::file::{self, FileError};
+use crate::record::atomic::AtomicFile;
 use crate::record::digest::{Digest, Hasher};
 
 /// Metadata of a segment: `resumed_from_s`, if it is not the first.
@@ -37,7 +40,7 @@ pub struct Merged {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovered {
     pub frames: u64,
-    /// Simulated time of the last frame, s; NaN if there is none.
+    /// Simulated time of the last frame, s.
     pub last_time: f64,
     /// What was wrong; `None` if the log was complete.
     pub damage: Option<String>,
@@ -48,9 +51,14 @@ pub(super) fn segment_path(folder: &Path, segment: u32) -> PathBuf {
 }
 
 /// The segments in `folder` in the order of their numbers, each with what it says about its start.
-/// One that was cut off before it said anything holds no frame and is left out.
+/// One that was cut off, or is all zeros after a loss of power, before it said anything holds no
+/// frame and is left out.
+///
+/// # Errors
+/// If the folder or a file cannot be read, and ([damage](LogError::is_damage)) if a segment begins
+/// in another way.
 pub fn segments(folder: &Path) -> Result<Vec<Segment>, LogError> {
-    let entries = std::fs::read_dir(folder).map_err(FileError::new(folder, "list"))?;
+    let entries = fs::read_dir(folder).map_err(FileError::new(folder, "list"))?;
     let mut paths = Vec::new();
     for entry in entries {
         let name = entry.map_err(FileError::new(folder, "list"))?.file_name();
@@ -74,23 +82,40 @@ pub fn segments(folder: &Path) -> Result<Vec<Segment>, LogError> {
 
 /// `Some(resumed_from)` of a segment; `None` if it ends before it says so.
 fn start_of(path: &Path) -> Result<Option<Option<f64>>, LogError> {
-    match Items::open(path)?.next() {
+    let mut items = match Items::open(path) {
+        Err(LogError::NotALog { .. }) if is_blank(path)? => return Ok(None),
+        other => other?,
+    };
+    match items.next() {
         Some(Ok(Item::Metadata(name, facts))) if name == SEGMENT => {
-            let time = facts.get("resumed_from_s").map(|text| text.parse());
-            time.transpose()
-                .map(Some)
-                .map_err(|_| foreign(path, "its start is no number".into()))
+            let Some(text) = facts.get("resumed_from_s") else {
+                return Ok(Some(None));
+            };
+            let time = text.parse().ok().filter(|time: &f64| time.is_finite());
+            let time = time.ok_or_else(|| foreign(path, format!("it starts at {text:?} s")))?;
+            Ok(Some(Some(time)))
         }
-        Some(Err(LogError::Damaged { .. })) | None => Ok(None),
+        None => Ok(None),
+        Some(Err(error)) if error.is_damage() && items.is_cut_off() => Ok(None),
         Some(Err(error)) => Err(error),
         Some(Ok(_)) => Err(foreign(path, "it does not begin as a segment".into())),
     }
+}
+
+/// Whether a file has only zeros.
+fn is_blank(path: &Path) -> Result<bool, LogError> {
+    let zeros = only_zeros(&mut BufReader::new(file::open(path)?));
+    Ok(zeros.map_err(FileError::new(path, "read"))?)
 }
 
 /// Writes to `out`, atomically, the log that an undisturbed run would have written. Of each segment
 /// it takes the frames after the time that it was resumed from and up to the earliest time that a
 /// later one was resumed from. What a log says once is taken from the last segment, which must be
 /// complete; of the others it must be certain that no wanted frame is missing.
+///
+/// # Errors
+/// If a file cannot be read or written, and ([damage](LogError::is_damage)) if a segment is not
+/// what it should be.
 pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
@@ -116,8 +141,14 @@ pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
 }
 
 /// Writes to `out`, atomically, all whole frames of the log at `path`, which may be cut off at any
-/// byte or damaged; frames after the damage are lost.
+/// byte or damaged; frames after the damage are lost. On an error `out` stays as it was.
+///
+/// # Errors
+/// If a file cannot be read or written; if `out` is the same file as `path`, or is there and
+/// neither empty nor a log of Coronet ([`LogError::NotReplaced`]); and
+/// ([damage](LogError::is_damage)) if there is no whole frame.
 pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
+    check_output(path, out)?;
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
     let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out)?;
@@ -125,6 +156,12 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
     copy.start(path)?;
     let (damage, _) = copy.frames(path, f64::NEG_INFINITY, f64::INFINITY)?;
     let merged = copy.result();
+    if merged.frames == 0 {
+        return Err(LogError::NoFrames {
+            path: path.to_path_buf(),
+            what: damage.unwrap_or_else(|| "it is complete, but empty".into()),
+        });
+    }
     output.finish()?;
     file.commit()?;
     Ok(Recovered {
@@ -132,6 +169,48 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
         last_time: merged.last_time,
         damage,
     })
+}
+
+/// Fails if writing `out` would lose something other than an earlier log.
+fn check_output(path: &Path, out: &Path) -> Result<(), LogError> {
+    let not_replaced = |what| LogError::NotReplaced {
+        path: out.to_path_buf(),
+        what,
+    };
+    let input = fs::metadata(path).map_err(FileError::new(path, "read"))?;
+    let there = match fs::metadata(out) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        other => other.map_err(FileError::new(out, "examine"))?,
+    };
+    if is_same_file(&input, path, &there, out) {
+        return Err(not_replaced(
+            "it is the damaged log itself; name another file",
+        ));
+    }
+    if !there.is_file() {
+        return Err(not_replaced("it is not a regular file"));
+    }
+    if there.len() == 0 {
+        return Ok(());
+    }
+    match read::info(out) {
+        Ok(_) => Ok(()),
+        Err(error) if error.is_damage() => Err(not_replaced(
+            "it is there and is not a log of Coronet; remove it or name another file",
+        )),
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(unix)]
+fn is_same_file(a: &Metadata, _: &Path, b: &Metadata, _: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    (a.dev(), a.ino()) == (b.dev(), b.ino())
+}
+
+#[cfg(not(unix))]
+fn is_same_file(_: &Metadata, a: &Path, _: &Metadata, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Copies messages frame by frame.
@@ -176,8 +255,8 @@ impl<'a> Copy<'a> {
                 Ok(Item::Message(message)) if message.is_measures() => break,
                 Ok(Item::Message(message)) if message.body().is_some() => break,
                 Ok(Item::Message(message)) => self.message(&message)?,
-                // Whoever copies the frames meets the damage again and judges it.
-                Err(LogError::Damaged { .. }) => break,
+                // The copy of the frames meets the damage again and judges it.
+                Err(error) if error.is_damage() => break,
                 Err(error) => return Err(error),
             }
         }
@@ -212,17 +291,23 @@ impl<'a> Copy<'a> {
         for item in Items::open(path)? {
             match item {
                 Ok(Item::Message(message)) if message.is_measures() => {
-                    let decoded = self.measures.decode(&message);
-                    let (time, _) = decoded.map_err(|what| foreign(path, what))?;
+                    let time = match self.measures.decode(&message) {
+                        Ok((time, _)) => time,
+                        Err(what) => return Ok((Some(what), durable)),
+                    };
                     clouds.push(message);
                     if after < time && time <= until {
-                        self.frame(time, &clouds)?;
+                        self.frame(path, time, &clouds)?;
                     }
                     clouds.clear();
                 }
                 Ok(Item::Message(message)) if message.body().is_some() => clouds.push(message),
                 Ok(Item::Metadata(name, facts)) if name == DURABLE => {
-                    durable = durable.max(time_of(path, &facts)?);
+                    let time = facts.get("time_s").and_then(|text| text.parse().ok());
+                    let Some(time) = time.filter(|time: &f64| time.is_finite()) else {
+                        return Ok((Some("a durable time is not a number".into()), durable));
+                    };
+                    durable = durable.max(time);
                 }
                 Ok(_) => {}
                 Err(LogError::Damaged { what, .. }) => return Ok((Some(what), durable)),
@@ -232,9 +317,13 @@ impl<'a> Copy<'a> {
         Ok((None, durable))
     }
 
-    fn frame(&mut self, time: f64, messages: &[Message]) -> Result<(), LogError> {
+    fn frame(&mut self, path: &Path, time: f64, messages: &[Message]) -> Result<(), LogError> {
         for message in messages {
-            self.message(message)?;
+            self.message(message).map_err(|error| match error {
+                // The writer cannot be blamed for what it was given to copy.
+                LogError::Frame(what) => foreign(path, what),
+                other => other,
+            })?;
         }
         self.frames += 1;
         self.last_time = time;
@@ -253,11 +342,6 @@ impl<'a> Copy<'a> {
         self.output
             .message(channel, message.log_time, &message.data)
     }
-}
-
-fn time_of(path: &Path, facts: &BTreeMap<String, String>) -> Result<f64, LogError> {
-    let time = facts.get("time_s").and_then(|text| text.parse().ok());
-    time.ok_or_else(|| foreign(path, "a durable time is no number".into()))
 }
 
 fn foreign(path: &Path, what: String) -> LogError {

@@ -17,10 +17,12 @@
 
 mod background;
 mod cloud;
+mod fields;
 mod measures;
 mod merge;
 mod output;
 mod read;
+mod records;
 mod setup;
 
 pub use background::{Flush, LogWriter};
@@ -50,6 +52,10 @@ pub enum LogError {
         until: f64,
         what: String,
     },
+    #[error("{} has no whole frame: {what}", path.display())]
+    NoFrames { path: PathBuf, what: String },
+    #[error("{} is not replaced: {what}", path.display())]
+    NotReplaced { path: PathBuf, what: &'static str },
     #[error("a frame does not fit the log: {0}")]
     Frame(String),
     #[error("the log is closed: an earlier error ended it")]
@@ -60,10 +66,17 @@ impl LogError {
     /// Whether the file was read and its content is wrong. Never for an I/O error, nor for a
     /// mistake of the caller.
     pub fn is_damage(&self) -> bool {
-        !matches!(
-            self,
-            LogError::Io(_) | LogError::Frame(_) | LogError::Closed
-        )
+        match self {
+            LogError::NotALog { .. }
+            | LogError::Damaged { .. }
+            | LogError::Foreign { .. }
+            | LogError::FramesLost { .. }
+            | LogError::NoFrames { .. } => true,
+            LogError::Io(_)
+            | LogError::NotReplaced { .. }
+            | LogError::Frame(_)
+            | LogError::Closed => false,
+        }
     }
 
     /// For an error of the MCAP library while writing.

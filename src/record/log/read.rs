@@ -1,23 +1,18 @@
-//! Reading logs, record by record, in memory for one chunk.
+//! Reading logs, item by item, in memory for one chunk.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
-use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mcap::read::ChannelAccumulator;
-use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::records::{Channel, SchemaHeader, op};
 
+use super::fields::Fields;
+use super::records::Records;
 use super::{LogBody, LogError, cloud, measures};
 use crate::particle::Frame;
-use crate::record::atomic::FileError;
 use crate::record::digest::{Digest, Hasher};
 use crate::scene::Dimension;
-
-/// No record of our making expands more.
-const LARGEST_EXPANSION: u64 = 256;
 
 pub enum Item {
     Message(Message),
@@ -50,73 +45,43 @@ impl Message {
     }
 }
 
-/// Records of an MCAP file in order. Ends after the first error; without one, the file was
+/// What an MCAP file says, in order. Ends after the first error; without one, the file was
 /// complete.
 pub struct Items {
     path: PathBuf,
-    source: BufReader<File>,
-    reader: LinearReader,
+    records: Records,
     channels: ChannelAccumulator<'static>,
     done: bool,
 }
 
 impl Items {
     pub fn open(path: &Path) -> Result<Self, LogError> {
-        let file = crate::file::open(path)?;
-        let length = file.metadata().map_err(FileError::new(path, "read"))?.len();
-        let mut start = Vec::new();
-        (&file)
-            .take(mcap::MAGIC.len() as u64)
-            .read_to_end(&mut start)
-            .map_err(FileError::new(path, "read"))?;
-        if !mcap::MAGIC.starts_with(&start) {
-            return Err(LogError::NotALog {
-                path: path.to_path_buf(),
-            });
-        }
-        let limit = length.saturating_mul(LARGEST_EXPANSION).max(1 << 26);
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            // A chunk is looked at whole: if it is damaged, none of its messages comes out.
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(usize::try_from(limit).unwrap_or(usize::MAX));
         Ok(Items {
             path: path.to_path_buf(),
-            source: BufReader::with_capacity(1 << 20, file),
-            reader: LinearReader::new_with_options(options),
+            records: Records::open(path)?,
             channels: ChannelAccumulator::default(),
             done: false,
         })
     }
 
-    /// The next record that matters; `None` at the end of a complete file.
+    /// Whether the error was that the file ends too early.
+    pub fn is_cut_off(&self) -> bool {
+        self.records.is_cut_off
+    }
+
+    /// The next item; `None` at the end of a complete file.
     fn advance(&mut self) -> Result<Option<Item>, LogError> {
-        loop {
-            let damaged = |error: mcap::McapError| LogError::Damaged {
+        while let Some((opcode, body)) = self.records.advance()? {
+            let item = accept(&mut self.channels, opcode, body);
+            let damaged = |what| LogError::Damaged {
                 path: self.path.clone(),
-                what: error.to_string(),
+                what,
             };
-            let Some(event) = self.reader.next_event() else {
-                return Ok(None);
-            };
-            match event.map_err(damaged)? {
-                LinearReadEvent::ReadRequest(need) => {
-                    let read = loop {
-                        match self.source.read(self.reader.insert(need)) {
-                            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                            other => break other.map_err(FileError::new(&self.path, "read"))?,
-                        }
-                    };
-                    self.reader.notify_read(read);
-                }
-                LinearReadEvent::Record { opcode, data } => {
-                    let record = mcap::parse_record(opcode, data).map_err(damaged)?;
-                    if let Some(item) = accept(&mut self.channels, record).map_err(damaged)? {
-                        return Ok(Some(item));
-                    }
-                }
+            if let Some(item) = item.map_err(damaged)? {
+                return Ok(Some(item));
             }
         }
+        Ok(None)
     }
 }
 
@@ -136,38 +101,71 @@ impl Iterator for Items {
 /// Notes schemas and channels; passes on messages, metadata and attachments.
 fn accept(
     channels: &mut ChannelAccumulator<'static>,
-    record: Record<'_>,
-) -> Result<Option<Item>, mcap::McapError> {
-    match record {
-        Record::Schema { header, data } => channels.add_schema_from_slice(header, &data)?,
-        Record::Channel(channel) => channels.add_channel(channel)?,
-        Record::Message { header, data } => {
-            let channel =
-                channels
-                    .get(header.channel_id)
-                    .ok_or(mcap::McapError::UnknownChannel(
-                        header.sequence,
-                        header.channel_id,
-                    ))?;
-            return Ok(Some(Item::Message(Message {
+    opcode: u8,
+    body: &[u8],
+) -> Result<Option<Item>, String> {
+    let mut fields = Fields(body);
+    let item = match opcode {
+        op::SCHEMA => {
+            let header = SchemaHeader {
+                id: fields.u16()?,
+                name: fields.text()?,
+                encoding: fields.text()?,
+            };
+            let length = fields.u32()?;
+            let added = channels.add_schema_from_slice(header, fields.bytes(length.into())?);
+            added.map_err(|error| error.to_string())?;
+            None
+        }
+        op::CHANNEL => {
+            let channel = Channel {
+                id: fields.u16()?,
+                schema_id: fields.u16()?,
+                topic: fields.text()?,
+                message_encoding: fields.text()?,
+                metadata: fields.map()?,
+            };
+            let added = channels.add_channel(channel);
+            added.map_err(|error| error.to_string())?;
+            None
+        }
+        op::MESSAGE => {
+            let id = fields.u16()?;
+            let _sequence = fields.u32()?;
+            let log_time = fields.u64()?;
+            let _publish_time = fields.u64()?;
+            let channel = channels.get(id).ok_or("a message of an unknown channel")?;
+            let data = std::mem::take(&mut fields.0).to_vec();
+            Some(Item::Message(Message {
                 channel,
-                log_time: header.log_time,
-                data: data.into_owned(),
-            })));
+                log_time,
+                data,
+            }))
         }
-        Record::Metadata(record) => {
-            return Ok(Some(Item::Metadata(record.name, record.metadata)));
-        }
-        Record::Attachment { header, data, .. } => {
-            return Ok(Some(Item::Attachment {
-                name: header.name,
-                media_type: header.media_type,
-                data: data.into_owned(),
-            }));
-        }
-        _ => {}
+        op::METADATA => Some(Item::Metadata(fields.text()?, fields.map()?)),
+        op::ATTACHMENT => Some(attachment(&mut fields, body)?),
+        _ => return Ok(None),
+    };
+    fields.end()?;
+    Ok(item)
+}
+
+fn attachment(fields: &mut Fields, body: &[u8]) -> Result<Item, &'static str> {
+    let _times = (fields.u64()?, fields.u64()?);
+    let (name, media_type) = (fields.text()?, fields.text()?);
+    let length = fields.u64()?;
+    let data = fields.bytes(length)?.to_vec();
+    let hashed = &body[..body.len() - fields.0.len()];
+    // Zero stands for: there is none.
+    let crc = fields.u32()?;
+    if crc != 0 && crc != crc32fast::hash(hashed) {
+        return Err("the check sum of an attachment is wrong");
     }
-    Ok(None)
+    Ok(Item::Attachment {
+        name,
+        media_type,
+        data,
+    })
 }
 
 /// Decodes the scalars of frames, keeping the schemas seen.
@@ -192,7 +190,12 @@ impl MeasuresDecoder {
             }
         };
         let decoded = schema.decode(&message.data);
-        decoded.ok_or_else(|| "a measures message does not fit its schema".into())
+        let decoded = decoded.ok_or("a measures message does not fit its schema")?;
+        // Comparisons with times decide which frames are kept.
+        match decoded.0.is_finite() {
+            true => Ok(decoded),
+            false => Err(format!("a frame's time is {}", decoded.0)),
+        }
     }
 }
 
@@ -221,7 +224,7 @@ impl Frames {
             path: path.clone(),
             what,
         };
-        while let Some(item) = self.items.next() {
+        for item in &mut self.items {
             let Item::Message(message) = item? else {
                 continue;
             };

@@ -7,6 +7,7 @@ use coronet::particle::pack::PackError;
 use coronet::pipeline::PipelineError;
 use coronet::pipeline::latest::ManifestError;
 use coronet::record::CheckpointError;
+use coronet::record::export::ExportError;
 use coronet::record::log::LogError;
 use coronet::scene::error::SceneError;
 use coronet::scene::key::KeyError;
@@ -75,9 +76,10 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
     if let Some(PackError::TooFew { .. }) = error.downcast_ref::<PackError>() {
         return Some(USAGE);
     }
-    let is_log = error.downcast_ref().is_some_and(LogError::is_damage);
-    let is_checkpoint = error.downcast_ref().is_some_and(CheckpointError::is_damage);
-    if is_log || is_checkpoint || error.is::<Untrusted>() {
+    let is_damage = error.downcast_ref().is_some_and(LogError::is_damage)
+        || error.downcast_ref().is_some_and(CheckpointError::is_damage)
+        || error.downcast_ref().is_some_and(ExportError::is_damage);
+    if is_damage || error.is::<Untrusted>() {
         return Some(UNTRUSTED);
     }
     if error.is::<Stopped>() {

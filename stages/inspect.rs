@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail};
 use coronet::pipeline::store::{CHECKPOINT, LOG};
 use coronet::pipeline::{Stamp, stamp};
-use coronet::record::checkpoint::{self, Array, CheckpointError};
+use coronet::record::checkpoint::{self, Array};
 use coronet::record::export;
 use coronet::record::log::{self, LogError};
 use serde_json::{Value, json};
@@ -68,17 +68,6 @@ fn shown(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Gives damage its own exit code.
-fn judged<E>(is_damage: fn(&E) -> bool) -> impl Fn(E) -> anyhow::Error
-where
-    E: std::error::Error + Send + Sync + 'static,
-{
-    move |error| match is_damage(&error) {
-        true => Untrusted(error.to_string()).into(),
-        false => error.into(),
-    }
-}
-
 /// What is known about a thing, in an order for people.
 type Facts = Vec<(&'static str, Value)>;
 
@@ -107,9 +96,8 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
 
 /// Reads, and so verifies, a whole checkpoint.
 fn checkpoint_facts(path: &Path) -> Result<Facts> {
-    let judge = judged(CheckpointError::is_damage);
-    let peek = checkpoint::peek(path).map_err(&judge)?;
-    let checkpoint = checkpoint::read(path).map_err(&judge)?;
+    let peek = checkpoint::peek(path)?;
+    let checkpoint = checkpoint::read(path)?;
     let array = |(name, array): &(String, Array)| {
         let (least, greatest) = range(array);
         json!({"name": name, "length": array.len(), "least": least, "greatest": greatest})
@@ -147,11 +135,10 @@ fn range(array: &Array) -> (f64, f64) {
 }
 
 fn log_facts(path: &Path) -> Result<Facts> {
-    let judge = judged(LogError::is_damage);
-    let info = log::info(path).map_err(&judge)?;
+    let info = log::info(path)?;
     let (mut frames, mut first, mut last, mut particles) = (0u64, f64::NAN, f64::NAN, 0);
-    for frame in log::read_frames(path).map_err(&judge)? {
-        let frame = frame.map_err(&judge)?;
+    for frame in log::read_frames(path)? {
+        let frame = frame?;
         if frames == 0 {
             first = frame.time;
         }
@@ -165,7 +152,7 @@ fn log_facts(path: &Path) -> Result<Facts> {
     Ok(vec![
         ("log", json!(shown(path))),
         ("size", json!(size(length))),
-        ("digest", json!(log::content_digest(path).map_err(&judge)?)),
+        ("digest", json!(log::content_digest(path)?)),
         ("bodies", json!(bodies)),
         ("frames", json!(frames)),
         ("first_s", json!(first)),
@@ -258,13 +245,12 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
     let thing = thing(&arguments.path)?;
     fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-    let judge = judged(export::ExportError::is_damage);
     let exported = match thing {
         Thing::Checkpoint(path) => export::Exported {
-            files: vec![export::export_checkpoint(&path, folder, format).map_err(judge)?],
+            files: vec![export::export_checkpoint(&path, folder, format)?],
             removed: 0,
         },
-        Thing::Log(path) => export::export_log(&path, folder, format).map_err(judge)?,
+        Thing::Log(path) => export::export_log(&path, folder, format)?,
         Thing::Result(path) => export_result(&path, folder, format)?,
         Thing::Latest(results) => {
             let run = results.iter().find(|path| path.join(FRAMES).exists());
@@ -272,7 +258,7 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
                 let text = format!("{} has no run", arguments.path.display());
                 bail!(Usage(text));
             };
-            export::export_log(&run.join(FRAMES), folder, format).map_err(judge)?
+            export::export_log(&run.join(FRAMES), folder, format)?
         }
     };
     if arguments.json {
@@ -294,9 +280,8 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
 
 /// The frames of a run, or else each checkpoint of a result.
 fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<export::Exported> {
-    let judge = judged(export::ExportError::is_damage);
     if is_there(&path.join(FRAMES))? {
-        return export::export_log(&path.join(FRAMES), folder, format).map_err(judge);
+        return Ok(export::export_log(&path.join(FRAMES), folder, format)?);
     }
     let stamp = Stamp::read(path)?.context("no stamp")?;
     let mut files = Vec::new();
@@ -304,7 +289,7 @@ fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<e
         if output.file.ends_with(CHECKPOINT) {
             let checkpoint = path.join(&output.file);
             let file = export::export_checkpoint(&checkpoint, folder, format);
-            files.push(file.map_err(&judge)?);
+            files.push(file?);
         }
     }
     if files.is_empty() {

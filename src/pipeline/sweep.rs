@@ -102,26 +102,21 @@ pub fn sweep(
 ) -> Result<Swept, PipelineError> {
     let _lock = hold(store)?;
     let mut swept = plan(store, options)?;
-    let (removed, late) = std::mem::take(&mut swept.removed)
-        .into_iter()
-        .partition(|(folder, ..)| approved.contains(folder));
-    swept.removed = removed;
-    for (folder, ..) in late {
-        swept
-            .kept
-            .push((folder, "it changed meanwhile".to_string()));
-    }
+    let planned = std::mem::take(&mut swept.removed);
     for name in &options.forgotten {
         latest::forget(store, name)?;
     }
-    let mut kept = Vec::new();
-    for removal in std::mem::take(&mut swept.removed) {
-        match remove(store, &removal.0)? {
-            true => swept.removed.push(removal),
-            false => kept.push((removal.0, "in use".to_string())),
+    for removal in planned {
+        let folder = &removal.0;
+        if !approved.contains(folder) {
+            let why = "it changed meanwhile".to_string();
+            swept.kept.push((removal.0, why));
+        } else if remove(store, folder)? {
+            swept.removed.push(removal);
+        } else {
+            swept.kept.push((removal.0, "in use".to_string()));
         }
     }
-    swept.kept.extend(kept);
     for (folder, _) in &swept.kept {
         tidy(store, folder);
     }

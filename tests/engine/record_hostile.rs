@@ -8,7 +8,7 @@ use foxglove::messages::{PackedElementField, PointCloud};
 use prost::Message as _;
 
 use crate::allocation::peak;
-use crate::record_log::setup;
+use crate::record_log::{frame, setup};
 use crate::record_spoiled::frames;
 
 fn text(text: &str) -> Vec<u8> {
@@ -199,4 +199,42 @@ fn a_segment_that_starts_at_no_time_is_damage() {
         fs::write(folder.path().join("segment-000.mcap"), bytes).unwrap();
         assert!(segments(folder.path()).unwrap_err().is_damage(), "{time}");
     }
+}
+
+/// Check sums are right, but the third frame is not what a solver writes.
+#[test]
+fn a_frame_whose_particles_cannot_be_read_is_not_recovered() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut writer = LogWriter::create(folder.path(), 0, None, &setup()).unwrap();
+    for k in 56..60 {
+        writer.frame(frame(k)).unwrap();
+    }
+    let path = writer.path().to_path_buf();
+    writer.finish().unwrap();
+    let whole = fs::read(&path).unwrap();
+    let good = frames(&path).0;
+
+    let (foreign, out) = (folder.path().join("foreign"), folder.path().join("out"));
+    let mut copy = mcap::Writer::new(fs::File::create(&foreign).unwrap()).unwrap();
+    let mut clouds = 0;
+    for message in mcap::MessageStream::new(&whole).unwrap() {
+        let mut message = message.unwrap();
+        if message.channel.topic.starts_with("/body/") {
+            clouds += 1;
+            if clouds == 2 * setup().bodies.len() + 1 {
+                let mut cloud = PointCloud::decode(&message.data[..]).unwrap();
+                cloud.point_stride += 1;
+                message.data = cloud.encode_to_vec().into();
+            }
+        }
+        copy.write(&message).unwrap();
+    }
+    copy.finish().unwrap();
+    assert!(clouds > 2 * setup().bodies.len());
+
+    let recovered = recover(&foreign, &out).unwrap();
+    assert_eq!(recovered.frames, 2);
+    assert!(recovered.damage.unwrap().contains("other fields"));
+    let (found, error) = frames(&out);
+    assert!(found == good[..2] && error.is_none());
 }

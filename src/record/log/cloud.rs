@@ -114,8 +114,8 @@ pub fn encode_wall(position: &[Vec<f64>; 3]) -> Vec<u8> {
     message(&WALL_FIELDS, WALL_STRIDE, data, 0)
 }
 
-/// Adds the particles of a message of [`encode`] to `frame`.
-pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
+/// The cloud of a message of [`encode`], if it is one.
+pub fn parse(bytes: &[u8]) -> Result<PointCloud, String> {
     let described = count_fields(bytes).map_err(|error| error.to_string())?;
     if described != FIELDS.len() {
         return Err("its point clouds have other fields".into());
@@ -129,6 +129,12 @@ pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
     if !same || stride != STRIDE || cloud.data.len() % STRIDE != 0 {
         return Err("its point clouds have other fields".into());
     }
+    Ok(cloud)
+}
+
+/// Adds the particles of a message of [`encode`] to `frame`.
+pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
+    let cloud = parse(bytes)?;
     let real = |point: &[u8], at: usize| {
         f32::from_le_bytes(point[at..at + 4].try_into().expect("4 bytes"))
     };

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::output::{Channel, Output};
 use super::read::{Item, Items, MeasuresDecoder, Message, content_hasher};
 use super::records::only_zeros;
-use super::{LogError, read};
+use super::{LogError, cloud, read};
 use crate::file::{self, FileError};
 use crate::record::atomic::AtomicFile;
 use crate::record::digest::{Digest, Hasher};
@@ -301,7 +301,12 @@ impl<'a> Copy<'a> {
                     }
                     clouds.clear();
                 }
-                Ok(Item::Message(message)) if message.body().is_some() => clouds.push(message),
+                Ok(Item::Message(message)) if message.body().is_some() => {
+                    if let Err(what) = cloud::parse(&message.data) {
+                        return Ok((Some(what), durable));
+                    }
+                    clouds.push(message);
+                }
                 Ok(Item::Metadata(name, facts)) if name == DURABLE => {
                     let time = facts.get("time_s").and_then(|text| text.parse().ok());
                     let Some(time) = time.filter(|time: &f64| time.is_finite()) else {

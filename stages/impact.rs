@@ -5,6 +5,7 @@
 //! So the frames of a shorter run are exactly the first frames of a longer one, whoever stopped
 //! when.
 
+use coronet::measure::loss;
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::{Particles, wall};
 use coronet::pipeline::{Context, Identity, Output, Relative, Stage, StageError, Work};
@@ -98,6 +99,8 @@ impl Impact<'_> {
             next: start.next,
             taken: start.taken,
             error: None,
+            watch: loss::Watch::default(),
+            warning: None,
         };
         frames.step(solver.as_ref());
         if let Err(error) = self.advance(context, solver.as_mut(), &mut frames) {
@@ -136,6 +139,9 @@ impl Impact<'_> {
                 return Err(StageError::failed(diverged));
             }
             frames.check()?;
+            if let Some(text) = frames.warning.take() {
+                context.warn(&text);
+            }
             let progress = (solver.time() / impact.end * PARTS).floor();
             let kept = progress > part && solver.time() < impact.end;
             part = progress;

@@ -1,6 +1,7 @@
 //! The frames of a run under way, and where a run can begin: what makes the frames and checkpoints
 //! of all attempts one result.
 
+use coronet::measure::loss;
 use coronet::method::{Diverged, Solver};
 use coronet::particle::State;
 use coronet::pipeline::content::{ContentError, content};
@@ -59,6 +60,9 @@ pub struct Frames {
     pub next: u64,
     pub taken: u64,
     pub error: Option<LogError>,
+    pub watch: loss::Watch,
+    /// What is to be said about the last frame.
+    pub warning: Option<String>,
 }
 
 impl Frames {
@@ -68,7 +72,10 @@ impl Frames {
         if self.next as f64 * self.interval > time || self.error.is_some() {
             return;
         }
-        self.error = self.log.frame(solver.frame()).err();
+        let frame = solver.frame();
+        let warning = self.watch.look(time, &frame.scalars);
+        self.warning = warning.or(self.warning.take());
+        self.error = self.log.frame(frame).err();
         self.taken += 1;
         while self.next as f64 * self.interval <= time {
             self.next += 1;

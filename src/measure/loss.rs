@@ -12,6 +12,31 @@ use crate::scene::sanity::Warning;
 /// (docs/validation.md).
 const WORTH: f64 = 0.01;
 
+/// What a run has lost while it goes on: told from [`WORTH`] on, and again where it has doubled.
+#[derive(Debug, Default)]
+pub struct Watch {
+    told: f64,
+}
+
+impl Watch {
+    /// A sentence about the scalars of a frame at `time` s, if there is something new to tell.
+    pub fn look(&mut self, time: f64, scalars: &[(String, f64)]) -> Option<String> {
+        let named = |name: &str| scalars.iter().find(|s| s.0 == name).map(|s| s.1);
+        let (mass, removed) = (named("mass_kg")?, named("mass_removed_kg")?);
+        let part = removed / (mass + removed);
+        if part.is_nan() || part <= WORTH.max(2.0 * self.told) {
+            return None;
+        }
+        self.told = part;
+        Some(format!(
+            "{} of the liquid has left the box through open sides by t = {:.3} ms; if that is not \
+             meant, stop, and enlarge `box.size` on that side or make it a wall",
+            percent(part),
+            1e3 * time
+        ))
+    }
+}
+
 /// Warnings about the liquid that is missing at the end of a run.
 pub fn warnings(series: &Series) -> Vec<Warning> {
     let mut all = Vec::new();

@@ -1,6 +1,6 @@
 //! Warnings at the end of a run: liquid that left the box, parts off the main body.
 
-use coronet::measure::loss::warnings;
+use coronet::measure::loss::{Watch, warnings};
 use coronet::measure::series::Series;
 
 /// A run of two frames that ends with so much removed and detached.
@@ -36,4 +36,28 @@ fn what_is_missing_at_the_end_is_named_with_its_part() {
         "{text}"
     );
     assert_eq!(warnings(&Series::default()), []);
+}
+
+#[test]
+fn what_is_lost_on_the_way_is_told_once_and_again_when_it_has_doubled() {
+    let mut watch = Watch::default();
+    let mut told = Vec::new();
+    for percent in [0, 1, 2, 3, 4, 5, 20, 100] {
+        let removed = 0.02 * f64::from(percent);
+        let scalars = [("mass_kg", 2.0 - removed), ("mass_removed_kg", removed)];
+        let scalars = scalars.map(|(name, value)| (name.to_string(), value));
+        if let Some(text) = watch.look(0.01, &scalars) {
+            assert!(
+                text.contains(&format!("{percent}.0 % of the liquid")),
+                "{text}"
+            );
+            assert!(
+                text.contains("t = 10.000 ms") && text.contains("box.size"),
+                "{text}"
+            );
+            told.push(percent);
+        }
+    }
+    assert_eq!(told, [2, 5, 20, 100]);
+    assert_eq!(watch.look(0.0, &[]), None);
 }

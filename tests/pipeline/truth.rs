@@ -138,7 +138,7 @@ fn a_body_that_did_not_come_to_rest_is_in_the_report() {
 }
 
 #[test]
-fn liquid_that_left_the_box_is_told_at_the_end() {
+fn liquid_that_left_the_box_is_told_on_the_way_and_at_the_end() {
     let program = Program::new();
     // Its drop is thrown out through the top.
     let sets = ["--set", "body.drop.velocity=-2 m/s"];
@@ -156,6 +156,10 @@ fn liquid_that_left_the_box_is_told_at_the_end() {
             told.err
         );
     }
+    let on_the_way = |line: &str| {
+        line.starts_with("warning: impact: ") && line.contains("of the liquid has left the box")
+    };
+    assert!(told.err.lines().any(on_the_way), "{}", told.err);
     let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
     assert!(page.contains("Warning: `mass_removed_kg` = "));
 }

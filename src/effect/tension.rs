@@ -34,10 +34,12 @@
 //! the stress derives from no energy, its pull along the surface bunches the particles, and a drop
 //! at rest stirs by itself (docs/validation.md).
 //! With [`super::wetting`] walls have a contact angle. Curvature times normal: [`counted`].
+//! The derivative of an energy: [`energy`].
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
 mod colour;
 pub mod counted;
+pub mod energy;
 pub mod level;
 mod memory;
 mod pass;
@@ -54,6 +56,7 @@ use crate::scene::{KernelName, TensionForm};
 use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sweep::{self, Field, Kept, Pass};
 use counted::Counted;
+use energy::Energy;
 pub(super) use pass::Gradient;
 use pass::{Summed, Tensor, Whole};
 use rayon::prelude::*;
@@ -113,6 +116,7 @@ pub struct Tension {
     /// Acceleration of `reached`, m/s^2.
     force: Vec<[f32; 3]>,
     counted: Counted,
+    energy: Energy,
 }
 
 impl Tension {
@@ -154,6 +158,7 @@ impl Tension {
             feet: Vec::new(),
             force: Vec::new(),
             counted: Counted::default(),
+            energy: Energy::default(),
         }
     }
 
@@ -198,6 +203,9 @@ impl Tension {
         flow: &Surface,
         is_surface: impl Fn(usize) -> bool + Sync,
     ) {
+        if self.form == TensionForm::SurfaceEnergy {
+            return self.pull_by_energy::<K>(flow, is_surface);
+        }
         let reach = self.support() + flow.slack;
         if self.form != TensionForm::NormalisedColour {
             self.band.mark(flow.liquid, &is_surface);
@@ -218,6 +226,7 @@ impl Tension {
                 self.sum_normals(flow, &[], &Gradient::<K>(PhantomData));
             }
             TensionForm::NormalisedColour => self.colour::<K>(flow, is_surface),
+            TensionForm::SurfaceEnergy => return,
             TensionForm::NumberDensity => return self.count::<K, true>(flow, is_surface),
             TensionForm::NumberDensityExact => return self.count::<K, false>(flow, is_surface),
         }

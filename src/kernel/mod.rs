@@ -32,6 +32,14 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     /// # Safety
     /// The processor has the features of `L`.
     unsafe fn slope_lanes<L: Lanes>(q: L::F) -> L::F;
+    /// The derivative of `slope` over q, so that
+    /// grad grad W = norm / h^(d+2) (slope I + curve d d), d = r_ab / h.
+    fn curve(q: f64) -> f64;
+    /// The same, eight at once; zero for q >= 2, finite for q = 0.
+    ///
+    /// # Safety
+    /// The processor has the features of `L`.
+    unsafe fn curve_lanes<L: Lanes>(q: L::F) -> L::F;
 }
 
 /// Cubic spline (Monaghan & Lattanzio 1985; Nishio et al. Eq. 3).
@@ -84,6 +92,21 @@ impl Kernel for CubicSpline {
             L::div(L::fma(L::mul(a, a), L::splat(-0.75), b2), q)
         }
     }
+    fn curve(q: f64) -> f64 {
+        let q = q.max(TINY);
+        let (a, b) = ((2.0 - q).max(0.0), (1.0 - q).max(0.0));
+        ((1.5 * a - 6.0 * b) - Self::slope(q)) / (q * q)
+    }
+    #[inline(always)]
+    unsafe fn curve_lanes<L: Lanes>(q: L::F) -> L::F {
+        unsafe {
+            let q = L::max(q, L::splat(TINY as f32));
+            let a = L::max(L::sub(L::splat(2.0), q), L::splat(0.0));
+            let b = L::max(L::sub(L::splat(1.0), q), L::splat(0.0));
+            let second = L::fma(a, L::splat(1.5), L::mul(b, L::splat(-6.0)));
+            L::div(L::sub(second, Self::slope_lanes::<L>(q)), L::mul(q, q))
+        }
+    }
 }
 
 impl Kernel for WendlandC2 {
@@ -117,6 +140,18 @@ impl Kernel for WendlandC2 {
         unsafe {
             let t = L::max(L::fma(q, L::splat(-0.5), L::splat(1.0)), L::splat(0.0));
             L::mul(L::mul(t, t), L::mul(t, L::splat(-5.0)))
+        }
+    }
+    fn curve(q: f64) -> f64 {
+        let t = (1.0 - 0.5 * q).max(0.0);
+        7.5 * t * t / q.max(TINY)
+    }
+    #[inline(always)]
+    unsafe fn curve_lanes<L: Lanes>(q: L::F) -> L::F {
+        unsafe {
+            let q = L::max(q, L::splat(TINY as f32));
+            let t = L::max(L::fma(q, L::splat(-0.5), L::splat(1.0)), L::splat(0.0));
+            L::div(L::mul(L::mul(t, t), L::splat(7.5)), q)
         }
     }
 }

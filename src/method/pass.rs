@@ -86,6 +86,42 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
     }
 }
 
+/// [`Continuity`] with diffusion among the particles inside only. At a surface whose tension is the
+/// derivative of an energy every particle needs the density that it has: it holds the force on it.
+/// Diffusion would even it out, and the layer would creep, fed by it, as long as it lasts.
+///
+/// Payload 0 to 2: v; 3: e; 4: 1 inside, else 0.
+pub struct Inside<K> {
+    /// m norm / h^(d+1).
+    pub factor: f64,
+    /// 2 delta c, m/s.
+    pub diffusion: f32,
+    /// 2 delta h / c times gravity, m/s.
+    pub held: [f32; 3],
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<1> for Inside<K> {
+    type Out = f32;
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
+        unsafe {
+            let v = difference::<L>(&pair.own, &pair.other);
+            let e = L::sub(pair.own[3], pair.other[3]);
+            let held = L::dot(L::splat3(self.held), pair.d);
+            let evened = L::sub(L::mul(L::splat(self.diffusion), e), held);
+            let both = L::mul(pair.own[4], pair.other[4]);
+            let rate = L::fma(both, evened, L::dot(v, pair.d));
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            sum[0] = L::fma(slope, rate, sum[0]);
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = (self.factor * sum[0] as f64) as f32;
+    }
+}
+
 /// Pair force of pressure and of viscosity `V` (Nishio Eq. 5).
 /// Payload 3: P / rho^2, payload 4: 1 / rho^2, negative where tension is controlled.
 ///

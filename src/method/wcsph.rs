@@ -83,6 +83,7 @@ struct Scratch {
     around: Vec<Surroundings>,
     mist: Vec<bool>,
     friction: Vec<Hold>,
+    position: [Vec<f64>; 3],
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {

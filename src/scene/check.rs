@@ -1,5 +1,7 @@
 //! Whether a resolved scene makes sense: what single values cannot tell.
 
+mod tension;
+
 use std::path::Path;
 
 use super::cursor::Cursor;
@@ -8,8 +10,8 @@ use super::file::LONGEST_REFERENCE;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
 use super::{
-    Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TensionForm, TimeStepping,
-    Wetting, WettingForm, numbers,
+    Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, Wetting,
+    numbers,
 };
 
 /// Bodies are numbered by a byte.
@@ -31,7 +33,7 @@ pub fn scene(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), Scen
     periodic_reach(scene, root)?;
     mirrors(scene, root)?;
     vortices(scene, root)?;
-    wetting(scene, root)?;
+    tension::check(scene, root)?;
     times(scene, root)?;
     references(scene, root, folder)
 }
@@ -275,42 +277,6 @@ fn mirrors(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
             let remedy = at_least(scene, MIRRORED * reach);
             return Err(root.nearest("box.size").fault(&problem, &remedy));
         }
-    }
-    Ok(())
-}
-
-/// Contact angles need a surface with tension, a wall, and a stress that knows walls.
-fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    if scene.effects.wetting.is_none() {
-        return Ok(());
-    }
-    let place = root.nearest("effects.wetting");
-    let mut sides = scene.domain.boundary.iter().flatten();
-    let (problem, remedy) = if scene.effects.tension.is_none() {
-        ("needs surface tension", "add the table [effects.tension]")
-    } else if !sides.any(|side| *side == Side::Wall) {
-        let remedy = "make a side of the box a wall, as in `box.z = [\"wall\", \"open\"]`";
-        ("needs a wall", remedy)
-    } else if scene.method.sph().wetting_form != WettingForm::Young {
-        return typed(scene, &place);
-    } else if scene.method.sph().tension_form != TensionForm::RawColour {
-        let remedy = "set `effects.tension.form = \"raw-colour\"`, as preset `modern` does";
-        ("needs the raw-colour form of the tension", remedy)
-    } else {
-        return Ok(());
-    };
-    Err(place.fault(problem, remedy))
-}
-
-/// Types of particles know a plane and a curvature.
-fn typed(scene: &Scene, place: &Cursor<'_>) -> Result<(), SceneError> {
-    let remedy = "set `effects.wetting.form = \"young\"`, as preset `modern` does";
-    if scene.dimension == Dimension::Three {
-        return Err(place.fault("by types of particles is for two dimensions", remedy));
-    }
-    if !scene.method.sph().tension_form.is_counted() {
-        let problem = "by types of particles needs a number-density form of the tension";
-        return Err(place.fault(problem, remedy));
     }
     Ok(())
 }

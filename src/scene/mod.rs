@@ -262,6 +262,8 @@ pub enum TensionForm {
     NormalisedColour,
     /// Colour and normal from raw sums.
     RawColour,
+    /// The derivative of an energy.
+    SurfaceEnergy,
     /// Kuri Eqs. 1, 5-7: Cahn-Hilliard stress, force on the short kernel.
     CahnHilliard,
     /// Xie Eqs. 10-16: curvature from counted neighbours.

@@ -254,6 +254,7 @@ fn override_effects(settings: &mut Sph, effects: &Cursor<'_>) -> Result<(), Scen
     if let Some(form) = tension.get("form") {
         settings.tension_form = match form.text()? {
             "normalised-colour" => TensionForm::NormalisedColour,
+            "surface-energy" => TensionForm::SurfaceEnergy,
             "cahn-hilliard" => TensionForm::CahnHilliard,
             "number-density" => TensionForm::NumberDensity,
             "number-density-exact" => TensionForm::NumberDensityExact,

@@ -5,6 +5,7 @@ mod cloud;
 mod effect_absent;
 mod effect_cap;
 mod effect_counted;
+mod effect_energy;
 mod effect_level;
 mod effect_select;
 mod effect_tension;

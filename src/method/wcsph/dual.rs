@@ -33,8 +33,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.connected = self.connected_speed();
         self.follow();
         let inner = self.inner(acoustic);
-        self.hold();
-        let outer = (part * self.limits_now().advective(advective)).min(MOST * inner);
+        let longest = |s: &Self| (part * s.limits_now().advective(advective)).min(MOST * inner);
+        // The derivative of an energy is taken in the middle of the step (position Verlet); then
+        // the step follows the accelerations of the one before.
+        let midway = self.follows_energy().then(|| longest(self));
+        self.hold(0.5 * midway.unwrap_or(0.0));
+        let outer = midway.unwrap_or_else(|| longest(self));
         self.bound(outer);
         let count = (outer / inner).ceil();
         let dt = outer / count;
@@ -78,14 +82,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         });
     }
 
-    /// What is held over the advective step: viscosity (from `look`), gravity, tension.
-    fn hold(&mut self) {
+    /// What is held over the advective step: viscosity (from `look`), gravity, tension of where
+    /// particles are `ahead` s later.
+    fn hold(&mut self, ahead: f64) {
         let (around, held) = (&self.around, Slots::new(&mut self.held));
         each(around.len(), |i| *unsafe { held.at(i) } = around[i].vector);
         if let Some(g) = self.model.effects.gravity {
             gravity::add(g, &mut self.held);
         }
-        self.add_tension(|s| &mut s.held);
+        self.add_tension_ahead(ahead);
         if let Some(tension) = &self.tension {
             let around = Slots::new(&mut self.around);
             let normal = |i: usize| unsafe { around.at(i) }.vector = tension.root_of(i);
@@ -169,7 +174,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     /// Moves everything by `dt` s.
-    fn drift_position(&mut self, dt: f64) {
+    pub(super) fn drift_position(&mut self, dt: f64) {
         let n = self.flow.liquid();
         let p = &mut self.flow.particles;
         let (x, v) = (slots3(&mut p.position), &p.velocity);

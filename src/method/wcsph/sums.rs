@@ -3,7 +3,7 @@
 use super::{Wcsph, velocity};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::pass::{Continuity, Force, ForceAndGradient, Neighbourhood, Summation};
+use crate::method::pass::{Continuity, Force, ForceAndGradient, Inside, Neighbourhood, Summation};
 use crate::scene::Pressure;
 use crate::space::sweep;
 
@@ -72,6 +72,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (2): fills `rate`. The pressure holds what is `held` apart from it, or gravity.
     pub(super) fn density_rate(&mut self, diffusion: f64, apart: bool) {
+        if self.follows_energy() {
+            return self.density_rate_inside(diffusion);
+        }
         let (model, rho0) = (&self.model, self.model.density);
         let c = model.sound_speed;
         let lag = (2.0 * diffusion * model.h / c) as f32;
@@ -99,6 +102,34 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             diffusion: (2.0 * diffusion * c) as f32,
             lag,
             held,
+            kernel: self.kernel,
+        };
+        let scale = self.scale();
+        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.rate);
+    }
+
+    /// The same with diffusion only where the tension has no energy, see [`Inside`].
+    fn density_rate_inside(&mut self, diffusion: f64) {
+        let (rho0, c) = (self.model.density, self.model.sound_speed);
+        let gravity = self.model.effects.gravity.unwrap_or_default();
+        let (around, density) = (&self.around, &self.walls.density);
+        let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
+        self.flow.pack(
+            |p, i| {
+                let [x, y, z] = velocity(p, i);
+                let inside = f32::from(u8::from(around[i].vector == [0.0; 3]));
+                [x, y, z, excess(p.density[i]), inside]
+            },
+            |w, i| {
+                let [x, y, z] = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
+                [x, y, z, excess(density[i]), 1.0]
+            },
+        );
+        let pass = Inside {
+            factor: self.gradient_factor(),
+            diffusion: (2.0 * diffusion * c) as f32,
+            held: gravity.map(|g| (2.0 * diffusion * self.model.h / c * g) as f32),
             kernel: self.kernel,
         };
         let scale = self.scale();

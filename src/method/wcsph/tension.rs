@@ -8,6 +8,7 @@ use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::surface_of;
+use crate::scene::TensionForm;
 use crate::space::parallel::{each, slots3};
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -30,6 +31,27 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         drop(sources);
         tension.add(into(self));
         self.tension = Some(tension);
+    }
+
+    /// Whether the tension is the derivative of an energy.
+    pub(super) fn follows_energy(&self) -> bool {
+        self.tension.is_some() && self.model.sph.tension_form == TensionForm::SurfaceEnergy
+    }
+
+    /// Adds to `held` the a_s of where particles are `ahead` s later.
+    pub(super) fn add_tension_ahead(&mut self, ahead: f64) {
+        if ahead == 0.0 {
+            return self.add_tension(|s| &mut s.held);
+        }
+        let mut now = std::mem::take(&mut self.scratch.position);
+        for (now, x) in now.iter_mut().zip(&self.flow.particles.position) {
+            now.clone_from(x);
+        }
+        self.drift_position(ahead);
+        self.add_tension(|s| &mut s.held);
+        std::mem::swap(&mut now, &mut self.flow.particles.position);
+        self.scratch.position = now;
+        self.flow.place();
     }
 
     /// The same for the end of a single-rate step of `dt` s: found on new rows, after a rejected

@@ -148,6 +148,7 @@ pub static TENSION: &[Field] = &[
         Kind::Word(&[
             "normalised-colour",
             "raw-colour",
+            "surface-energy",
             "cahn-hilliard",
             "number-density",
             "number-density-exact",

@@ -145,6 +145,7 @@ pub(super) fn tension(list: &mut List, scene: &Scene) {
     let form = match settings.tension_form {
         TensionForm::NormalisedColour => "normalised-colour",
         TensionForm::RawColour => "raw-colour",
+        TensionForm::SurfaceEnergy => "surface-energy",
         TensionForm::CahnHilliard => "cahn-hilliard",
         TensionForm::NumberDensity => "number-density",
         TensionForm::NumberDensityExact => "number-density-exact",

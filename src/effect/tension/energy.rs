@@ -1,0 +1,196 @@
+//! A surface energy of which the force is the exact derivative.
+//!
+//! (1) E = alpha sigma / H SUM V e,  e = kappa/2 (H |n| - 0.05)^2 + a2 c^2 + a3 c^3 + a4 c^4,
+//!     c = 1 - phi - 0.02,  phi = SUM V W^H,  n = SUM V grad W^H,  V = m / rho0;
+//!     brackets and c are zero where they would be negative; beyond c = 0.48 e is linear in c
+//! (2) m a_a = -alpha sigma / H SUM V^2 ((e'_a + e'_b) grad W^H + (g_a - g_b) . grad grad W^H),
+//!     e' = de/dphi, g = de/dn: minus the derivative of (1), so that the work of the force is what E
+//!     falls by, momentum is kept pair by pair, and E knows no direction: angular momentum too.
+//! Inside the liquid e is zero, whatever the disorder. The coefficients make E of a flat surface
+//! sigma times its area (quadrature over a continuous liquid) and leave the layer at the surface
+//! almost without a load: a half-space is in equilibrium with pressures between -0.4 and 0.7
+//! sigma / H in it, where c^2 alone needs 3.7, and a pair attraction 4.7. A load presses the layer
+//! as long as density diffuses, and takes part of the tension: SPH sees a divergence where such a
+//! layer is stretched along itself. What little is left points inwards and keeps particles from
+//! leaving. e grows with c to the end, so that a lone particle costs most.
+//! Time: the force is taken where particles will be in the middle of the step that it is held over;
+//! at its beginning it would feed energy in, omega^2 dt / 4 a second of a wave of omega.
+//! Wall particles count as liquid and have no energy: 90 degrees.
+//! Fails: a sheet thinner than 2 H has less than two surfaces (docs/validation.md).
+//! Tests: tests/engine/effect_energy.rs.
+
+use super::{Surface, Tension};
+use crate::kernel::Kernel;
+use crate::space::lane::Lanes;
+use crate::space::parallel::{Slots, each, slots3};
+use crate::space::sweep::{Pair, Pass};
+use std::marker::PhantomData;
+
+/// What a normal, H |n|, and a lack of neighbours, 1 - phi, have from disorder alone.
+const DISORDER: [f64; 2] = [0.05, 0.02];
+
+/// Largest c in e of (1); a flat surface has 0.48.
+const LINEAR: f64 = 0.48;
+
+/// Depth in H to which e can differ from zero.
+const DEEP: f64 = 2.0;
+
+/// kappa, a2, a3, a4 of Wendland C2.
+pub fn coefficients(dimension: usize) -> [f64; 4] {
+    match dimension {
+        2 => COEFFICIENTS_2,
+        _ => COEFFICIENTS_3,
+    }
+}
+
+const COEFFICIENTS_2: [f64; 4] = [4.86, 26.201, -79.971, 77.601];
+const COEFFICIENTS_3: [f64; 4] = [4.74, 26.859, -82.178, 79.788];
+
+/// e of (1) and its derivatives.
+pub struct Density {
+    pub energy: f64,
+    /// By phi.
+    pub slope: f64,
+    /// By H n.
+    pub gradient: [f64; 3],
+}
+
+/// e at a kernel sum and H n.
+pub fn density(dimension: usize, phi: f64, n: [f64; 3]) -> Density {
+    let [kappa, a2, a3, a4] = coefficients(dimension);
+    let size = n.iter().map(|n| n * n).sum::<f64>().sqrt();
+    let [faint, loose] = DISORDER;
+    let steep = (size - faint).max(0.0);
+    let lack = (1.0 - phi - loose).max(0.0);
+    let c = lack.min(LINEAR);
+    let slope = c * (2.0 * a2 + c * (3.0 * a3 + c * 4.0 * a4));
+    let along = kappa * steep / size.max(f64::MIN_POSITIVE);
+    Density {
+        energy: 0.5 * kappa * steep * steep + c * c * (a2 + c * (a3 + c * a4)) + slope * (lack - c),
+        slope: -slope,
+        gradient: n.map(|n| along * n),
+    }
+}
+
+/// SUM slope d and SUM w of the others.
+struct Look<K>(PhantomData<K>);
+
+impl<K: Kernel> Pass<4> for Look<K> {
+    type Out = [f32; 4];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            let slope = K::slope_lanes::<L>(q);
+            for a in 0..3 {
+                sum[a] = L::fma(slope, pair.d[a], sum[a]);
+            }
+            sum[3] = L::add(sum[3], K::w_apart::<L>(q, pair.q2));
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {
+        *out = sum;
+    }
+}
+
+/// (2). Payload: e', then g / H.
+struct Pull<K> {
+    factor: f64,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<3> for Pull<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            let (slope, curve) = (K::slope_lanes::<L>(q), K::curve_lanes::<L>(q));
+            let g = [1, 2, 3].map(|k| L::sub(pair.own[k], pair.other[k]));
+            let along = L::mul(curve, L::dot(g, pair.d));
+            let central = L::fma(slope, L::add(pair.own[0], pair.other[0]), along);
+            for a in 0..3 {
+                sum[a] = L::fma(central, pair.d[a], L::fma(slope, g[a], sum[a]));
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
+    }
+}
+
+/// Scratch memory.
+#[derive(Default)]
+pub struct Energy {
+    /// Per particle near the surface: phi and H n.
+    sums: Vec<[f32; 4]>,
+    /// e' per particle, wall particle and image.
+    slope: Vec<f32>,
+}
+
+impl Tension {
+    /// E of the last update, J (J/m in 2-D), of a flow whose particles have `mass` kg.
+    pub fn energy(&self, mass: f64) -> f64 {
+        let unit = self.strength * self.coefficient / self.length * mass / self.density;
+        let of = |s: &[f32; 4]| {
+            let n = [0, 1, 2].map(|a| s[a] as f64);
+            density(self.dimension, s[3] as f64, n).energy
+        };
+        unit * self.energy.sums.iter().map(of).sum::<f64>()
+    }
+
+    pub(super) fn pull_by_energy<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        is_surface: impl Fn(usize) -> bool + Sync,
+    ) {
+        self.band.mark(flow.liquid, is_surface);
+        self.band.grow(flow.grid, DEEP * self.length + flow.slack);
+        self.band.members(flow.grid, flow.liquid, &mut self.near);
+        let mut sums = std::mem::take(&mut self.energy.sums);
+        sums.resize(self.near.len(), [0.0; 4]);
+        self.runs(flow, &[], (&self.near, &Look::<K>(PhantomData)), &mut sums);
+        self.derive::<K>(flow, &mut sums);
+        self.energy.sums = sums;
+
+        self.band.grow(flow.grid, 2.0 * self.length + flow.slack);
+        self.band.members(flow.grid, flow.liquid, &mut self.reached);
+        let unit = self.strength * self.coefficient / self.length / self.density;
+        let pass = Pull::<K> {
+            factor: -unit * self.force_factor::<K>(flow.mass) / self.density,
+            kernel: PhantomData,
+        };
+        let mut force = std::mem::take(&mut self.force);
+        force.resize(self.reached.len(), [0.0; 3]);
+        let [x, y, z] = std::mem::take(&mut self.payload);
+        let words = [std::mem::take(&mut self.energy.slope), x, y, z];
+        self.runs(flow, &words, (&self.reached, &pass), &mut force);
+        let [slope, x, y, z] = words;
+        self.payload = [x, y, z];
+        self.energy.slope = slope;
+        self.force = force;
+    }
+
+    /// Turns sums into phi and H n, and fills e' and g.
+    fn derive<K: Kernel>(&mut self, flow: &Surface, sums: &mut [[f32; 4]]) {
+        let (d, n) = (self.dimension, flow.at[0].len());
+        let unit = K::norm(d) * flow.mass / self.density / self.length.powi(d as i32);
+        self.energy.slope.clear();
+        self.energy.slope.resize(n, 0.0);
+        let slope = Slots::new(&mut self.energy.slope);
+        let payload = slots3(&mut self.payload);
+        let (near, sums) = (&self.near, Slots::new(sums));
+        each(near.len(), |k| {
+            let (i, s) = (near[k] as usize, unsafe { sums.at(k) });
+            *s = s.map(|s| (unit * s as f64) as f32);
+            s[3] += (unit * K::w(0.0)) as f32;
+            let e = density(d, s[3] as f64, [0, 1, 2].map(|a| s[a] as f64));
+            *unsafe { slope.at(i) } = e.slope as f32;
+            (0..3).for_each(|a| *unsafe { payload[a].at(i) } = e.gradient[a] as f32);
+        });
+        flow.share(&mut self.energy.slope);
+        flow.turn(&mut self.payload);
+    }
+}

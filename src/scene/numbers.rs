@@ -132,7 +132,7 @@ fn standing_speed(scene: &Scene) -> f64 {
     let walls = scene.domain.wall_velocity.iter().flatten();
     let sliding = walls.fold(0.0, |speed: f64, wall| speed.max(length(*wall)));
     let shapes = scene.bodies.iter().map(|body| &body.shape);
-    let speed = shapes.fold(sliding, |speed, shape| {
+    let speed = shapes.fold(sliding.max(scene.layer_speed()), |speed, shape| {
         let fall = fall_speed(scene, shape);
         speed.max(fall).max(RIPPLE * capillary_speed(scene, shape))
     });
@@ -170,7 +170,8 @@ pub fn rest_sound_speed(scene: &Scene, body: usize) -> f64 {
     } else {
         fall_speed(scene, shape)
     };
-    REST_STIFFNESS * moving(capillary_speed(scene, shape).max(fall))
+    let stiff = REST_STIFFNESS * moving(capillary_speed(scene, shape).max(fall));
+    stiff.max(10.0 * scene.layer_speed())
 }
 
 /// sqrt(2 g T), T from the downhill side of the box to the far end of the shape. An axis that is

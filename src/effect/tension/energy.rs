@@ -4,8 +4,8 @@
 //!     c = 1 - phi - 0.02,  phi = SUM V W^H,  n = SUM V grad W^H,  V = m / rho0;
 //!     brackets and c are zero where they would be negative; beyond c = 0.48 e is linear in c
 //! (2) m a_a = -alpha sigma / H SUM V^2 ((e'_a + e'_b) grad W^H + (g_a - g_b) . grad grad W^H),
-//!     e' = de/dphi, g = de/dn: minus the derivative of (1), so that the work of the force is what E
-//!     falls by, momentum is kept pair by pair, and E knows no direction: angular momentum too.
+//!     e' = de/dphi, g = de/dn: minus the derivative of (1), so that the force does the work that E
+//!     falls by; momentum is kept pair by pair, and E knows no direction: angular momentum too.
 //! Inside the liquid e is zero, whatever the disorder. The coefficients make E of a flat surface
 //! sigma times its area (quadrature over a continuous liquid) and leave the layer at the surface
 //! almost without a load: a half-space is in equilibrium with pressures between -0.4 and 0.7
@@ -13,6 +13,7 @@
 //! as long as density diffuses, and takes part of the tension: SPH sees a divergence where such a
 //! layer is stretched along itself. What little is left points inwards and keeps particles from
 //! leaving. e grows with c to the end, so that a lone particle costs most.
+//! Liquid has to be stiff beside sigma / H ([`crate::scene::Scene::layer_speed`]).
 //! Time: the force is taken where particles will be in the middle of the step that it is held over;
 //! at its beginning it would feed energy in, omega^2 dt / 4 a second of a wave of omega.
 //! Wall particles count as liquid and have no energy: 90 degrees.

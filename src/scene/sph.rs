@@ -55,8 +55,8 @@ impl TensionForm {
 }
 
 impl Scene {
-    /// sqrt(sigma / (rho H)), m/s, of a tension that derives from an energy: the speed whose rho v^2
-    /// is what its layer may have to hold. At Mach 0.1 of it the layer gives way by 1 %.
+    /// sqrt(sigma / (rho H)), m/s, of a tension that derives from an energy: rho v^2 of it is what
+    /// its layer may have to hold. At Mach 0.1 of it the layer gives way by 1 %.
     pub fn layer_speed(&self) -> f64 {
         let sph = self.method.sph();
         match (self.effects.tension, sph.tension_form) {

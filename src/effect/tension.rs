@@ -203,9 +203,6 @@ impl Tension {
         flow: &Surface,
         is_surface: impl Fn(usize) -> bool + Sync,
     ) {
-        if self.form == TensionForm::SurfaceEnergy {
-            return self.pull_by_energy::<K>(flow, is_surface);
-        }
         let reach = self.support() + flow.slack;
         if self.form != TensionForm::NormalisedColour {
             self.band.mark(flow.liquid, &is_surface);
@@ -226,7 +223,7 @@ impl Tension {
                 self.sum_normals(flow, &[], &Gradient::<K>(PhantomData));
             }
             TensionForm::NormalisedColour => self.colour::<K>(flow, is_surface),
-            TensionForm::SurfaceEnergy => return,
+            TensionForm::SurfaceEnergy => return self.pull_by_energy::<K>(flow),
             TensionForm::NumberDensity => return self.count::<K, true>(flow, is_surface),
             TensionForm::NumberDensityExact => return self.count::<K, false>(flow, is_surface),
         }

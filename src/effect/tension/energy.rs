@@ -17,7 +17,7 @@
 //! Time: the force is taken where particles will be in the middle of the step that it is held over;
 //! at its beginning it would feed energy in, omega^2 dt / 4 a second of a wave of omega.
 //! Wall particles count as liquid and have no energy: 90 degrees.
-//! Fails: a sheet thinner than 2 H has less than two surfaces (docs/validation.md).
+//! Fails: a sheet thinner than 2 H has less than two surfaces.
 //! Tests: tests/engine/effect_energy.rs.
 
 use super::{Surface, Tension};
@@ -125,7 +125,7 @@ impl<K: Kernel> Pass<3> for Pull<K> {
 /// Scratch memory.
 #[derive(Default)]
 pub struct Energy {
-    /// Per particle near the surface: phi and H n.
+    /// Per particle near the surface: H n, then phi.
     sums: Vec<[f32; 4]>,
     /// e' per particle, wall particle and image.
     slope: Vec<f32>,
@@ -142,12 +142,8 @@ impl Tension {
         unit * self.energy.sums.iter().map(of).sum::<f64>()
     }
 
-    pub(super) fn pull_by_energy<K: Kernel>(
-        &mut self,
-        flow: &Surface,
-        is_surface: impl Fn(usize) -> bool + Sync,
-    ) {
-        self.band.mark(flow.liquid, is_surface);
+    /// The force (2); the band holds the marked cells of the surface.
+    pub(super) fn pull_by_energy<K: Kernel>(&mut self, flow: &Surface) {
         self.band.grow(flow.grid, DEEP * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.near);
         let mut sums = std::mem::take(&mut self.energy.sums);
@@ -174,7 +170,7 @@ impl Tension {
         self.force = force;
     }
 
-    /// Turns sums into phi and H n, and fills e' and g.
+    /// Turns sums into H n and phi, and fills e' and g.
     fn derive<K: Kernel>(&mut self, flow: &Surface, sums: &mut [[f32; 4]]) {
         let (d, n) = (self.dimension, flow.at[0].len());
         let unit = K::norm(d) * flow.mass / self.density / self.length.powi(d as i32);

@@ -26,11 +26,12 @@ pub mod version {
     const FLOW: u32 = 17;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,
-    /// with MPS, with a corrected gradient, with WCSPH or with the continuity equation at one rate
-    /// have.
+    /// with a tension that has an energy, with MPS, with a corrected gradient, with WCSPH or with
+    /// the continuity equation at one rate have.
     const WETTING: u32 = 2;
     const HYSTERESIS: u32 = 1;
     const NORMALISED: u32 = 1;
+    const ENERGY: u32 = 1;
     const MPS: u32 = 1;
     const CORRECTED: u32 = 1;
     const WCSPH: u32 = 1;
@@ -42,8 +43,14 @@ pub mod version {
         NORMALISED * u32::from(is)
     }
 
+    fn energetic(scene: &Scene) -> u32 {
+        let form = scene.method.sph().tension_form;
+        let is = scene.effects.tension.is_some() && form == TensionForm::SurfaceEnergy;
+        ENERGY * u32::from(is)
+    }
+
     pub fn calibrate(scene: &Scene) -> u32 {
-        CALIBRATE + normalised(scene)
+        CALIBRATE + normalised(scene) + energetic(scene)
     }
 
     /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results
@@ -68,6 +75,7 @@ pub mod version {
             + WETTING * u32::from(wets)
             + HYSTERESIS * u32::from(rubs)
             + normalised(scene)
+            + energetic(scene)
     }
 }
 

@@ -1,11 +1,14 @@
 //! The only place where a scene becomes types. An absent effect becomes `()` or `None`.
 
 use super::tension::Tension;
+use super::tension::shore::Shore;
 use super::viscosity::{Cleary, Morris, PairViscosity, TwoTerm};
 use super::wetting::typed::Typed;
 use super::wetting::{Setting, Wetting};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
-use crate::scene::{Domain, Effects, KernelName, Sph, ViscosityForm, WettingForm};
+use crate::scene::{
+    Dimension, Domain, Effects, KernelName, Sph, TensionForm, ViscosityForm, WettingForm,
+};
 
 /// What is done with the chosen types.
 pub trait Visitor {
@@ -100,11 +103,15 @@ pub fn wetting(
     [spacing, length]: [f64; 2],
     density: f64,
 ) -> Option<Wetting> {
-    if settings.wetting_form != WettingForm::Young {
+    let angle = effects.wetting?;
+    // Without hysteresis the energy of walls does it all.
+    let energetic = settings.tension_form == TensionForm::SurfaceEnergy;
+    let needless = energetic && angle.hysteresis.is_none();
+    if settings.wetting_form != WettingForm::Young || needless {
         return None;
     }
     let setting = Setting {
-        angle: effects.wetting?,
+        angle,
         domain: domain.clone(),
         kernel: settings.kernel,
         dimension,
@@ -113,6 +120,19 @@ pub fn wetting(
         density,
     };
     Some(Wetting::new(setting))
+}
+
+/// The same for a tension that is the derivative of an energy.
+pub fn shore(
+    effects: &Effects,
+    settings: &Sph,
+    domain: &Domain,
+    dimension: Dimension,
+    spacing: f64,
+) -> Option<Shore> {
+    let angle = effects.wetting?.angle.to_radians();
+    let is = settings.tension_form == TensionForm::SurfaceEnergy;
+    is.then(|| Shore::new(angle.cos(), domain.clone(), dimension, spacing))
 }
 
 /// The same by types of particles. `spacing` in m.

@@ -43,6 +43,7 @@ pub mod energy;
 pub mod level;
 mod memory;
 mod pass;
+pub mod shore;
 mod stressed;
 mod surface;
 mod virial;
@@ -116,7 +117,7 @@ pub struct Tension {
     /// Acceleration of `reached`, m/s^2.
     force: Vec<[f32; 3]>,
     counted: Counted,
-    energy: Energy,
+    pub energy: Energy,
 }
 
 impl Tension {
@@ -223,7 +224,7 @@ impl Tension {
                 self.sum_normals(flow, &[], &Gradient::<K>(PhantomData));
             }
             TensionForm::NormalisedColour => self.colour::<K>(flow, is_surface),
-            TensionForm::SurfaceEnergy => return self.pull_by_energy::<K>(flow),
+            TensionForm::SurfaceEnergy => return self.pull_by_energy::<K>(flow, is_surface),
             TensionForm::NumberDensity => return self.count::<K, true>(flow, is_surface),
             TensionForm::NumberDensityExact => return self.count::<K, false>(flow, is_surface),
         }
@@ -273,7 +274,8 @@ impl Tension {
             let a = unsafe { into.at(self.reached[k] as usize) };
             (0..3).for_each(|c| a[c] += self.force[k][c]);
         });
-        if self.form == TensionForm::NormalisedColour || self.wetting.is_some() {
+        let own = self.wetting.is_some() && self.form == TensionForm::RawColour;
+        if self.form == TensionForm::NormalisedColour || own {
             each(self.near.len(), |k| {
                 let a = unsafe { into.at(self.near[k] as usize) };
                 (0..3).for_each(|c| a[c] += self.normals[k].1[c]);

@@ -21,6 +21,9 @@
 //! (5) cos theta + z d cos / dz,  d cos / dz = t . B t, t the tangent towards the wall and B the
 //!     curvature ([`rise`]); for a circle z / R.
 //!
+//! A tension that derives from an energy has that of walls in place of all this
+//! ([`super::tension::shore`]), and of it the angles of lines with hysteresis, and their friction.
+//!
 //! With an advancing and a receding angle theta of (2) is that which the line has ([`line`]), (4)
 //! has what lies beyond the two, and friction resists the motion of the line ([`friction`]).
 //!
@@ -36,7 +39,7 @@ mod line;
 mod mean;
 mod pass;
 mod rise;
-mod survey;
+pub mod survey;
 pub mod typed;
 
 use super::band::Band;
@@ -101,7 +104,7 @@ pub struct Wetting {
     /// each axis.
     pub near: Vec<u32>,
     /// cos theta of (2) of every wall particle, with hysteresis only.
-    cosines: Vec<f64>,
+    pub cosines: Vec<f64>,
     pub lines: Lines,
     facing: [Vec<u32>; 3],
     slopes: Vec<([f32; 3], [f32; 3])>,

@@ -12,19 +12,18 @@
 //! alpha within 1.5 %.
 //! That of [`crate::effect::tension`]'s counted forms acts on one layer, which is taken to be what
 //! lies within a spacing of the surface; where that is flat they need no alpha.
-//! (3) E over sigma A, for a tension that is the derivative of an energy.
+//! A tension that is the derivative of an energy needs no body: [`energy::carried`].
 //! A block has edges, where neither holds: its alpha is that of a flat continuous liquid.
 //! (1) is read off the packed bodies: a stress that acts below the surface crushes it as it
 //! relaxes, and alpha would grow with what it had done (WCSPH `corrected`: 11 to 25 at R = 2.5 to
 //! 8 s0, 5.2 to 5.8 on the packing). (2) is read off the relaxed ones.
 //! Test: tests/validation/drop.rs.
 
-use super::flow::Flow;
 use super::model::Case;
 use super::{MethodError, Phase};
-use crate::effect::tension::{Tension, level};
+use crate::effect::tension::{energy, level};
 use crate::particle::{Particles, wall};
-use crate::scene::{Body, Dimension, Scene, Shape, Side, TensionForm, TensionLevel};
+use crate::scene::{Body, Dimension, Scene, Shape, Side, TensionLevel};
 use std::f64::consts::PI;
 
 /// Result of a calibration.
@@ -77,6 +76,9 @@ const DEEPEST: f64 = 0.75;
 /// (1) or (2) over sigma at alpha = 1.
 fn ratio_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, MethodError> {
     let case = Case::new(scene, Phase::Relax { damping: 0.0 }, Some(index));
+    if case.follows_energy() {
+        return Ok(energy::carried(case.is_implicit));
+    }
     let rests = super::model::rests(&scene.bodies[index]);
     let walls = if rests {
         wall::build(scene)
@@ -94,9 +96,6 @@ fn ratio_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, M
     let body = &scene.bodies[index];
     if tension.lifted && matches!(body.shape, Shape::Block { .. }) {
         return Ok(level::flat(tension.kernel, tension.dimension));
-    }
-    if tension.form == TensionForm::SurfaceEnergy {
-        return energy_of(scene, body, &flow, &mut tension);
     }
     let counted = tension.form.is_counted();
     if counted && !radius(body).is_finite() {
@@ -131,22 +130,6 @@ fn ratio_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, M
         tension.virial(&surface, place)
     };
     Ok(sum / sigma)
-}
-
-/// (3) E of the body over sigma times the area of its free surface, at alpha = 1.
-fn energy_of(
-    scene: &Scene,
-    body: &Body,
-    flow: &Flow,
-    tension: &mut Tension,
-) -> Result<f64, MethodError> {
-    if matches!(body.shape, Shape::Block { .. }) {
-        return Ok(1.0);
-    }
-    let sources = flow.sources();
-    tension.update(&super::surface_of(flow, &sources), |_| true);
-    let energy = tension.energy(flow.particles.mass);
-    Ok(energy / (tension.coefficient * free_area(scene, body, 0.0)))
 }
 
 /// Radius of curvature of a body's free surface, m: infinite if flat. Of an ellipsoid that of the

@@ -5,6 +5,7 @@
 //! behind mirror planes, if there are any, then eight spare ones, so that eight lanes can be loaded
 //! anywhere.
 
+mod ahead;
 mod find;
 mod pack;
 mod wall;

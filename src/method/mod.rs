@@ -18,7 +18,7 @@ pub use calibrate::{Calibration, calibrate, is_of_packing};
 pub use start::{initial, intruders, relaxed, resting};
 
 use crate::effect::select;
-use crate::effect::tension::{Surface, Tension};
+use crate::effect::tension::{Surface, Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State, Wall};
@@ -159,6 +159,7 @@ fn strength_of(
     Ok(match (case.effects.tension, given.or(stored), strength) {
         (None, _, _) => 0.0,
         (_, Some(alpha), _) | (_, None, TensionStrength::Fixed(alpha)) => alpha,
+        (_, None, TensionStrength::Flat) if case.follows_energy() => 1.0,
         (_, None, TensionStrength::Flat) => {
             select::flat_strength(&case.sph, case.dimension.count())
         }
@@ -184,6 +185,14 @@ fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
     if let Some(wetting) = &mut tension.wetting {
         wetting.short = shifts.then_some(case.h);
     }
+    tension.energy.carried = energy::carried(case.is_implicit);
+    tension.energy.shore = select::shore(
+        &case.effects,
+        &case.sph,
+        &case.domain,
+        case.dimension,
+        case.spacing,
+    );
     tension.typed = select::typed(&case.effects, &case.sph, &case.domain, case.spacing);
     Some(tension)
 }

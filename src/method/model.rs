@@ -111,6 +111,20 @@ impl Case {
     }
 }
 
+impl Case {
+    /// Whether particles are shifted, for a `strength` of the shifting: not where the tension has
+    /// an energy, for what is moved at rest does work on the surface.
+    pub fn shifts(&self, strength: f64) -> bool {
+        strength > 0.0 && !self.follows_energy()
+    }
+
+    /// Whether the tension is the derivative of an energy.
+    pub fn follows_energy(&self) -> bool {
+        let form = self.sph.tension_form;
+        self.effects.tension.is_some() && form == crate::scene::TensionForm::SurfaceEnergy
+    }
+}
+
 impl Model {
     /// For `settings`, which are those of the scene's method.
     pub fn new(scene: &Scene, settings: &Wcsph, phase: Phase, body: Option<usize>) -> Self {

@@ -86,12 +86,13 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
     }
 }
 
-/// [`Continuity`] with diffusion among the particles inside only. At a surface whose tension is the
-/// derivative of an energy every particle needs the density that it has: it holds the force on it.
-/// Diffusion would even it out, and the layer would creep, fed by it, as long as it lasts.
+/// [`Continuity`] whose diffusion spares small differences of density. At a surface whose tension
+/// is the derivative of an energy every particle needs the density that it has: it holds the force
+/// on it. Diffusion would even it out, and the layer would creep, fed by it, as long as it lasts.
+/// Without any, a splash is noise: a crater at d/8 was 20 % flat.
 ///
-/// Payload 0 to 2: v; 3: e; 4: 1 inside, else 0.
-pub struct Inside<K> {
+/// Payload 0 to 2: v; 3: e; 4: what differences of e are spared, times 2 delta c, m/s.
+pub struct Spared<K> {
     /// m norm / h^(d+1).
     pub factor: f64,
     /// 2 delta c, m/s.
@@ -101,7 +102,7 @@ pub struct Inside<K> {
     pub kernel: PhantomData<K>,
 }
 
-impl<K: Kernel> Pass<1> for Inside<K> {
+impl<K: Kernel> Pass<1> for Spared<K> {
     type Out = f32;
     #[inline(always)]
     unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
@@ -110,8 +111,10 @@ impl<K: Kernel> Pass<1> for Inside<K> {
             let e = L::sub(pair.own[3], pair.other[3]);
             let held = L::dot(L::splat3(self.held), pair.d);
             let evened = L::sub(L::mul(L::splat(self.diffusion), e), held);
-            let both = L::mul(pair.own[4], pair.other[4]);
-            let rate = L::fma(both, evened, L::dot(v, pair.d));
+            let spared = L::max(pair.own[4], pair.other[4]);
+            let least = L::sub(L::splat(0.0), spared);
+            let evened = L::sub(evened, L::min(L::max(evened, least), spared));
+            let rate = L::add(evened, L::dot(v, pair.d));
             let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
             sum[0] = L::fma(slope, rate, sum[0]);
         }

@@ -13,6 +13,8 @@
 //! until it bursts. Beside a contact line the dry part of the wall is left out of grad C
 //! (`Wetting::dry`): it would point past the edge of the liquid, and what it has along the surface
 //! would carry particles off the line, against which the drop turns (4 degrees too flat at 120).
+//!
+//! Nobody is shifted where the tension derives from an energy (`Case::shifts`).
 
 /// Shifting is never faster than this part of the largest speed (Sun et al. 2019).
 const CAP: f64 = 0.5;

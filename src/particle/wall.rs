@@ -68,6 +68,11 @@ pub fn build_layers(scene: &Scene, layers: usize) -> Wall {
     wall
 }
 
+/// Whether the lattice cell `index` lies behind a wall; walls have no back.
+pub fn is_wall(boundary: [[Side; 2]; 3], index: [i64; 3], count: [i64; 3]) -> bool {
+    owner(boundary, index, count).is_some()
+}
+
 /// The wall to which the lattice cell `index` belongs: the one it is least deep behind, z before x
 /// before y in a tie; `None` for a cell behind no wall.
 fn owner(boundary: [[Side; 2]; 3], index: [i64; 3], count: [i64; 3]) -> Option<(usize, usize)> {

@@ -79,7 +79,10 @@ fn sph_modern() -> Sph {
 /// Delta-SPH with what has been learned since.
 pub fn wcsph_modern() -> Wcsph {
     Wcsph {
-        sph: sph_modern(),
+        sph: Sph {
+            tension_form: TensionForm::SurfaceEnergy, // its force is a derivative: no boiling
+            ..sph_modern()
+        },
         density: Density::Continuity {
             diffusion: 0.1,  // Antuono et al. 2010
             compaction: 1.1, // disorder of a splash reaches 1.08; a clump at a contact line 3
@@ -135,7 +138,17 @@ fn wcsph(root: &Cursor<'_>) -> Result<Wcsph, SceneError> {
     let method = root.need("method")?;
     let mut settings = choose(&method, [wcsph_paper, wcsph_corrected, wcsph_modern])?;
     override_flow(&mut settings, &method.need("wcsph")?)?;
-    override_effects(&mut settings.sph, &root.need("effects")?)?;
+    let effects = root.need("effects")?;
+    override_effects(&mut settings.sph, &effects)?;
+    // Another form where that of `modern` is not served.
+    let dual = matches!(settings.time_stepping, TimeStepping::Dual { .. });
+    let served = dual && settings.sph.kernel == KernelName::WendlandC2;
+    let form = effects
+        .get("tension")
+        .and_then(|tension| tension.get("form"));
+    if settings.sph.tension_form == TensionForm::SurfaceEnergy && form.is_none() && !served {
+        settings.sph.tension_form = TensionForm::RawColour;
+    }
     Ok(settings)
 }
 

@@ -14,7 +14,7 @@ use super::lamella::Thickness;
 use super::numbers;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
-use super::{Body, Dimension, Motion, Scene, Shape, Side};
+use super::{Body, Dimension, Motion, Scene, Shape, Side, TensionForm};
 use course::Course;
 
 /// Densities of liquids, kg/m^3: hydrogen at 20 K has 71, osmium at 3300 K 20,000 (Lide, CRC
@@ -359,10 +359,17 @@ fn dry_walls(scene: &Scene) -> Option<Warning> {
     let mut axes = scene.dimension.axes().iter();
     let axis = axes.find(|axis| (0..2).any(|end| is_line(**axis, end)))?;
     let value = human(tension, Unit::Tension);
-    let why = format!(
-        "the surface meets walls in {} at no contact angle: it is not held there, and breaks up",
-        AXES[*axis]
-    );
+    let axis = AXES[*axis];
+    let neutral = scene.method.sph().tension_form == TensionForm::SurfaceEnergy;
+    let why = match neutral {
+        true => {
+            format!("the surface meets walls in {axis}, no contact angle is set: it takes 90 deg")
+        }
+        false => format!(
+            "the surface meets walls in {axis} at no contact angle: it is not held there, and \
+             breaks up"
+        ),
+    };
     let remedy = "add `effects.wetting.angle` (\"90 deg\" is neutral)";
     Some(Warning::new(
         "effects.tension.coefficient",

@@ -1,7 +1,8 @@
 //! What every SPH method sets.
 
 use super::{
-    KernelName, Mass, Method, Scene, TensionForm, TensionStrength, ViscosityForm, WettingForm,
+    KernelName, Mass, Method, Scene, TensionForm, TensionStrength, ViscosityForm, Wetting,
+    WettingForm,
 };
 
 /// Where the tension of the surface stress counts as sigma.
@@ -68,6 +69,14 @@ impl Scene {
         }
     }
 
+    /// Whether surfaces are followed into walls by sums that are sheared along them: for a stress,
+    /// and for the angles that lines with hysteresis have.
+    pub fn shears(&self, wetting: &Wetting) -> bool {
+        let sph = self.method.sph();
+        let has_energy = sph.tension_form == TensionForm::SurfaceEnergy;
+        sph.wetting_form == WettingForm::Young && !(has_energy && wetting.hysteresis.is_none())
+    }
+
     /// Support of the widest sum, m: of the tension, of the normals that shifting needs without it,
     /// or of the kernel.
     pub fn widest(&self) -> f64 {
@@ -75,9 +84,7 @@ impl Scene {
         let smoothing = sph.tension_smoothing.max(1.0);
         let wide = smoothing.max(sph.tension_smoothing + sph.beside());
         let over_kernel = match (self.effects.tension, self.effects.wetting) {
-            (Some(_), Some(wetting)) if sph.wetting_form == WettingForm::Young => {
-                smoothing * wetting.stretch()
-            }
+            (Some(_), Some(wetting)) if self.shears(&wetting) => smoothing * wetting.stretch(),
             (Some(_), _) => wide,
             _ if self.method.shifting() > 0.0 => smoothing,
             _ => 1.0,

@@ -2,13 +2,14 @@
 
 use super::cloud::{CHANNEL, Cloud, OPEN, Random, length};
 use super::method_scene::{disturbed, words};
-use super::pack_scene::S0;
+use super::pack_scene::{S0, scene};
 use coronet::effect::tension::Tension;
 use coronet::effect::tension::energy::density;
-use coronet::kernel::plane;
+use coronet::effect::tension::shore::Shore;
+use coronet::kernel::{plane, slope, value};
 use coronet::method::{self, Phase, Solver, surface_of};
 use coronet::particle::State;
-use coronet::scene::{Dimension, KernelName, Side, TensionForm, file};
+use coronet::scene::{Dimension, KernelName, Shape, Side, TensionForm, file};
 use std::path::Path;
 
 const SIGMA: f64 = 0.067;
@@ -48,6 +49,8 @@ struct Scene {
     cells: [f64; 3],
     sides: [[Side; 2]; 3],
     points: Vec<Point>,
+    /// Of the contact angle.
+    cosine: Option<f64>,
 }
 
 impl Scene {
@@ -64,6 +67,7 @@ impl Scene {
             cells,
             sides: OPEN,
             points: points(dimension, cells, inside),
+            cosine: None,
         }
     }
 
@@ -75,6 +79,23 @@ impl Scene {
             cells,
             sides: CHANNEL,
             points: points(Dimension::Two, cells, |x| x[2] < 12.0),
+            cosine: None,
+        }
+    }
+
+    /// Liquid in the corner of two walls of 60 degrees.
+    fn corner() -> Self {
+        let cells = [24.0, 0.0, 24.0];
+        Scene {
+            dimension: Dimension::Two,
+            cells,
+            sides: [
+                [Side::Wall, Side::Open],
+                [Side::Open; 2],
+                [Side::Wall, Side::Open],
+            ],
+            points: points(Dimension::Two, cells, |x| x[0] + x[2] < 14.0),
+            cosine: Some(0.5),
         }
     }
 
@@ -92,6 +113,13 @@ impl Scene {
             self.dimension.count(),
             DENSITY,
         );
+        if let Some(cosine) = self.cosine {
+            let mut domain = scene(self.dimension, self.cells, Shape::Layer { depth: S0 }).domain;
+            domain.boundary = self.sides;
+            domain.boundary[1] = [Side::Periodic; 2];
+            tension.energy.carried = 1.0;
+            tension.energy.shore = Some(Shore::new(cosine, domain, self.dimension, S0));
+        }
         let (flow, sources) = (&cloud.flow, cloud.flow.sources());
         tension.update(&surface_of(flow, &sources), |_| true);
         let mut a = vec![[0.0; 3]; flow.liquid()];
@@ -105,11 +133,12 @@ impl Scene {
     }
 }
 
-fn scenes() -> [(&'static str, Scene); 3] {
+fn scenes() -> [(&'static str, Scene); 4] {
     [
         ("disc", Scene::drop(Dimension::Two, 9.0)),
         ("sphere", Scene::drop(Dimension::Three, 7.0)),
         ("pool", Scene::pool()),
+        ("corner of 60 degrees", Scene::corner()),
     ]
 }
 
@@ -178,6 +207,36 @@ fn the_energy_of_a_flat_surface_is_sigma_times_its_area() {
     }
 }
 
+/// Sheets of square layers, their energy over that of two surfaces: what is thinner than 2 H must
+/// not be cheap, or liquid would become sheets and pipes.
+#[test]
+fn thin_sheets_cost_their_two_surfaces() {
+    let reach = (2.0 * LENGTH).ceil() as i64;
+    for dimension in [2, 3] {
+        let depth = if dimension == 3 { reach } else { 0 };
+        let ratio = |layers: i64| -> f64 {
+            let of = |own: i64| {
+                let (mut phi, mut n) = (0.0, 0.0);
+                for layer in 0..layers {
+                    for x in -reach..=reach {
+                        for y in -depth..=depth {
+                            let z = (own - layer) as f64;
+                            let r = ((x * x + y * y) as f64 + z * z).sqrt();
+                            phi += value(KERNEL, dimension, r, LENGTH);
+                            n += slope(KERNEL, dimension, r, LENGTH) * z;
+                        }
+                    }
+                }
+                density(dimension, phi, [0.0, 0.0, LENGTH * n]).energy
+            };
+            (0..layers).map(of).sum::<f64>() / LENGTH / 2.0
+        };
+        let found = [1, 2, 3, 4, 6].map(ratio);
+        println!("{dimension}-D: {found:.3?}");
+        assert!(found.iter().all(|f| (0.8..1.1).contains(f)), "{found:?}");
+    }
+}
+
 /// A pool of plain water, 0.1 mm apart, without a wall beside it.
 fn water(form: &str) -> coronet::scene::Scene {
     let text = format!(
@@ -188,7 +247,7 @@ fn water(form: &str) -> coronet::scene::Scene {
          [body.pool]\nlayer = {{ depth = '1.5 mm' }}\n\
          [pack]\nspacing = '0.1 mm'\narrangement = 'lattice'\n\
          [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n\
-         [method]\nname = 'wcsph'\n[method.wcsph]\nshifting = 0\n"
+         [method]\nname = 'wcsph'\n"
     );
     let loaded = file::read(&text, Path::new("water.toml"), &[]);
     loaded
@@ -241,10 +300,13 @@ fn an_interruption_changes_no_bit() {
 #[test]
 fn what_would_feed_it_is_refused_with_the_key() {
     let ways = [
-        ("[method]\nname = 'isph'\n", "method `wcsph` only"),
-        ("[method]\nname = 'wcsph'\n", "shifting = 0"),
+        ("[method]\nname = 'mps'\n", "method `mps`"),
         (
-            "[method]\nname = 'wcsph'\n[method.wcsph]\nshifting = 0\n\
+            "[method]\nname = 'isph'\n[method.isph]\ngradient = 'corrected'\n",
+            "symmetric",
+        ),
+        (
+            "[method]\nname = 'wcsph'\n[method.wcsph]\n\
              time_stepping = { adaptive = { safety = 1 } }\n",
             "dual stepping",
         ),

@@ -282,7 +282,8 @@ fn hysteresis_holds_a_contact_line_up_to_the_advancing_angle() {
         let value = at_rest(method, viscosity, &angles);
         let (got, base) = (value("contact_angle_deg"), value("spread_factor"));
         println!("{method} {advancing}: {got}, base {base}");
-        assert!((got - angle).abs() < 8.0, "{method} {advancing}: {got}");
+        // As the block becomes round the foot of WCSPH goes two spacings to either side.
+        assert!((got - angle).abs() < 10.0, "{method} {advancing}: {got}");
         // Over the diameter of a disc of 5.6 mm^2.
         let first = 2.8 / 2.67;
         assert_eq!(

@@ -20,6 +20,7 @@ impl Tension {
                 + self.stressed.start.capacity())
             + self.stressed.images.memory()
             + self.counted.memory()
+            + self.energy.memory()
             + self.kept.memory()
             + 8 * self.typed.as_ref().map_or(0, |typed| typed.here.capacity())
             + self.band.memory()

@@ -37,7 +37,7 @@ impl Tension {
     }
 
     /// n of the liquid by itself.
-    fn sum_liquid<K: Kernel>(&mut self, flow: &Surface) {
+    pub(super) fn sum_liquid<K: Kernel>(&mut self, flow: &Surface) {
         let mut normals = std::mem::take(&mut self.normals);
         normals.resize(self.near.len(), Default::default());
         let field = flow.about(flow.position, flow.of_liquid(), &[], self.length);
@@ -47,7 +47,7 @@ impl Tension {
     }
 
     /// What the walls' colours add to it.
-    fn sum_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
+    pub(super) fn sum_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
         let n = flow.density.len();
         self.payload[0][..n].fill(1.0);
         self.payload[0][n..n + wetting.colour.len()].copy_from_slice(&wetting.colour);
@@ -59,7 +59,7 @@ impl Tension {
     }
 
     /// The angles of contact lines from the normals of the liquid at them.
-    fn measure_lines<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
+    pub(super) fn measure_lines<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
         let gradient = K::norm(self.dimension) / self.length.powi(self.dimension as i32 + 1);
         let factor = gradient * flow.mass / self.density * self.length;
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

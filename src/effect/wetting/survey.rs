@@ -1,7 +1,7 @@
 //! What is fixed of every wall particle: the wall it belongs to.
 
 use super::Setting;
-use crate::scene::Side;
+use crate::scene::{Domain, Side};
 
 /// A wall particle.
 #[derive(Clone, Copy, Debug)]
@@ -47,4 +47,18 @@ pub fn survey(setting: &Setting, wall: &[Vec<f64>; 3]) -> Vec<Place> {
         }
     };
     (0..wall[0].len()).map(place).collect()
+}
+
+/// The axis across the wall whose face is nearest to `at`, m.
+pub fn nearest(domain: &Domain, at: [f64; 3]) -> usize {
+    let mut nearest = (f64::INFINITY, 2);
+    for (axis, sides) in domain.boundary.iter().enumerate() {
+        let away = [at[axis], domain.size[axis] - at[axis]];
+        for (side, away) in sides.iter().zip(away) {
+            if *side == Side::Wall && away < nearest.0 {
+                nearest = (away, axis);
+            }
+        }
+    }
+    nearest.1
 }

@@ -108,7 +108,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         {
             self.sort();
         }
-        let shifts = self.model.settings.shifting > 0.0;
+        let shifts = self.model.shifts(self.model.settings.shifting);
         self.drift(0.5 * dt);
         self.pack_force(0.0);
         if shifts {

@@ -1,9 +1,10 @@
 //! The pair sums of a step, with their factors; equation numbers as in [`super`].
 
 use super::{Wcsph, velocity};
+use crate::effect::tension::energy::LOAD;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::pass::{Continuity, Force, ForceAndGradient, Inside, Neighbourhood, Summation};
+use crate::method::pass::{Continuity, Force, ForceAndGradient, Neighbourhood, Spared, Summation};
 use crate::scene::Pressure;
 use crate::space::sweep;
 
@@ -73,7 +74,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// (2): fills `rate`. The pressure holds what is `held` apart from it, or gravity.
     pub(super) fn density_rate(&mut self, diffusion: f64, apart: bool) {
         if self.follows_energy() {
-            return self.density_rate_inside(diffusion);
+            return self.density_rate_sparing(diffusion);
         }
         let (model, rho0) = (&self.model, self.model.density);
         let c = model.sound_speed;
@@ -109,24 +110,30 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         sweep::rows(records, rows, scale, &pass, &mut self.rate);
     }
 
-    /// The same with diffusion only where the tension has no energy, see [`Inside`].
-    fn density_rate_inside(&mut self, diffusion: f64) {
+    /// The same, sparing what holds the load of a tension that has an energy, see [`Spared`].
+    fn density_rate_sparing(&mut self, diffusion: f64) {
         let (rho0, c) = (self.model.density, self.model.sound_speed);
         let gravity = self.model.effects.gravity.unwrap_or_default();
         let (around, density) = (&self.around, &self.walls.density);
         let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
+        let load = self
+            .tension
+            .as_ref()
+            .map_or(0.0, |t| t.coefficient / t.length);
+        let spared = (2.0 * diffusion * c * LOAD * load / (rho0 * c * c)) as f32;
         self.flow.pack(
             |p, i| {
                 let [x, y, z] = velocity(p, i);
-                let inside = f32::from(u8::from(around[i].vector == [0.0; 3]));
-                [x, y, z, excess(p.density[i]), inside]
+                let layer = around[i].vector != [0.0; 3];
+                let spared = if layer { spared } else { 0.0 };
+                [x, y, z, excess(p.density[i]), spared]
             },
             |w, i| {
                 let [x, y, z] = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
-                [x, y, z, excess(density[i]), 1.0]
+                [x, y, z, excess(density[i]), 0.0]
             },
         );
-        let pass = Inside {
+        let pass = Spared {
             factor: self.gradient_factor(),
             diffusion: (2.0 * diffusion * c) as f32,
             held: gravity.map(|g| (2.0 * diffusion * self.model.h / c * g) as f32),

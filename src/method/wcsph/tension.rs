@@ -8,7 +8,6 @@ use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::surface_of;
-use crate::scene::TensionForm;
 use crate::space::parallel::{each, slots3};
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -35,7 +34,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Whether the tension is the derivative of an energy.
     pub(super) fn follows_energy(&self) -> bool {
-        self.tension.is_some() && self.model.sph.tension_form == TensionForm::SurfaceEnergy
+        self.tension.is_some() && self.model.follows_energy()
     }
 
     /// Adds to `held` the a_s of where particles are `ahead` s later.
@@ -44,14 +43,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             return self.add_tension(|s| &mut s.held);
         }
         let mut now = std::mem::take(&mut self.scratch.position);
-        for (now, x) in now.iter_mut().zip(&self.flow.particles.position) {
-            now.clone_from(x);
-        }
-        self.drift_position(ahead);
+        self.flow.look_ahead(ahead, &mut now);
         self.add_tension(|s| &mut s.held);
-        std::mem::swap(&mut now, &mut self.flow.particles.position);
+        self.flow.look_back(&mut now);
         self.scratch.position = now;
-        self.flow.place();
     }
 
     /// The same for the end of a single-rate step of `dt` s: found on new rows, after a rejected

@@ -2,12 +2,22 @@
 
 use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
-use crate::kernel::Kernel;
+use crate::kernel::{self, Kernel};
 use crate::method::pass::{Extrapolation, WallSums};
 use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
+use std::collections::HashMap;
+
+/// Part of the liquid up to which a wall is dry, and all but which makes it wet. Under the edge of
+/// a drop walls that know the pressure but not the edge push it back: 90 degrees came out as 94,
+/// at any spacing.
+const DAMP: f32 = 0.25;
+
+/// Strips of an integral over a half-space, and depths in h that are the same.
+const STRIPS: usize = 64;
+const LIKE: f64 = 1e-6;
 
 /// One entry per wall particle, in the order of the flow's wall.
 #[derive(Default)]
@@ -15,6 +25,8 @@ pub struct WallState {
     /// kg/m^3.
     pub density: Vec<f64>,
     sums: Vec<WallSums>,
+    /// Kernel sum over the liquid of a wall that is wet; empty unless it matters.
+    wet: Vec<f32>,
     /// The velocity that viscosity sees, m/s.
     viscous: Vec<[f32; 3]>,
 }
@@ -107,10 +119,40 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         });
     }
 
+    /// Finds, once, what wet walls see of the liquid: the kernel sum over a half-space, in a corner
+    /// the product of those over two or three.
+    fn soak(&mut self) {
+        let walls = self.flow.walls();
+        if !self.follows_energy() || self.walls.wet.len() == walls {
+            return;
+        }
+        let (model, wall) = (&self.model, &self.flow.wall.position);
+        let domain = &model.domain;
+        let (kernel, dimension) = (model.sph.kernel, model.dimension.count());
+        let half = |depth: f64| {
+            let step = (2.0 - depth).max(0.0) / STRIPS as f64;
+            let at = |k: usize| kernel::plane(kernel, dimension, depth + (k as f64 + 0.5) * step);
+            step * (0..STRIPS).map(at).sum::<f64>()
+        };
+        // Layers are few and their depths the same everywhere.
+        let mut known = HashMap::new();
+        let mut seen = |depth: f64| {
+            let layer = (depth / LIKE).round() as i64;
+            *known.entry(layer).or_insert_with(|| half(depth))
+        };
+        let of = |j: usize| {
+            let behind = |a: usize| (-wall[a][j]).max(wall[a][j] - domain.size[a]) / model.h;
+            let depths = (0..3).map(behind).filter(|depth| *depth > 0.0);
+            depths.map(&mut seen).product::<f64>().max(LIKE) as f32
+        };
+        self.walls.wet = (0..walls).map(of).collect();
+    }
+
     /// Pressure of the liquid carried to the wall against gravity (Adami et al. Eq. 27), as
     /// density.
     fn wall_density(&mut self) {
-        let model = &self.model;
+        self.soak();
+        let (model, unit, wet) = (&self.model, self.sum_factor(), &self.walls.wet);
         let g = model.effects.gravity.unwrap_or([0.0; 3]);
         let (sums, density) = (&self.walls.sums, Slots::new(&mut self.walls.density));
         each(sums.len(), |i| {
@@ -121,7 +163,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             } else {
                 0.0
             };
-            *unsafe { density.at(i) } = model.density_at(p);
+            let part = match wet.get(i) {
+                Some(whole) if s.weight > 0.0 => {
+                    ((unit * s.weight / whole - DAMP) / (1.0 - 2.0 * DAMP)).clamp(0.0, 1.0)
+                }
+                _ => 1.0,
+            };
+            *unsafe { density.at(i) } = model.density_at(part as f64 * p);
         });
     }
 

@@ -3,7 +3,7 @@
 use super::super::cursor::Cursor;
 use super::super::error::SceneError;
 use super::super::{
-    Dimension, KernelName, Method, Scene, Side, TensionForm, TimeStepping, WettingForm,
+    Dimension, Gradient, KernelName, Method, Scene, Side, TensionForm, TimeStepping, WettingForm,
 };
 
 pub fn check(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
@@ -25,7 +25,10 @@ fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         ("needs a wall", remedy)
     } else if scene.method.sph().wetting_form != WettingForm::Young {
         return typed(scene, &place);
-    } else if scene.method.sph().tension_form != TensionForm::RawColour {
+    } else if !matches!(
+        scene.method.sph().tension_form,
+        TensionForm::RawColour | TensionForm::SurfaceEnergy
+    ) {
         let remedy = "set `effects.tension.form = \"raw-colour\"`, as preset `modern` does";
         ("needs the raw-colour form of the tension", remedy)
     } else {
@@ -34,28 +37,31 @@ fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     Err(place.fault(problem, remedy))
 }
 
-/// The energy form is there for WCSPH with dual stepping; shifting would work against it.
+/// The energy form needs steps, a kernel and pressure forces that do not work against it.
 fn surface_energy(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     let sph = scene.method.sph();
     if scene.effects.tension.is_none() || sph.tension_form != TensionForm::SurfaceEnergy {
         return Ok(());
     }
     let form = root.nearest("effects.tension.form");
-    let Method::Wcsph(settings) = &scene.method else {
-        let remedy = "set `method.name = \"wcsph\"`, or leave the form out";
-        return Err(form.fault("is there for method `wcsph` only", remedy));
-    };
-    let (problem, remedy) = if !matches!(settings.time_stepping, TimeStepping::Dual { .. }) {
-        let remedy = "set `method.wcsph.time_stepping.dual`, as preset `modern` does";
-        ("needs dual stepping", remedy)
-    } else if sph.kernel != KernelName::WendlandC2 {
-        let remedy = "set the kernel to `wendland-c2`, as preset `modern` does";
-        ("needs the kernel of Wendland", remedy)
-    } else if settings.shifting > 0.0 {
-        let remedy = "set `method.wcsph.shifting = 0`";
-        ("is fed energy by particle shifting", remedy)
-    } else {
-        return Ok(());
+    let (problem, remedy) = match &scene.method {
+        Method::Wcsph(settings) if !matches!(settings.time_stepping, TimeStepping::Dual { .. }) => {
+            let remedy = "set `method.wcsph.time_stepping.dual`, as preset `modern` does";
+            ("needs dual stepping", remedy)
+        }
+        Method::Isph(settings) if settings.gradient != Gradient::Symmetric => {
+            let remedy = "set `method.isph.gradient = \"symmetric\"`";
+            ("needs the symmetric gradient of the pressure", remedy)
+        }
+        Method::Mps(_) => {
+            let remedy = "leave the form out, or set `method.name` to `wcsph` or `isph`";
+            ("is not there for method `mps`", remedy)
+        }
+        _ if sph.kernel != KernelName::WendlandC2 => {
+            let remedy = "set the kernel to `wendland-c2`, as preset `modern` does";
+            ("needs the kernel of Wendland", remedy)
+        }
+        _ => return Ok(()),
     };
     Err(form.fault(problem, remedy))
 }

@@ -153,7 +153,7 @@ pub static TENSION: &[Field] = &[
             "number-density",
             "number-density-exact",
         ]),
-        "Form of the tension, in place of the preset's.",
+        "Form of the tension, in place of the preset's; surface-energy: derived from an energy.",
     ),
     optional(
         "strength",

@@ -74,7 +74,14 @@ pub(super) fn isph(root: &Cursor<'_>) -> Result<Isph, SceneError> {
     let method = root.need("method")?;
     let mut settings = choose(&method, [isph_paper, isph_corrected, isph_modern])?;
     override_flow(&mut settings, &method.need("isph")?)?;
-    override_effects(&mut settings.sph, &root.need("effects")?)?;
+    let effects = root.need("effects")?;
+    override_effects(&mut settings.sph, &effects)?;
+    // Pressure forces have to do the work that their divergence sees.
+    let own = method.need("isph")?;
+    let has_energy = settings.sph.tension_form == TensionForm::SurfaceEnergy;
+    if has_energy && effects.get("tension").is_some() && own.get("gradient").is_none() {
+        settings.gradient = Gradient::Symmetric;
+    }
     Ok(settings)
 }
 

@@ -1,0 +1,208 @@
+//! Walls beside a tension that is the derivative of an energy: the contact angle.
+//!
+//! (1) E of [`super::energy`] plus cos theta sigma A of what is dry of the walls, A measured as the
+//!     liquid's own surface is: wall particles have the energy b cos theta e, with sums over liquid
+//!     and walls, and b what relaxed surfaces have of their energy ([`super::energy::carried`]).
+//! A dry wall costs sigma cos theta more than a wet one, whatever e is: Young's law is where (1) is
+//! least. At 90 degrees walls have no energy.
+//!
+//! With an advancing and a receding angle theta is, within these, that which the line has
+//! ([`crate::effect::wetting::line`]), and friction resists its motion
+//! ([`crate::effect::wetting::friction`]): y of a particle is the part along the wall of what walls
+//! of cos theta = 1 do to it, which comes to sigma per length of line.
+//!
+//! Walls are as deep as a kernel reaches; their own part of the sums is that of endless ones.
+//! Tests: tests/engine/effect_energy.rs.
+
+use super::energy::Pull;
+use super::{Surface, Tension};
+use crate::effect::wetting::TIMES;
+use crate::effect::wetting::friction::Hold;
+use crate::effect::wetting::survey::nearest;
+use crate::kernel::Kernel;
+use crate::particle::lattice::cells;
+use crate::particle::shape::axes;
+use crate::particle::wall::is_wall;
+use crate::scene::{Dimension, Domain};
+use crate::space::lane::Lanes;
+use crate::space::sweep::{self, Pair, Pass};
+use std::collections::HashMap;
+
+/// Walls with a contact angle, and scratch memory.
+#[derive(Clone, Debug)]
+pub struct Shore {
+    pub cosine: f64,
+    pub domain: Domain,
+    pub dimension: Dimension,
+    /// s0, m.
+    pub spacing: f64,
+    /// Per wall particle: SUM slope d and SUM w over other wall particles; empty before the first
+    /// update.
+    dry: Vec<[f32; 4]>,
+    /// Wall particles near a surface.
+    pub near: Vec<u32>,
+    /// Of those: H n, then phi.
+    pub sums: Vec<[f32; 4]>,
+    /// What walls do to the liquid in reach: those of cos theta = 1, and of the angles of lines.
+    pulls: [Vec<[f32; 3]>; 2],
+}
+
+impl Shore {
+    pub fn new(cosine: f64, domain: Domain, dimension: Dimension, spacing: f64) -> Self {
+        Shore {
+            cosine,
+            domain,
+            dimension,
+            spacing,
+            dry: Vec::new(),
+            near: Vec::new(),
+            sums: Vec::new(),
+            pulls: Default::default(),
+        }
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        16 * (self.dry.capacity() + self.sums.capacity())
+            + 4 * self.near.capacity()
+            + 24 * self.pulls[0].capacity()
+    }
+
+    /// Adds what walls add to the sums of `near`; `wall`: wall particles, `length`: H, m.
+    pub fn add_walls<K: Kernel>(&mut self, wall: &[Vec<f64>; 3], length: f64) {
+        if self.dry.len() != wall[0].len() {
+            self.dry = self.alone::<K>(wall, length);
+        }
+        for (&j, sum) in self.near.iter().zip(&mut self.sums) {
+            let dry = self.dry[j as usize];
+            (0..4).for_each(|a| sum[a] += dry[a]);
+        }
+    }
+
+    /// SUM slope d and SUM w of every wall particle over the others, in walls without a back.
+    fn alone<K: Kernel>(&self, wall: &[Vec<f64>; 3], length: f64) -> Vec<[f32; 4]> {
+        let (mut count, mut pitch, mut reach) = ([1; 3], [0.0; 3], [0; 3]);
+        for &a in axes(self.dimension) {
+            (count[a], pitch[a]) = cells(self.domain.size[a], self.spacing);
+            reach[a] = (2.0 * length / pitch[a]).floor() as i64;
+        }
+        // Away from corners all cells of a layer are alike.
+        let class = |a: usize, i: i64| {
+            let inside = i > reach[a] && i + reach[a] < count[a] - 1;
+            if inside { count[a] / 2 } else { i }
+        };
+        let mut known = HashMap::new();
+        let of = |j: usize| {
+            let index = [0, 1, 2].map(|a| match pitch[a] {
+                0.0 => 0,
+                pitch => class(a, (wall[a][j] / pitch).floor() as i64),
+            });
+            *known.entry(index).or_insert_with(|| {
+                let mut sum = [0.0; 4];
+                for k in 0..reach.iter().map(|r| 2 * r + 1).product::<i64>() {
+                    let [nx, ny, _] = reach.map(|r| 2 * r + 1);
+                    let step = [k % nx, k / nx % ny, k / nx / ny];
+                    let away = [0, 1, 2].map(|a| step[a] - reach[a]);
+                    let other = [0, 1, 2].map(|a| index[a] + away[a]);
+                    let d = [0, 1, 2].map(|a| -pitch[a] * away[a] as f64 / length);
+                    let q = d.iter().map(|d| d * d).sum::<f64>().sqrt();
+                    if q == 0.0 || !is_wall(self.domain.boundary, other, count) {
+                        continue;
+                    }
+                    (0..3).for_each(|a| sum[a] += K::slope(q) * d[a]);
+                    sum[3] += K::w(q);
+                }
+                sum.map(|s| s as f32)
+            })
+        };
+        (0..wall[0].len()).map(of).collect()
+    }
+}
+
+/// What others do to a target that has nothing itself.
+struct Others<'a, P>(&'a P);
+
+impl<P: Pass<3, Out = [f32; 3]>> Pass<3> for Others<'_, P> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    fn own(&self, _: usize, _: [f32; 6]) -> [f32; 6] {
+        [0.0; 6]
+    }
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe { self.0.pair::<L>(pair, sum) }
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        self.0.finish(target, sum, out);
+    }
+}
+
+impl Tension {
+    /// The angles that lines have, with hysteresis.
+    pub(super) fn find_lines<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        is_surface: impl Fn(usize) -> bool + Sync,
+    ) {
+        let Some(mut wetting) = self.wetting.take() else {
+            return;
+        };
+        wetting.find::<K>(flow, is_surface);
+        self.sum_liquid::<K>(flow);
+        for _ in 0..TIMES {
+            wetting.colour::<K>(flow);
+            self.sum_walls::<K>(flow, &mut wetting);
+            self.measure_lines::<K>(flow, &mut wetting);
+        }
+        self.payload.iter_mut().for_each(|words| words.fill(0.0));
+        self.wetting = Some(wetting);
+    }
+
+    /// Friction of lines with hysteresis; then gives walls, so far of cos theta = 1, the angles
+    /// that lines have. `words`: e' and g.
+    pub(super) fn hold_lines<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        words: &mut [Vec<f32>; 4],
+        pull: &Pull<K>,
+    ) {
+        let (Some(wetting), Some(shore)) = (&mut self.wetting, &mut self.energy.shore) else {
+            return;
+        };
+        let (n, length, reached) = (flow.density.len(), self.length, &self.reached);
+        let look = |words: &[Vec<f32>; 4], sums: &mut Vec<[f32; 3]>| {
+            sums.resize(reached.len(), [0.0; 3]);
+            let field = flow.about(flow.position, flow.of_wall(), words, length);
+            sweep::runs(field, reached, &Others(pull), sums);
+        };
+        let [of_wet, of_lines] = &mut shore.pulls;
+        look(words, of_wet);
+        for &j in &shore.near {
+            let cosine = wetting.cosines[j as usize] as f32;
+            words.iter_mut().for_each(|w| w[n + j as usize] *= cosine);
+        }
+        let [slope, vector @ ..] = words;
+        flow.share(slope);
+        flow.turn(vector);
+        look(words, of_lines);
+        let (middle, half) = (wetting.cosine, wetting.setting.angle.friction());
+        self.lines.clear();
+        wetting.friction.hold.clear();
+        for ((&i, wet), line) in reached.iter().zip(of_wet).zip(of_lines) {
+            if *wet == [0.0; 3] {
+                continue;
+            }
+            let at = [0, 1, 2].map(|a| flow.position[a][i as usize]);
+            let across = nearest(&wetting.setting.domain, at);
+            let along = |a: usize, value: f32| if a == across { 0.0 } else { value };
+            let y = [0, 1, 2].map(|a| along(a, wet[a]));
+            let most = half as f32 * y.iter().map(|y| y * y).sum::<f32>().sqrt();
+            self.lines.push(i);
+            wetting.friction.hold.push(Hold {
+                most: [0, 1, 2].map(|a| along(a, most)),
+                drive: [0, 1, 2].map(|a| middle as f32 * y[a] - along(a, line[a])),
+            });
+        }
+    }
+}

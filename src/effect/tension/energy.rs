@@ -105,6 +105,13 @@ pub fn density(dimension: usize, phi: f64, n: [f64; 3]) -> Density {
     }
 }
 
+/// e at the sums of [`Look`], which become H n and phi; `unit`: [`Tension::unit`].
+fn complete<K: Kernel>(dimension: usize, unit: f64, s: &mut [f32; 4]) -> Density {
+    *s = s.map(|s| (unit * s as f64) as f32);
+    s[3] += (unit * K::w(0.0)) as f32;
+    density(dimension, s[3] as f64, [0, 1, 2].map(|a| s[a] as f64))
+}
+
 /// SUM slope d and SUM w of the others.
 struct Look<K>(PhantomData<K>);
 
@@ -198,7 +205,11 @@ impl Tension {
     ) {
         self.band.grow(flow.grid, DEEP * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.near);
-        self.find_lines::<K>(flow, is_surface);
+        if let Some(mut wetting) = self.wetting.take() {
+            self.find_lines::<K>(flow, is_surface, &mut wetting);
+            self.clear(flow);
+            self.wetting = Some(wetting);
+        }
         let mut sums = std::mem::take(&mut self.energy.sums);
         sums.resize(self.near.len(), [0.0; 4]);
         self.runs(flow, &[], (&self.near, &Look::<K>(PhantomData)), &mut sums);
@@ -253,9 +264,7 @@ impl Tension {
         };
         for (&j, s) in shore.near.iter().zip(&mut shore.sums) {
             let i = n + j as usize;
-            *s = s.map(|s| (unit * s as f64) as f32);
-            s[3] += (unit * K::w(0.0)) as f32;
-            let e = density(self.dimension, s[3] as f64, [0, 1, 2].map(|a| s[a] as f64));
+            let e = complete::<K>(self.dimension, unit, s);
             self.energy.slope[i] = (cosine * e.slope) as f32;
             (0..3).for_each(|a| self.payload[a][i] = (cosine * e.gradient[a]) as f32);
         }
@@ -274,9 +283,7 @@ impl Tension {
         let (near, sums) = (&self.near, Slots::new(sums));
         each(near.len(), |k| {
             let (i, s) = (near[k] as usize, unsafe { sums.at(k) });
-            *s = s.map(|s| (unit * s as f64) as f32);
-            s[3] += (unit * K::w(0.0)) as f32;
-            let e = density(d, s[3] as f64, [0, 1, 2].map(|a| s[a] as f64));
+            let e = complete::<K>(d, unit, s);
             *unsafe { slope.at(i) } = e.slope as f32;
             (0..3).for_each(|a| *unsafe { payload[a].at(i) } = e.gradient[a] as f32);
         });

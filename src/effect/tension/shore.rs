@@ -16,7 +16,6 @@
 
 use super::energy::Pull;
 use super::{Surface, Tension};
-use crate::effect::wetting::TIMES;
 use crate::effect::wetting::friction::Hold;
 use crate::effect::wetting::survey::nearest;
 use crate::kernel::Kernel;
@@ -139,26 +138,6 @@ impl<P: Pass<3, Out = [f32; 3]>> Pass<3> for Others<'_, P> {
 }
 
 impl Tension {
-    /// The angles that lines have, with hysteresis.
-    pub(super) fn find_lines<K: Kernel>(
-        &mut self,
-        flow: &Surface,
-        is_surface: impl Fn(usize) -> bool + Sync,
-    ) {
-        let Some(mut wetting) = self.wetting.take() else {
-            return;
-        };
-        wetting.find::<K>(flow, is_surface);
-        self.sum_liquid::<K>(flow);
-        for _ in 0..TIMES {
-            wetting.colour::<K>(flow);
-            self.sum_walls::<K>(flow, &mut wetting);
-            self.measure_lines::<K>(flow, &mut wetting);
-        }
-        self.payload.iter_mut().for_each(|words| words.fill(0.0));
-        self.wetting = Some(wetting);
-    }
-
     /// Friction of lines with hysteresis; then gives walls, so far of cos theta = 1, the angles
     /// that lines have. `words`: e' and g.
     pub(super) fn hold_lines<K: Kernel>(

@@ -22,13 +22,7 @@ impl Tension {
         let Some(mut wetting) = self.wetting.take() else {
             return;
         };
-        wetting.find::<K>(flow, is_surface);
-        self.sum_liquid::<K>(flow);
-        for _ in 0..if wetting.rubs() { TIMES } else { 0 } {
-            wetting.colour::<K>(flow);
-            self.sum_walls::<K>(flow, &mut wetting);
-            self.measure_lines::<K>(flow, &mut wetting);
-        }
+        self.find_lines::<K>(flow, is_surface, &mut wetting);
         wetting.colour::<K>(flow);
         wetting.leave_out();
         self.sum_walls::<K>(flow, &mut wetting);
@@ -36,8 +30,24 @@ impl Tension {
         self.wetting = Some(wetting);
     }
 
+    /// Wall particles near a surface, n of the liquid, and with hysteresis the angles of lines.
+    pub(super) fn find_lines<K: Kernel>(
+        &mut self,
+        flow: &Surface,
+        is_surface: impl Fn(usize) -> bool + Sync,
+        wetting: &mut Wetting,
+    ) {
+        wetting.find::<K>(flow, is_surface);
+        self.sum_liquid::<K>(flow);
+        for _ in 0..if wetting.rubs() { TIMES } else { 0 } {
+            wetting.colour::<K>(flow);
+            self.sum_walls::<K>(flow, wetting);
+            self.measure_lines::<K>(flow, wetting);
+        }
+    }
+
     /// n of the liquid by itself.
-    pub(super) fn sum_liquid<K: Kernel>(&mut self, flow: &Surface) {
+    fn sum_liquid<K: Kernel>(&mut self, flow: &Surface) {
         let mut normals = std::mem::take(&mut self.normals);
         normals.resize(self.near.len(), Default::default());
         let field = flow.about(flow.position, flow.of_liquid(), &[], self.length);
@@ -47,7 +57,7 @@ impl Tension {
     }
 
     /// What the walls' colours add to it.
-    pub(super) fn sum_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
+    fn sum_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
         let n = flow.density.len();
         self.payload[0][..n].fill(1.0);
         self.payload[0][n..n + wetting.colour.len()].copy_from_slice(&wetting.colour);
@@ -59,7 +69,7 @@ impl Tension {
     }
 
     /// The angles of contact lines from the normals of the liquid at them.
-    pub(super) fn measure_lines<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
+    fn measure_lines<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
         let gradient = K::norm(self.dimension) / self.length.powi(self.dimension as i32 + 1);
         let factor = gradient * flow.mass / self.density * self.length;
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -29,8 +29,12 @@ fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         scene.method.sph().tension_form,
         TensionForm::RawColour | TensionForm::SurfaceEnergy
     ) {
-        let remedy = "set `effects.tension.form = \"raw-colour\"`, as preset `modern` does";
-        ("needs the raw-colour form of the tension", remedy)
+        let remedy = "set `effects.tension.form` to `surface-energy` or `raw-colour`, one of which \
+                      preset `modern` has";
+        (
+            "needs the surface-energy or raw-colour form of the tension",
+            remedy,
+        )
     } else {
         return Ok(());
     };

@@ -22,8 +22,8 @@ pub mod version {
 
     pub const PACK: u32 = 2;
     const CALIBRATE: u32 = 7;
-    pub const POST: u32 = 9;
-    const FLOW: u32 = 17;
+    pub const POST: u32 = 10;
+    const FLOW: u32 = 18;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,
     /// with a tension that has an energy, with MPS, with a corrected gradient, with WCSPH or with

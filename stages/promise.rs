@@ -186,13 +186,15 @@ impl Case {
             conservation.take(&frame.with_context(log)?);
         }
         let figures = conservation.figures(measures);
-        let bound = |name: &str| {
-            let always = ALWAYS.iter().find(|(always, _)| *always == name);
+        let bound = |name: &str, found: f64| {
+            let mut always = ALWAYS.iter().filter(|_| !found.is_nan());
             let own = self.promise.get(name).copied();
-            own.or(always.map(|(_, bound)| *bound))
+            own.or(always
+                .find(|(always, _)| *always == name)
+                .map(|(_, bound)| *bound))
         };
         let judged = figures.into_iter().filter_map(|(name, found)| {
-            let bound = bound(name)?;
+            let bound = bound(name, found)?;
             Some(Promise {
                 name: name.to_string(),
                 bound: format!("<= {bound}"),

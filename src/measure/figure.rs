@@ -72,7 +72,7 @@ impl Figures<'_> {
                 vec![self.plot("Highest speed", "speed (m/s)", 1.0, &speed)]
             }
         };
-        plots.push(self.energy());
+        plots.extend([self.energy(), self.budget()]);
         plots.retain(Plot::has_points);
         plots
     }
@@ -170,29 +170,50 @@ impl Figures<'_> {
             .collect()
     }
 
+    fn from_first(&self, name: &str) -> Option<Vec<f64>> {
+        let energy = self.series.column(name)?;
+        Some(energy.iter().map(|e| e - energy[0]).collect())
+    }
+
     /// Energies from those of the first frame; kinetic from zero.
     fn energy(&self) -> Plot {
-        let from_first = |name: &str| {
-            self.series
-                .column(name)
-                .map(|e| e.iter().map(|v| v - e[0]).collect::<Vec<f64>>())
-        };
         let kinetic = self.series.column("kinetic_energy_J").map(<[f64]>::to_vec);
         let parts = [
             ("kinetic", kinetic),
-            ("potential", from_first("potential_energy_J")),
-            ("surface", from_first("surface_energy_J")),
+            ("potential", self.from_first("potential_energy_J")),
+            ("surface", self.from_first("surface_energy_J")),
+            ("compression", self.from_first("compression_energy_J")),
             ("sum", summary::total_energy(self.series)),
         ];
+        self.energies("Energy", "energy from the start", &parts)
+    }
+
+    /// What was taken from the sum of the energies, and what came from nowhere.
+    fn budget(&self) -> Plot {
+        let taken = |name: &str| {
+            let work = self.from_first(&format!("{name}_work_J"))?;
+            Some(work.iter().map(|w| -w).collect::<Vec<f64>>())
+        };
+        let unexplained = self.series.column("energy_unexplained_J");
+        let parts = [
+            ("viscosity", taken("viscosity")),
+            ("diffusion of density", taken("diffusion")),
+            ("shifting", taken("shifting")),
+            ("removal", taken("removal")),
+            ("walls", taken("wall")),
+            ("unexplained", unexplained.map(<[f64]>::to_vec)),
+        ];
+        self.energies("Energy budget", "energy taken since the start", &parts)
+    }
+
+    /// The last of `parts`, named energies in J, stands out.
+    fn energies(&self, title: &str, y: &str, parts: &[(&str, Option<Vec<f64>>)]) -> Plot {
         let known = parts.iter().filter_map(|(_, e)| e.as_ref()).flatten();
-        let largest = known.fold(
-            0.0f64,
-            |m, e| if e.is_finite() { m.max(e.abs()) } else { m },
-        );
-        let per = if self.scene.dimension == Dimension::Two {
-            "/m"
-        } else {
-            ""
+        let known = known.filter(|e| e.is_finite());
+        let largest = known.fold(0.0f64, |most, e| most.max(e.abs()));
+        let per = match self.scene.dimension {
+            Dimension::Two => "/m",
+            Dimension::Three => "",
         };
         let (factor, unit) = match largest {
             e if e >= 1.0 => (1.0, "J"),
@@ -200,29 +221,24 @@ impl Figures<'_> {
             e if e >= 1e-6 => (1e6, "µJ"),
             _ => (1e9, "nJ"),
         };
-        let curve = |(n, (label, energy)): (usize, (&str, Option<Vec<f64>>))| {
-            energy
-                .filter(|e| e.iter().any(|v| *v != 0.0))
-                .map(|e| Curve {
-                    label: label.to_owned(),
-                    points: self.points(self.series, &e, factor, self.shift),
-                    line: if label == "sum" {
-                        Line::Dashed
-                    } else {
-                        Line::Solid
-                    },
-                    colour: if label == "sum" {
-                        REFERENCE[0]
-                    } else {
-                        PALETTE[n]
-                    },
-                })
+        let curve = |(n, (label, energy)): (usize, &(&str, Option<Vec<f64>>))| {
+            let energy = energy.as_ref().filter(|e| e.iter().any(|v| *v != 0.0))?;
+            let (line, colour) = match n + 1 == parts.len() {
+                true => (Line::Dashed, REFERENCE[0]),
+                false => (Line::Solid, PALETTE[n]),
+            };
+            Some(Curve {
+                label: (*label).to_owned(),
+                points: self.points(self.series, energy, factor, self.shift),
+                line,
+                colour,
+            })
         };
         Plot {
-            title: "Energy budget".to_owned(),
+            title: title.to_owned(),
             x: self.time_label().to_owned(),
-            y: format!("energy from the start ({unit}{per})"),
-            curves: parts.into_iter().enumerate().filter_map(curve).collect(),
+            y: format!("{y} ({unit}{per})"),
+            curves: parts.iter().enumerate().filter_map(curve).collect(),
             from_zero: true,
         }
     }

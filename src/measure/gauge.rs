@@ -157,8 +157,16 @@ pub type Row = Vec<(String, f64)>;
 pub struct Gauge {
     scene: Scene,
     pub kind: Kind,
-    /// Initial level of the pool above the floor, m: as measured in the first frame.
+    pub start: Start,
+}
+
+/// What the first frame fixes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Start {
+    /// Initial level of the pool above the floor, m.
     pub level: Option<f64>,
+    /// Energies of motion, height, compression and surface less the work done until then, J.
+    pub energy: Option<f64>,
 }
 
 impl Gauge {
@@ -166,20 +174,20 @@ impl Gauge {
         Gauge {
             scene: scene.clone(),
             kind: Kind::new(scene),
-            level: None,
+            start: Start::default(),
         }
     }
 
-    /// Measures a frame. The first one fixes the initial level.
+    /// Measures a frame. The first one fixes the start.
     pub fn measure(&mut self, frame: &Frame) -> Row {
-        let (row, level) = self.look(frame);
-        self.level = level;
+        let (row, start) = self.look(frame);
+        self.start = start;
         row
     }
 
-    /// Measures a frame after the first, or that: then with the level that it fixes.
-    pub fn look(&self, frame: &Frame) -> (Row, Option<f64>) {
-        let mut level = self.level;
+    /// Measures a frame after the first, or that: then with the start that it fixes.
+    pub fn look(&self, frame: &Frame) -> (Row, Start) {
+        let mut start = self.start;
         let mut row = Table::default();
         row.put("time_s", frame.time);
         let mut area = None;
@@ -192,7 +200,7 @@ impl Gauge {
                 &frame.position,
             );
             let region = Region::new(&raster);
-            self.measure_region(&region, frame, &mut level, &mut row);
+            self.measure_region(&region, frame, &mut start.level, &mut row);
             if scene.effects.tension.is_some() {
                 area = Some(raster.surface_area());
             }
@@ -205,7 +213,11 @@ impl Gauge {
             row.put("speed_max_m_s", speed_max(frame));
         }
         self.measure_energy(frame, area, &mut row);
-        (row.0, level)
+        if let Some(energy) = explained(&row.0) {
+            let first = *start.energy.get_or_insert(energy);
+            row.put("energy_unexplained_J", energy - first);
+        }
+        (row.0, start)
     }
 
     fn measure_region(
@@ -321,6 +333,19 @@ impl Gauge {
             row.put("mass_kg", mass * count as f64);
         }
     }
+}
+
+/// The energies of a row less all work that is known, J; `None` where none is known.
+fn explained(row: &Row) -> Option<f64> {
+    let is_work = |name: &str| name.ends_with("_work_J");
+    let is_energy = |name: &str| name.ends_with("_energy_J");
+    row.iter().find(|(name, _)| is_work(name))?;
+    let signed = row.iter().map(|(name, value)| match name {
+        name if is_work(name) => -value,
+        name if is_energy(name) => *value,
+        _ => 0.0,
+    });
+    Some(signed.sum())
 }
 
 #[derive(Default)]

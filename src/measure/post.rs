@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::canvas::Canvas;
 use super::field::Field;
-use super::gauge::{Gauge, Kind, Row, contact_time, pool_depth};
+use super::gauge::{Gauge, Kind, Row, Start, contact_time, pool_depth};
 use super::loss;
 use super::pool::Axis;
 use super::report::Report;
@@ -90,7 +90,7 @@ struct Asked {
 
 /// What a frame gave: its row and the initial level, its pictures.
 struct Look {
-    measured: (Row, Option<f64>),
+    measured: (Row, Start),
     panel: Option<(Section, Option<Canvas>)>,
     field: Option<Field>,
 }
@@ -196,8 +196,8 @@ impl Post {
             .map(|(frame, asked)| self.look(frame, asked))
             .collect();
         for (frame, look) in frames.iter().zip(looks) {
-            let (row, level) = look.measured;
-            self.gauge.level = level;
+            let (row, start) = look.measured;
+            self.gauge.start = start;
             self.series.push(&row);
             if let Some(panel) = look.panel {
                 self.sections.push(panel);
@@ -335,7 +335,7 @@ impl Post {
 
     fn notes(&self) -> Vec<String> {
         let mut notes = self.remarks.clone();
-        if let Some(level) = self.gauge.level {
+        if let Some(level) = self.gauge.start.level {
             notes.push(format!(
                 "Lengths count from the level of the pool in the first frame, {:.3} mm above the \
                  floor.",

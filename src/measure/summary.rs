@@ -261,6 +261,13 @@ fn balance(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
         let name = "change of kinetic + potential + surface energy".to_owned();
         lines.push((name, format!("{} {unit}", digits(change))));
     }
+    if let Some(unexplained) = series
+        .column("energy_unexplained_J")
+        .and_then(<[f64]>::last)
+    {
+        let name = "energy unexplained".to_owned();
+        lines.push((name, format!("{} {unit}", digits(*unexplained))));
+    }
     let mass = if scene.dimension == Dimension::Two {
         "kg/m"
     } else {

@@ -72,5 +72,8 @@ impl Unfold {
 
 /// Whether a scalar adds up over parts.
 fn is_extensive(name: &str) -> bool {
-    name.ends_with("_energy_J") || name.starts_with("mass_") || name.starts_with("momentum_")
+    name.ends_with("_energy_J")
+        || name.ends_with("_work_J")
+        || name.starts_with("mass_")
+        || name.starts_with("momentum_")
 }

@@ -3,7 +3,7 @@
 use super::Diverged;
 use super::flow::Flow;
 use crate::particle::{Frame, Particles};
-use crate::space::parallel::sum;
+use crate::space::parallel::{sum, sum_in};
 
 /// Per-particle fields that only the solver knows.
 pub struct Fields<'a> {
@@ -66,6 +66,37 @@ pub fn budget(flow: &Flow, gravity: Option<[f64; 3]>) -> [f64; 5] {
             m * v[2],
         ]
     })
+}
+
+/// What is gained from one velocity, m/s, to another, J/kg.
+pub fn gained(before: [f64; 3], after: [f64; 3]) -> f64 {
+    let along = |a: usize| after[a] * after[a] - before[a] * before[a];
+    0.5 * (0..3).map(along).sum::<f64>()
+}
+
+/// Power of accelerations, W, and its rate from what they do to velocities, W/s.
+pub fn power(p: &Particles, acceleration: &[[f32; 3]], parts: &mut Vec<[f64; 2]>) -> [f64; 2] {
+    let of = |i: usize| {
+        let pairs = [0, 1, 2].map(|a| [p.velocity[a][i], acceleration[i][a] as f64]);
+        let sums = |f: fn(&[f64; 2]) -> f64| pairs.iter().map(f).sum();
+        [sums(|[v, a]| v * a), sums(|[_, a]| a * a)]
+    };
+    sum_in(parts, p.len(), of).map(|sum| p.mass * sum)
+}
+
+/// Energy of motion, of height, and `own` of each particle, J/kg, J.
+pub fn stored(
+    p: &Particles,
+    gravity: Option<[f64; 3]>,
+    own: impl Fn(usize) -> f64 + Sync,
+    parts: &mut Vec<[f64; 1]>,
+) -> f64 {
+    let g = gravity.unwrap_or_default();
+    let [energy] = sum_in(parts, p.len(), |i| {
+        let part = |a: usize| 0.5 * p.velocity[a][i].powi(2) - g[a] * p.position[a][i];
+        [(0..3).map(part).sum::<f64>() + own(i)]
+    });
+    p.mass * energy
 }
 
 /// What every frame tells of mass, momentum, kg m/s, and the last step: the largest speed, m/s, its

@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod flow;
 pub mod frame;
 pub mod isph;
+pub mod ledger;
 pub mod limit;
 pub mod model;
 pub mod mps;

@@ -159,6 +159,24 @@ impl Model {
         }
     }
 
+    /// Energy of compression, INT P / rho^2 d rho from rho0, J/kg.
+    #[inline(always)]
+    pub fn compression(&self, density: f64) -> f64 {
+        let e = density / self.density;
+        if self.settings.pressure == Pressure::Clipped && e < 1.0 {
+            return 0.0;
+        }
+        let (c2, chi) = (self.sound_speed * self.sound_speed, self.settings.exponent);
+        if chi == 1.0 {
+            return c2 * (e.ln() + 1.0 / e - 1.0);
+        }
+        let power = match chi == 7.0 {
+            true => e.powi(6),
+            false => e.powf(chi - 1.0),
+        };
+        c2 / chi * ((power - 1.0) / (chi - 1.0) + 1.0 / e - 1.0)
+    }
+
     /// rho(P), kg/m^3: the inverse of the unclipped equation of state.
     pub fn density_at(&self, pressure: f64) -> f64 {
         let p = pressure / (self.density * self.sound_speed * self.sound_speed);

@@ -39,6 +39,7 @@ pub mod surface;
 pub(super) mod walls;
 
 use super::flow::Flow;
+use super::ledger::Ledger;
 use super::model::Case;
 use super::pressure::multigrid::Domain;
 use super::pressure::{Equation, Outcome, Solver as PressureSolver};
@@ -155,6 +156,9 @@ pub(super) struct Projection<S: Scheme> {
     /// Repeated solutions of the run.
     repeated: u64,
     pool: bool,
+    ledger: Ledger,
+    /// Work of friction in the last step, J.
+    rubbed: f64,
     scratch: Scratch<S::Own>,
 }
 
@@ -169,6 +173,8 @@ struct Scratch<T> {
     /// Whether a particle of the surface may be in the support.
     near: Vec<bool>,
     friction: Vec<Hold>,
+    parts: Vec<[f64; 1]>,
+    pairs: Vec<[f64; 2]>,
 }
 
 impl<S: Scheme> Projection<S> {
@@ -225,6 +231,8 @@ impl<S: Scheme> Projection<S> {
             },
             repeated: named("pressure_repeated").unwrap_or(0.0) as u64,
             pool,
+            ledger: Ledger::of(state),
+            rubbed: 0.0,
             scratch: Scratch::default(),
         };
         if let Some(sums) = array("kernel_sum") {
@@ -234,6 +242,7 @@ impl<S: Scheme> Projection<S> {
         solver.fastest = solver.speed();
         solver.connected = named("connected_speed_m_s").unwrap_or(solver.fastest);
         solver.peak = solver.peak();
+        solver.find_surface_energy();
         solver
     }
 
@@ -336,7 +345,8 @@ impl<S: Scheme> Solver for Projection<S> {
             ("connected_speed_m_s".to_string(), self.connected),
         ];
         let solution = self.solution_scalars();
-        scalars.extend(solution.map(|(name, value)| (name.to_string(), value)));
+        let named = solution.into_iter().chain(self.ledger.scalars());
+        scalars.extend(named.map(|(name, value)| (name.to_string(), value)));
         if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
             scalars.push(("tension_strength".to_string(), tension.strength));
         }

@@ -12,6 +12,7 @@
 //! Fails where: summation density thins out at a free surface (skin without pressure); negative
 //! pressure with few neighbours clumps. Tests: tests/validation.
 
+mod budget;
 mod control;
 mod dual;
 mod report;
@@ -21,6 +22,7 @@ mod verlet;
 mod walls;
 
 use super::flow::Flow;
+use super::ledger::Ledger;
 use super::limit::Limits;
 use super::model::Model;
 use super::pass::Surroundings;
@@ -71,6 +73,7 @@ pub struct Wcsph<K, V> {
     friction: Vec<Hold>,
     walls: walls::WallState,
     pool: bool,
+    ledger: Ledger,
     control: control::Control,
     scratch: Scratch,
     kernel: PhantomData<K>,
@@ -84,6 +87,7 @@ struct Scratch {
     mist: Vec<bool>,
     friction: Vec<Hold>,
     position: [Vec<f64>; 3],
+    pairs: Vec<[f64; 2]>,
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -129,6 +133,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             friction: Vec::new(),
             walls: walls::WallState::default(),
             pool,
+            ledger: Ledger::of(state),
             control: control::Control::new(state),
             scratch: Scratch::default(),
             kernel: PhantomData,
@@ -152,6 +157,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 }
                 _ => solver.prime(),
             }
+        } else if solver.ledger.surface.is_none() && solver.follows_energy() {
+            solver.find_surface_energy();
         }
         solver
     }
@@ -198,6 +205,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Wraps, removes, sorts, finds neighbours, looks at the surroundings.
     fn rebuild(&mut self) {
+        let (before, gone) = (self.stored(), self.flow.removed.1);
         let (around, scale) = (&self.around, self.sum_factor());
         let mist = &mut self.scratch.mist;
         mist.clear();
@@ -219,12 +227,16 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             super::flow::retain(&mut self.force, &keep);
             super::flow::retain(&mut self.around, &keep);
         }
+        self.ledger.removal += self.stored() - before;
+        self.ledger.removes = self.flow.removed.1 > gone;
         self.friction.clear();
         self.tension_age = f64::INFINITY;
         self.sort();
         self.look();
         if self.model.compaction().is_finite() {
+            let before = self.stored();
             self.show_crushed();
+            self.ledger.diffusion += self.stored() - before;
         }
     }
 
@@ -322,6 +334,10 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
         if self.is_dual() {
             scalars.push(("connected_speed_m_s".to_string(), self.connected));
         }
+        let budget = self
+            .budget_scalars()
+            .chain(self.books().then(|| self.ledger.held()));
+        scalars.extend(budget.map(|(name, value)| (name.to_string(), value)));
         if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
             scalars.push(("tension_strength".to_string(), tension.strength));
         }

@@ -4,7 +4,7 @@ use super::cloud::{CHANNEL, Cloud, OPEN, Random, length};
 use super::method_scene::{disturbed, words};
 use super::pack_scene::{S0, scene};
 use coronet::effect::tension::Tension;
-use coronet::effect::tension::energy::density;
+use coronet::effect::tension::energy::{Account, density};
 use coronet::effect::tension::shore::Shore;
 use coronet::kernel::{plane, slope, value};
 use coronet::method::{self, Phase, Solver, surface_of};
@@ -99,8 +99,9 @@ impl Scene {
         }
     }
 
-    /// Energy, and per particle place, velocity and force, of where they are `ahead` later.
-    fn look(&self, ahead: f64) -> (f64, Vec<[[f64; 3]; 3]>) {
+    /// Energy and its rate, and per particle place, velocity and force, of where they are `ahead`
+    /// later.
+    fn look(&self, ahead: f64) -> (Account, Vec<[[f64; 3]; 3]>) {
         let moved = |(at, v): &Point| ([0, 1, 2].map(|a| at[a] + ahead * v[a]), *v);
         let points: Vec<Point> = self.points.iter().map(moved).collect();
         let cloud = Cloud::of(self.dimension, self.cells, self.sides, LENGTH, &points);
@@ -129,7 +130,7 @@ impl Scene {
             let velocity = [0, 1, 2].map(|k| p.velocity[k][i]);
             [flow.position(i), velocity, a[i].map(|a| mass * a as f64)]
         };
-        (tension.energy(mass), (0..a.len()).map(of).collect())
+        (tension.account(p), (0..a.len()).map(of).collect())
     }
 }
 
@@ -145,14 +146,19 @@ fn scenes() -> [(&'static str, Scene); 4] {
 #[test]
 fn the_work_of_the_force_is_what_the_energy_falls_by() {
     for (name, scene) in scenes() {
-        let (_, particles) = scene.look(0.0);
+        let (now, particles) = scene.look(0.0);
         let power: f64 = particles
             .iter()
             .flat_map(|[_, v, f]| (0..3).map(move |a| v[a] * f[a]))
             .sum();
         // Velocities are of spacings.
         let step = 1e-3;
-        let rate = (scene.look(step).0 - scene.look(-step).0) / (2.0 * step * S0);
+        let energy = |ahead: f64| scene.look(ahead).0.energy;
+        let rate = (energy(step) - energy(-step)) / (2.0 * step * S0);
+        assert!(
+            (now.rate + power).abs() < 1e-6 * power.abs(),
+            "{name}: {now:?}"
+        );
         let error = (power + rate) / rate;
         println!(
             "{name}: power {power:.6e}, minus the rate {:.6e}, {error:.1e}",

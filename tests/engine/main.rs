@@ -24,6 +24,7 @@ mod measure_post;
 mod measure_series;
 mod measure_splash;
 mod measure_tradeoff;
+mod method_budget;
 mod method_conservation;
 mod method_control;
 mod method_crush;

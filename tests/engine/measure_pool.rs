@@ -35,9 +35,9 @@ fn a_flat_pool_has_neither_crater_nor_crown() {
         let mut gauge = Gauge::new(&scene);
         let row = gauge.measure(&splash(&scene, &Splash::default()));
         assert!(
-            (gauge.level.unwrap() * 1e3 - 10.0).abs() < 0.02,
+            (gauge.start.level.unwrap() * 1e3 - 10.0).abs() < 0.02,
             "level {:?}",
-            gauge.level
+            gauge.start.level
         );
         assert!(mm(&row, "crater_diameter_m").is_nan());
         near(&row, "axis_level_m", 0.0, 0.02);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
@@ -95,8 +96,19 @@ impl Program {
         self.command(arguments).output().unwrap().into()
     }
 
+    /// It hears SIGINT, which whoever started these tests may have had ignored.
     pub fn start(&self, arguments: &[&str]) -> Child {
-        self.command(arguments).spawn().unwrap()
+        let mut command = self.command(arguments);
+        let hear = || {
+            // SAFETY: sets a disposition of the new process, which runs nothing of its own yet.
+            match unsafe { libc::signal(libc::SIGINT, libc::SIG_DFL) } {
+                libc::SIG_ERR => Err(std::io::Error::last_os_error()),
+                _ => Ok(()),
+            }
+        };
+        // SAFETY: `hear` only makes a system call.
+        unsafe { command.pre_exec(hear) };
+        command.spawn().unwrap()
     }
 
     /// `coronet run tiny.toml --json` with more arguments; must end well.

@@ -31,8 +31,9 @@
 use super::shore::Shore;
 use super::{Surface, Tension};
 use crate::kernel::Kernel;
+use crate::particle::Particles;
 use crate::space::lane::Lanes;
-use crate::space::parallel::{Slots, each, slots3};
+use crate::space::parallel::{Slots, each, slots3, sum_in};
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
 
@@ -161,6 +162,17 @@ impl<K: Kernel> Pass<3> for Pull<K> {
     }
 }
 
+/// What the tension adds to the budget of energy, J and W (J/m and W/m in 2-D).
+#[derive(Clone, Copy, Debug)]
+pub struct Account {
+    /// E.
+    pub energy: f64,
+    /// Its rate: minus the power of the force, but for
+    pub rate: f64,
+    /// the power of what the angles of contact lines pull beyond the mean angle.
+    pub lines: f64,
+}
+
 /// Scratch memory, and the walls.
 #[derive(Default)]
 pub struct Energy {
@@ -170,6 +182,7 @@ pub struct Energy {
     slope: Vec<f32>,
     /// [`carried`].
     pub carried: f64,
+    parts: Vec<[f64; 1]>,
     /// Of walls with a contact angle.
     pub shore: Option<Shore>,
 }
@@ -184,17 +197,54 @@ impl Energy {
 }
 
 impl Tension {
-    /// E of the last update, J (J/m in 2-D), of a flow whose particles have `mass` kg.
-    pub fn energy(&self, mass: f64) -> f64 {
-        let unit = self.strength * self.coefficient / self.length * mass / self.density;
+    /// Of the last update, at the present velocities. Walls count with what they have beyond dry
+    /// ones; where the angle of a line decides, E has the mean one.
+    pub fn account(&mut self, particles: &Particles) -> Account {
+        let mut parts = std::mem::take(&mut self.energy.parts);
+        let unit = self.strength * self.coefficient / self.length * particles.mass / self.density;
+        let sums = &self.energy.sums;
         let of = |s: &[f32; 4]| {
             let n = [0, 1, 2].map(|a| s[a] as f64);
             density(self.dimension, s[3] as f64, n).energy
         };
-        let shore = self.energy.shore.iter();
-        let walls =
-            shore.map(|s| self.energy.carried * s.cosine * s.sums.iter().map(of).sum::<f64>());
-        unit * (self.energy.sums.iter().map(of).sum::<f64>() + walls.sum::<f64>())
+        let [own] = sum_in(&mut parts, sums.len(), |k| [of(&sums[k])]);
+        let walls = match &self.energy.shore {
+            None => 0.0,
+            Some(shore) => {
+                let dry = |j: usize| shore.dry_energy[j] as f64;
+                let [near] = sum_in(&mut parts, shore.sums.len(), |k| {
+                    [of(&shore.sums[k]) - dry(shore.near[k] as usize)]
+                });
+                let [under] = sum_in(&mut parts, shore.under.len(), |j| {
+                    [if shore.under[j] { dry(j) } else { 0.0 }]
+                });
+                self.energy.carried * shore.cosine * (near - under)
+            }
+        };
+        let (reached, force) = (&self.reached, &self.force);
+        let work = |k: usize, force: [f32; 3]| {
+            let i = reached[k] as usize;
+            let part = |a: usize| particles.velocity[a][i] * force[a] as f64;
+            [(0..3).map(part).sum::<f64>()]
+        };
+        let [power] = sum_in(&mut parts, reached.len(), |k| work(k, force[k]));
+        let shore = self
+            .energy
+            .shore
+            .as_ref()
+            .filter(|_| self.wetting.is_some());
+        let lines = shore.map_or(0.0, |shore| {
+            let ([wet, line], mean) = (&shore.pulls, shore.cosine as f32);
+            let beyond = |k: usize| [0, 1, 2].map(|a| line[k][a] - mean * wet[k][a]);
+            let [power] = sum_in(&mut parts, wet.len(), |k| work(k, beyond(k)));
+            particles.mass * power
+        });
+        self.energy.parts = parts;
+        Account {
+            energy: unit * (own + walls),
+            rate: lines - particles.mass * power,
+            lines,
+        }
     }
 
     /// The force (2); the band holds the marked cells of the surface.
@@ -257,7 +307,14 @@ impl Tension {
         let field = flow.about(flow.wall, flow.of_liquid(), &[], self.length);
         let pass = Look::<K>(PhantomData);
         sweep::runs(field, &shore.near, &pass, &mut shore.sums);
+        shore.see(flow);
         shore.add_walls::<K>(flow.wall, self.length);
+        if shore.dry_energy.len() != shore.dry.len() {
+            let of = |dry: &[f32; 4]| {
+                complete::<K>(self.dimension, unit, &mut dry.clone()).energy as f32
+            };
+            shore.dry_energy = shore.dry.iter().map(of).collect();
+        }
         let cosine = match self.wetting {
             Some(_) => self.energy.carried,
             None => self.energy.carried * shore.cosine,

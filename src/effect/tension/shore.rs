@@ -24,6 +24,7 @@ use crate::particle::shape::axes;
 use crate::particle::wall::is_wall;
 use crate::scene::{Dimension, Domain};
 use crate::space::lane::Lanes;
+use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Pair, Pass};
 use std::collections::HashMap;
 
@@ -37,13 +38,17 @@ pub struct Shore {
     pub spacing: f64,
     /// Per wall particle: SUM slope d and SUM w over other wall particles; empty before the first
     /// update.
-    dry: Vec<[f32; 4]>,
+    pub dry: Vec<[f32; 4]>,
+    /// e of those, of the whole of them.
+    pub dry_energy: Vec<f32>,
     /// Wall particles near a surface.
     pub near: Vec<u32>,
-    /// Of those: H n, then phi.
+    /// Whether each of the others is under liquid.
+    pub under: Vec<bool>,
+    /// Of those near: H n, then phi.
     pub sums: Vec<[f32; 4]>,
     /// What walls do to the liquid in reach: those of cos theta = 1, and of the angles of lines.
-    pulls: [Vec<[f32; 3]>; 2],
+    pub pulls: [Vec<[f32; 3]>; 2],
 }
 
 impl Shore {
@@ -54,7 +59,9 @@ impl Shore {
             dimension,
             spacing,
             dry: Vec::new(),
+            dry_energy: Vec::new(),
             near: Vec::new(),
+            under: Vec::new(),
             sums: Vec::new(),
             pulls: Default::default(),
         }
@@ -63,8 +70,27 @@ impl Shore {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         16 * (self.dry.capacity() + self.sums.capacity())
-            + 4 * self.near.capacity()
+            + 4 * (self.near.capacity() + self.dry_energy.capacity())
             + 24 * self.pulls[0].capacity()
+    }
+
+    /// Finds who is under liquid: what is not near a surface is so as the cell of the box before it.
+    pub fn see(&mut self, flow: &Surface) {
+        let (size, start) = (self.domain.size, &flow.liquid.start);
+        let inside = |a: usize, x: f64| {
+            let edge = 0.5 * self.spacing.min(size[a]);
+            x.clamp(edge, size[a] - edge)
+        };
+        self.under.resize(flow.wall[0].len(), false);
+        let under = Slots::new(&mut self.under);
+        each(flow.wall[0].len(), |j| {
+            let x = [0, 1, 2].map(|a| inside(a, flow.wall[a][j]));
+            let cell = flow.grid.index(flow.grid.cell(x));
+            *unsafe { under.at(j) } = start[cell + 1] > start[cell];
+        });
+        self.near
+            .iter()
+            .for_each(|&j| self.under[j as usize] = false);
     }
 
     /// Adds what walls add to the sums of `near`; `wall`: wall particles, `length`: H, m.

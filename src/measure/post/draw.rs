@@ -59,7 +59,7 @@ impl Post {
     pub(super) fn draw_fields(&mut self, report: &mut Report) -> Result<(), PostError> {
         let fields = std::mem::take(&mut self.averages);
         let top = fields.iter().map(Field::top).fold(0.0, f64::max);
-        let level = self.gauge.level.unwrap_or(0.0);
+        let level = self.gauge.start.level.unwrap_or(0.0);
         for (n, field) in fields.iter().enumerate() {
             let png = encode(&field.draw(top, level), "field")?;
             self.write(&format!("fields/{:02}.png", n + 1), &png)?;

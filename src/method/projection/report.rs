@@ -66,6 +66,23 @@ impl<S: Scheme> Projection<S> {
         frame::budget(&self.flow, self.case.effects.gravity)
     }
 
+    /// Energy of motion and height, J.
+    pub(super) fn stored(&mut self) -> f64 {
+        let (p, g) = (&self.flow.particles, self.case.effects.gravity);
+        frame::stored(p, g, |_| 0.0, &mut self.scratch.parts)
+    }
+
+    /// Finds the energy of the surface at the start of a run, if there is one.
+    pub(super) fn find_surface_energy(&mut self) {
+        if self.ledger.surface.is_some() || !self.case.follows_energy() {
+            return;
+        }
+        let hardest = self.hardest;
+        self.rebuild();
+        self.hold(0.0);
+        self.hardest = hardest;
+    }
+
     /// What the log shows.
     pub(super) fn make_frame(&self) -> Frame {
         let [kinetic, potential, x, y, z] = self.budget();
@@ -77,6 +94,7 @@ impl<S: Scheme> Projection<S> {
         ];
         named.extend(frame::progress(&self.flow, [x, y, z], moved));
         named.extend(self.solution_scalars());
+        named.extend(self.ledger.scalars());
         let scalars = named
             .into_iter()
             .map(|(name, value)| (name.to_string(), value));

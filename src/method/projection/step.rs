@@ -2,11 +2,11 @@
 
 use super::{MIST, Projection, Scheme, Scratch};
 use crate::effect::gravity;
-use crate::method::Diverged;
 use crate::method::flow::retain;
 use crate::method::limit::Limits;
 use crate::method::pass::{Extrapolation, Marked};
-use crate::space::parallel::{Slots, each, max, slots3};
+use crate::method::{Diverged, frame};
+use crate::space::parallel::{Slots, each, max, slots3, sum_in};
 use crate::space::sweep;
 use std::marker::PhantomData;
 
@@ -62,8 +62,12 @@ impl<S: Scheme> Projection<S> {
             return Err(self.unsolved(dt, known));
         }
         self.check(dt)?;
+        self.ledger.step(dt);
+        self.ledger.walls += self.rubbed;
         if self.case.shifts(self.settings.shifting) {
+            let before = self.stored();
             self.shift(dt);
+            self.ledger.shifting += self.stored() - before;
         }
         self.time += dt;
         self.step += 1;
@@ -126,7 +130,8 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// Wraps, removes, sorts along cells, finds neighbours.
-    fn rebuild(&mut self) {
+    pub(super) fn rebuild(&mut self) {
+        let (before, gone) = (self.stored(), self.flow.removed.1);
         let (around, sums) = (&self.around, self.sum_factor());
         let mist = &mut self.scratch.mist;
         mist.clear();
@@ -140,6 +145,8 @@ impl<S: Scheme> Projection<S> {
             retain(&mut self.pressure, &keep);
             retain(&mut self.around, &keep);
         }
+        self.ledger.removal += self.stored() - before;
+        self.ledger.removes = self.flow.removed.1 > gone;
         self.flow.sort();
         let cells = &self.flow.liquid_cells;
         cells.permute(&mut self.pressure, &mut self.scratch.f64s);
@@ -174,9 +181,11 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// (1) without the step: viscosity, gravity, tension at r^n.
-    fn hold(&mut self, ahead: f64) {
+    pub(super) fn hold(&mut self, ahead: f64) {
         self.held.resize(self.flow.liquid(), [0.0; 3]);
         S::look_around(self);
+        let (p, parts) = (&self.flow.particles, &mut self.scratch.pairs);
+        self.ledger.viscous = frame::power(p, &self.held, parts);
         self.mark();
         if let Some(g) = self.case.effects.gravity {
             gravity::add(g, &mut self.held);
@@ -269,6 +278,9 @@ impl<S: Scheme> Projection<S> {
         let velocity = &self.flow.particles.velocity;
         tension.friction(&flow, velocity, &mut self.scratch.friction);
         drop(sources);
+        if self.case.follows_energy() {
+            self.ledger.see(tension.account(&self.flow.particles));
+        }
         tension.add(&mut self.held);
         self.tension = Some(tension);
     }
@@ -332,16 +344,19 @@ impl<S: Scheme> Projection<S> {
         let (push, before, friction) = (&self.push, &self.before, &self.scratch.friction);
         let p = &mut self.flow.particles;
         let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
-        each(n, |i| {
+        let [work] = sum_in(&mut self.scratch.parts, n, |i| {
             for a in 0..3 {
                 let v = unsafe { v[a].at(i) };
                 let old = before[1][a][i];
                 let ahead = *v + theta * dt * push[i][a] as f64;
                 *v = damp * (old + (ahead - old) / theta);
             }
+            let mut work = 0.0;
             if !friction.is_empty() {
                 let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
-                [*x, *y, *z] = friction[i].slowed([*x, *y, *z], dt);
+                let free = [*x, *y, *z];
+                [*x, *y, *z] = friction[i].slowed(free, dt);
+                work = frame::gained(free, [*x, *y, *z]);
             }
             for a in 0..3 {
                 let v = unsafe { v[a].at(i) };
@@ -352,7 +367,9 @@ impl<S: Scheme> Projection<S> {
                 };
                 *unsafe { x[a].at(i) } = before[0][a][i] + dt * mean;
             }
+            [work]
         });
+        self.rubbed = p.mass * work;
         self.fastest = self.speed();
     }
 }

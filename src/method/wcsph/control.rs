@@ -14,6 +14,7 @@
 use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::ledger::Ledger;
 use crate::method::{Diverged, frame};
 use crate::particle::{Particles, State};
 use crate::space::parallel::sum_in;
@@ -39,7 +40,7 @@ pub(super) struct Control {
     speed: f64,
     energy: f64,
     before: Before,
-    parts: Vec<[f64; 1]>,
+    pub parts: Vec<[f64; 1]>,
 }
 
 /// Kept, so that a step allocates nothing.
@@ -50,6 +51,7 @@ struct Before {
     walls: Vec<f64>,
     sums: Vec<f32>,
     removed: (f64, u64),
+    ledger: Ledger,
     time: f64,
     step: u64,
     /// Sound speed; largest speeds, of all and of what is no spray; acceleration; last step.
@@ -195,6 +197,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         before.sums.clear();
         before.sums.extend(self.around.iter().map(|s| s.sum));
         before.removed = self.flow.removed;
+        before.ledger = self.ledger;
         (before.time, before.step) = (self.time, self.step);
         let speeds = [self.model.sound_speed, self.fastest, self.connected];
         before.scalars = [
@@ -217,6 +220,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.held.resize(before.sums.len(), [0.0; 3]);
         self.force.resize(before.sums.len(), [0.0; 3]);
         self.flow.removed = before.removed;
+        self.ledger = before.ledger;
         (self.time, self.step) = (before.time, before.step);
         [
             self.model.sound_speed,

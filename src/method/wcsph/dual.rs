@@ -5,9 +5,9 @@ use super::{SURFACE, Wcsph};
 use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::Diverged;
 use crate::method::shifting::{LOOSE, Shifting};
-use crate::space::parallel::{Slots, each, max, slots3};
+use crate::method::{Diverged, frame};
+use crate::space::parallel::{Slots, each, max, slots3, sum_in};
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
@@ -39,13 +39,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let midway = self.follows_energy().then(|| longest(self));
         self.hold(0.5 * midway.unwrap_or(0.0));
         let outer = midway.unwrap_or_else(|| longest(self));
+        self.ledger.step(outer);
         self.bound(outer);
         let count = (outer / inner).ceil();
         let dt = outer / count;
-        for _ in 0..count as usize {
-            self.acoustic_step(dt)?;
-        }
         self.last_step = dt;
+        for k in 0..count as usize {
+            self.acoustic_step(dt, k == 0)?;
+        }
+        self.close_walls(dt);
         self.check_energy()
     }
 
@@ -73,6 +75,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if new == old {
             return;
         }
+        let before = self.stored();
         self.model.sound_speed = new;
         let (model, ratio) = (&self.model, (old / new).powi(2));
         let density = Slots::new(&mut self.flow.particles.density);
@@ -80,13 +83,16 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let rho = unsafe { density.at(i) };
             *rho = model.density_at(ratio * model.pressure(*rho));
         });
+        self.ledger.diffusion += self.stored() - before;
     }
 
     /// What is held over the advective step: viscosity (from `look`), gravity, tension of where
     /// particles are `ahead` s later.
-    fn hold(&mut self, ahead: f64) {
+    pub(super) fn hold(&mut self, ahead: f64) {
         let (around, held) = (&self.around, Slots::new(&mut self.held));
         each(around.len(), |i| *unsafe { held.at(i) } = around[i].vector);
+        let (p, parts) = (&self.flow.particles, &mut self.scratch.pairs);
+        self.ledger.viscous = frame::power(p, &self.held, parts);
         if let Some(g) = self.model.effects.gravity {
             gravity::add(g, &mut self.held);
         }
@@ -101,7 +107,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     /// Rows are made anew first if this step could let a pair be missed.
-    fn acoustic_step(&mut self, dt: f64) -> Result<(), Diverged> {
+    fn acoustic_step(&mut self, dt: f64, is_first: bool) -> Result<(), Diverged> {
         if self
             .flow
             .stale(|i| HASTE * self.flow.particles.speed(i) * dt)
@@ -111,6 +117,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let shifts = self.model.shifts(self.model.settings.shifting);
         self.drift(0.5 * dt);
         self.pack_force(0.0);
+        self.book_walls(dt, is_first);
         if shifts {
             self.driven.resize(self.flow.liquid(), Default::default());
             self.pair_force_and_gradient();
@@ -129,6 +136,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             None => self.sum_density(),
             Some(diffusion) => {
                 self.density_rate(diffusion, true);
+                if self.books() {
+                    self.take_rates(dt);
+                }
                 self.drift_density(0.5 * dt);
             }
         }
@@ -171,6 +181,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         each(rate.len(), |i| {
             *unsafe { density.at(i) } += dt * rate[i] as f64
         });
+        self.ledger.diffusion += dt * self.ledger.diffusive;
     }
 
     /// Moves everything by `dt` s.
@@ -210,22 +221,29 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let p = &mut self.flow.particles;
         let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
         let twice = 2.0 * model.density * gradient;
-        each(around.len(), |i| {
+        let g = model.effects.gravity.unwrap_or_default();
+        let [work] = sum_in(&mut self.control.parts, around.len(), |i| {
             let support = around[i].kernel_sum(scale);
             let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
             let near = normal.iter().any(|n| *n != 0.0);
             if !near && support < SURFACE {
-                return;
+                return [0.0];
             }
             let dr = match near {
                 true => shifting.near(slope, normal, support, around[i].relative_speed()),
                 false => shifting.inside(slope),
             };
             (0..3).for_each(|a| *unsafe { x[a].at(i) } += dr[a]);
+            let mut work = -(0..3).map(|a| g[a] * dr[a]).sum::<f64>();
             if !near {
                 let spread = (0..3).map(|a| dr[a] * slope[a]).sum::<f64>();
-                *unsafe { density.at(i) } += twice * spread;
+                let rho = unsafe { density.at(i) };
+                work -= model.compression(*rho);
+                *rho += twice * spread;
+                work += model.compression(*rho);
             }
+            [work]
         });
+        self.ledger.shifting += p.mass * work;
     }
 }

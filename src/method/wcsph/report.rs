@@ -5,24 +5,11 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::frame;
 use crate::particle::Frame;
-use crate::space::parallel::sum;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Kinetic and potential energy, J, momentum, kg m/s.
     pub(super) fn budget(&self) -> [f64; 5] {
         frame::budget(&self.flow, self.model.effects.gravity)
-    }
-
-    /// Energy of compression, J.
-    fn compression(&self) -> f64 {
-        let (p, m) = (&self.flow.particles, self.flow.particles.mass);
-        let c2 = self.model.sound_speed * self.model.sound_speed;
-        let rho0 = self.model.density;
-        let [energy] = sum(p.len(), |i| {
-            let e = p.density[i] / rho0 - 1.0;
-            [0.5 * m * c2 * e * e]
-        });
-        energy
     }
 
     /// What the log shows.
@@ -37,6 +24,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         ];
         named.extend(frame::progress(&self.flow, [x, y, z], moved));
         named.push(("steps_rejected", self.control.rejected as f64));
+        named.extend(self.budget_scalars());
         let scalars = named
             .into_iter()
             .map(|(name, value)| (name.to_string(), value));

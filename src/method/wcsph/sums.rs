@@ -73,8 +73,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (2): fills `rate`. The pressure holds what is `held` apart from it, or gravity.
     pub(super) fn density_rate(&mut self, diffusion: f64, apart: bool) {
-        if self.follows_energy() {
-            return self.density_rate_sparing(diffusion);
+        if self.books() {
+            return self.density_rate_apart(diffusion);
         }
         let (model, rho0) = (&self.model, self.model.density);
         let c = model.sound_speed;
@@ -110,16 +110,14 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         sweep::rows(records, rows, scale, &pass, &mut self.rate);
     }
 
-    /// The same, sparing what holds the load of a tension that has an energy, see [`Spared`].
-    fn density_rate_sparing(&mut self, diffusion: f64) {
+    /// The same for the budget, sparing what holds the load of a tension that has an energy.
+    fn density_rate_apart(&mut self, diffusion: f64) {
         let (rho0, c) = (self.model.density, self.model.sound_speed);
         let gravity = self.model.effects.gravity.unwrap_or_default();
         let (around, density) = (&self.around, &self.walls.density);
         let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
-        let load = self
-            .tension
-            .as_ref()
-            .map_or(0.0, |t| t.coefficient / t.length);
+        let tension = self.tension.as_ref().filter(|_| self.follows_energy());
+        let load = tension.map_or(0.0, |t| t.coefficient / t.length);
         let spared = (2.0 * diffusion * c * LOAD * load / (rho0 * c * c)) as f32;
         self.flow.pack(
             |p, i| {
@@ -141,7 +139,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         };
         let scale = self.scale();
         let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.rate);
+        sweep::rows(records, rows, scale, &pass, &mut self.force);
     }
 
     /// (4) without a_s, g and viscosity, and the gradient of the kernel sum, into `driven`.

@@ -7,8 +7,9 @@
 use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::frame::gained;
 use crate::method::surface_of;
-use crate::space::parallel::{each, slots3};
+use crate::space::parallel::{slots3, sum_in};
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Adds a_s, found now, to `held` or `force`, whichever is given.
@@ -28,6 +29,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let velocity = &self.flow.particles.velocity;
         tension.friction(&flow, velocity, &mut self.friction);
         drop(sources);
+        if self.model.follows_energy() {
+            self.ledger.see(tension.account(&self.flow.particles));
+        }
         tension.add(into(self));
         self.tension = Some(tension);
     }
@@ -65,10 +69,14 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Lets friction act on contact lines for `dt` s.
     pub(super) fn rub(&mut self, dt: f64) {
         let friction = &self.friction;
+        let mass = self.flow.particles.mass;
         let v = slots3(&mut self.flow.particles.velocity);
-        each(friction.len(), |i| {
+        let [work] = sum_in(&mut self.control.parts, friction.len(), |i| {
             let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
-            [*x, *y, *z] = friction[i].slowed([*x, *y, *z], dt);
+            let before = [*x, *y, *z];
+            [*x, *y, *z] = friction[i].slowed(before, dt);
+            [gained(before, [*x, *y, *z])]
         });
+        self.ledger.walls += mass * work;
     }
 }

@@ -6,7 +6,7 @@ use crate::kernel::{self, Kernel};
 use crate::method::pass::{Extrapolation, WallSums};
 use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::{Slots, each, sum_in};
 use crate::space::sweep;
 use std::collections::HashMap;
 
@@ -24,9 +24,11 @@ const LIKE: f64 = 1e-6;
 pub struct WallState {
     /// kg/m^3.
     pub density: Vec<f64>,
-    sums: Vec<WallSums>,
+    pub sums: Vec<WallSums>,
     /// Kernel sum over the liquid of a wall that is wet; empty unless it matters.
     wet: Vec<f32>,
+    /// Power of the pressure of the acoustic step before with the velocities of now, W.
+    pub power_since: f64,
     /// The velocity that viscosity sees, m/s.
     viscous: Vec<[f32; 3]>,
 }
@@ -90,6 +92,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         if !self.flow.wall_sees_wall {
             self.extrapolate();
+            self.walls.power_since = self.power_of_walls();
             self.wall_density();
         }
         self.set_viscous_velocity();
@@ -110,13 +113,21 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             return;
         };
         let (around, sums) = (&self.around, self.sum_factor());
+        // Pressure works by the mean of its values now and in the step before, and goes on to do so
+        // where density no longer follows.
+        let (model, rate, dt) = (&self.model, &self.rate, self.last_step);
+        let (torn, mass) = (model.pressure(least), self.flow.particles.mass);
         let density = Slots::new(&mut self.flow.particles.density);
-        each(around.len(), |i| {
-            if around[i].kernel_sum(sums) < SURFACE {
-                let rho = unsafe { density.at(i) };
-                *rho = rho.max(least);
+        let [given] = sum_in(&mut self.control.parts, around.len(), |i| {
+            let rho = unsafe { density.at(i) };
+            if around[i].kernel_sum(sums) >= SURFACE || *rho >= least {
+                return [0.0];
             }
+            let now = std::mem::replace(rho, least);
+            let before = rate.get(i).map_or(now, |rate| now - dt * *rate as f64);
+            [0.5 * (torn + model.pressure(before)) * (least - now) / (least * least)]
         });
+        self.ledger.diffusion += mass * given;
     }
 
     /// Finds, once, what wet walls see of the liquid: the kernel sum over a half-space, in a corner

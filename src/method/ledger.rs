@@ -1,0 +1,90 @@
+//! The budget of energy: what the liquid was given since the start of a run, part by part, J (J/m
+//! in 2-D), negative where it was taken, and the energy of its surface. With those of motion, height
+//! and compression the budget closes: what is left over came from nowhere.
+
+use crate::effect::tension::energy::Account;
+use crate::particle::State;
+
+/// Work of what is no exchange between the energies of the liquid.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Of viscosity, moving walls included.
+    pub viscosity: f64,
+    /// Of all that changes density but motion: diffusion, tearing, a speed of sound that changes.
+    pub diffusion: f64,
+    /// Of particle shifting.
+    pub shifting: f64,
+    /// What removed particles had, negative, and what falls behind a wall and is put back.
+    pub removal: f64,
+    /// Of the pressure of walls and of the friction of contact lines.
+    pub walls: f64,
+    /// Of a tension that has one, J, now; `None` before it was first found.
+    pub surface: Option<f64>,
+    /// Power of viscosity at the start of a step, W, and its rate, W/s.
+    pub viscous: [f64; 2],
+    /// Powers that are held, W: of diffusion, of contact lines, and the rate of the energy of the
+    /// surface.
+    pub diffusive: f64,
+    pub lines: f64,
+    pub rising: f64,
+    /// Energy of the surface before particles were removed, if they were in this step.
+    pub removes: bool,
+    before: Option<f64>,
+}
+
+impl Ledger {
+    /// Of frames and states, by name.
+    pub fn scalars(&self) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+        let surface = self.surface.map(|energy| ("surface_energy_J", energy));
+        let works = [
+            ("viscosity_work_J", self.viscosity),
+            ("diffusion_work_J", self.diffusion),
+            ("shifting_work_J", self.shifting),
+            ("removal_work_J", self.removal),
+            ("wall_work_J", self.walls),
+        ];
+        surface.into_iter().chain(works)
+    }
+
+    /// What a state keeps beside.
+    pub fn held(&self) -> (&'static str, f64) {
+        ("diffusion_power_W", self.diffusive)
+    }
+
+    /// As kept in the scalars of a state.
+    pub fn of(state: &State) -> Ledger {
+        let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
+        let work = |name: &str| named(name).unwrap_or(0.0);
+        Ledger {
+            viscosity: work("viscosity_work_J"),
+            diffusion: work("diffusion_work_J"),
+            shifting: work("shifting_work_J"),
+            removal: work("removal_work_J"),
+            walls: work("wall_work_J"),
+            surface: named("surface_energy_J"),
+            diffusive: work("diffusion_power_W"),
+            ..Ledger::default()
+        }
+    }
+
+    /// Books a step of `dt` s: what is held over it, the surface at its end, known in its middle,
+    /// and what the surface lost with particles that were removed at its start.
+    pub fn step(&mut self, dt: f64) {
+        let [power, rate] = self.viscous;
+        self.viscosity += dt * (power + 0.5 * dt * rate);
+        self.walls += dt * self.lines;
+        let Some(middle) = self.surface else {
+            return;
+        };
+        if let (Some(before), true) = (self.before, self.removes) {
+            self.removal += middle - 0.5 * dt * self.rising - before;
+        }
+        self.surface = Some(middle + 0.5 * dt * self.rising);
+    }
+
+    /// Takes what the tension adds in the middle of a step.
+    pub fn see(&mut self, tension: Account) {
+        self.before = self.surface.replace(tension.energy);
+        (self.lines, self.rising) = (tension.lines, tension.rate);
+    }
+}

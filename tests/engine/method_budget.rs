@@ -1,0 +1,85 @@
+//! The budget of energy closes: what no part explains is small, although every part has taken some.
+
+use super::method_scene::disturbed;
+use coronet::measure::gauge::Gauge;
+use coronet::method::{self, Phase};
+use coronet::scene::{Scene, file};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const WATER: &str = "[effects.tension]\ncoefficient = '72.8 mN/m'\n";
+
+/// A drop of water of 2 mm that meets a wall, or a pool, at 3 m/s; `more`: effects and bodies.
+fn splash(more: &str) -> Scene {
+    let text = format!(
+        "dimension = 2\n[box]\nsize = ['16 mm', '6 mm']\nx = 'periodic'\nz = ['wall', 'open']\n\
+         [liquid]\ndensity = '998 kg/m^3'\n[effects.gravity]\nacceleration = '9.81 m/s^2'\n\
+         [effects.viscosity]\ndynamic = '1 mPa s'\n{more}\
+         [pack]\nspacing = '0.1 mm'\narrangement = 'lattice'\n\
+         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n\
+         [method]\nname = 'wcsph'\n"
+    );
+    let loaded = file::read(&text, Path::new("splash.toml"), &[]);
+    loaded
+        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+        .scene
+}
+
+/// The last row at `end` s, and the most of what is unexplained over the energy at first.
+fn run(scene: &Scene, end: f64) -> (BTreeMap<String, f64>, f64) {
+    let state = disturbed(scene, 0.0);
+    let mut solver = method::build(scene, state, Phase::Impact, Some(1.0)).unwrap();
+    let mut gauge = Gauge::new(scene);
+    let row = |gauge: &mut Gauge, frame| gauge.measure(&frame).into_iter().collect();
+    let mut last: BTreeMap<String, f64> = row(&mut gauge, solver.frame());
+    let of = |row: &BTreeMap<String, f64>, name: &str| row.get(name).copied().unwrap_or(0.0);
+    let first = of(&last, "kinetic_energy_J") + of(&last, "surface_energy_J");
+    let mut most = 0.0f64;
+    while solver.time() < end {
+        solver.advance(&mut |_| ()).unwrap();
+        last = row(&mut gauge, solver.frame());
+        most = most.max(last["energy_unexplained_J"].abs() / first);
+    }
+    for (name, value) in last.iter().filter(|(name, _)| name.ends_with("_J")) {
+        println!(
+            "{name} {value:.4e}, {:.3} % of the start",
+            100.0 * value / first
+        );
+    }
+    (last, most)
+}
+
+const POOL: &str = "[body.pool]\nlayer = { depth = '1 mm' }\n[body.drop]\n\
+                    disc = { diameter = '2 mm', gap = '0.2 mm', above = 'pool' }\n\
+                    velocity = '3 m/s'\n";
+const DROP: &str = "[body.drop]
+disc = { diameter = '2 mm', centre = ['8 mm', '1.2 mm'] }
+\
+                    velocity = '3 m/s'
+";
+
+#[test]
+fn a_splash_takes_no_energy_from_nowhere() {
+    let angle = "[effects.wetting]\nangle = '60 deg'\n";
+    let hysteresis = "[effects.wetting]\nadvancing = '100 deg'\nreceding = '50 deg'\n";
+    let cases = [
+        ("pool", format!("{WATER}{POOL}")),
+        ("pool without tension", POOL.to_string()),
+        ("wall of 60 degrees", format!("{WATER}{angle}{DROP}")),
+        (
+            "wall of 100 to 50 degrees",
+            format!("{WATER}{hysteresis}{DROP}"),
+        ),
+    ];
+    for (name, more) in cases {
+        println!("{name}:");
+        let (last, most) = run(&splash(&more), 3e-3);
+        assert!(most < 0.006, "{name}: {most}");
+        for part in ["viscosity", "diffusion"] {
+            assert!(last[&format!("{part}_work_J")] < 0.0, "{name}: {part}");
+        }
+        assert!(last["wall_work_J"] != 0.0, "{name}");
+        let shifts = last["shifting_work_J"] != 0.0;
+        assert_eq!(shifts, name == "pool without tension");
+    }
+}

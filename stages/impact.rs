@@ -6,6 +6,7 @@
 //! when.
 
 use coronet::measure::loss;
+use coronet::method::frame::Schedule;
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::{Particles, wall};
 use coronet::pipeline::{Context, Identity, Output, Relative, Stage, StageError, Work};
@@ -95,8 +96,10 @@ impl Impact<'_> {
         let mut solver = built.map_err(StageError::failed)?;
         let mut frames = Frames {
             log: self.open_log(context, resumed_from)?,
-            interval: scene.frames.interval,
-            next: start.next,
+            due: Schedule {
+                interval: scene.frames.interval,
+                next: start.next,
+            },
             taken: start.taken,
             error: None,
             watch: loss::Watch::default(),

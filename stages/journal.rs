@@ -2,6 +2,7 @@
 //! of all attempts one result.
 
 use coronet::measure::loss;
+use coronet::method::frame::Schedule;
 use coronet::method::{Diverged, Solver};
 use coronet::particle::State;
 use coronet::pipeline::content::{ContentError, content};
@@ -55,9 +56,7 @@ impl From<Trouble> for StageError {
 /// Frames as they become due.
 pub struct Frames {
     pub log: LogWriter,
-    /// s.
-    pub interval: f64,
-    pub next: u64,
+    pub due: Schedule,
     pub taken: u64,
     pub error: Option<LogError>,
     pub watch: loss::Watch,
@@ -69,7 +68,7 @@ impl Frames {
     /// Takes a frame if the solver has reached the next frame's time.
     pub fn step(&mut self, solver: &dyn Solver) {
         let time = solver.time();
-        if self.next as f64 * self.interval > time || self.error.is_some() {
+        if self.error.is_some() || !self.due.takes(time) {
             return;
         }
         let frame = solver.frame();
@@ -77,9 +76,6 @@ impl Frames {
         self.warning = warning.or(self.warning.take());
         self.error = self.log.frame(frame).err();
         self.taken += 1;
-        while self.next as f64 * self.interval <= time {
-            self.next += 1;
-        }
     }
 
     pub fn check(&mut self) -> Result<(), StageError> {
@@ -90,7 +86,7 @@ impl Frames {
 
     pub fn checkpoint(&self, solver: &dyn Solver) -> Checkpoint {
         let mut checkpoint = Checkpoint::from(solver.state());
-        checkpoint.scalars.push((NEXT.into(), self.next as f64));
+        checkpoint.scalars.push((NEXT.into(), self.due.next as f64));
         checkpoint.scalars.push((TAKEN.into(), self.taken as f64));
         checkpoint
     }

@@ -4,6 +4,7 @@
 //! for a tenth of `relax.time` (a body that has not begun to move is at rest, too), at most for
 //! `relax.time`.
 
+use coronet::method::rest::{Rest, Unrest};
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
 use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
@@ -17,9 +18,6 @@ use crate::{BODY, forecast};
 
 /// Since when both limits have been kept, s, as a scalar of a checkpoint; NaN: they are not.
 const CALM_SINCE: &str = "calm_since";
-
-/// Part of the longest time for which the limits must be kept.
-const CALM_PART: f64 = 0.1;
 
 /// How the note of a body that has not come to rest begins.
 pub const UNREST: &str = "not at rest";
@@ -52,7 +50,7 @@ impl Stage for Relax<'_> {
             .relax
             .as_ref()
             .expect("the stage exists because the table does");
-        let (state, mut calm_since) = match flight::newest(context)?.and_then(restored) {
+        let (state, calm_since) = match flight::newest(context)?.and_then(restored) {
             Some(start) => {
                 context.resumed();
                 start
@@ -63,6 +61,7 @@ impl Stage for Relax<'_> {
                 (method::resting(scene, &packed), f64::NAN)
             }
         };
+        let mut rest = Rest { calm_since };
         let particle_mass = state.particles.mass;
         let damping = relax.damping;
         let built = method::build(scene, state, Phase::Relax { damping }, None);
@@ -70,22 +69,14 @@ impl Stage for Relax<'_> {
         let mut flight = Flight::new(context, scene.impact.checkpoint_every)?;
         let mut pace = Pace::new(solver.as_ref());
         let unrest = loop {
-            let (energy, spread) = solver.unrest();
-            let specific = energy / (solver.len() as f64 * particle_mass);
-            let calm = specific <= relax.kinetic_energy && spread <= relax.density_spread;
-            calm_since = match calm {
-                true if calm_since.is_nan() => solver.time(),
-                true => calm_since,
-                false => f64::NAN,
-            };
-            let long_calm = solver.time() - calm_since >= CALM_PART * relax.time;
-            if long_calm || solver.time() >= relax.time {
-                break (specific, spread, calm);
+            let (unrest, ends) = rest.look(solver.as_ref(), particle_mass, relax);
+            if ends {
+                break unrest;
             }
             solver.advance(&mut |_| {}).map_err(StageError::failed)?;
             let stopped = context.stopped();
             if stopped || flight.is_due() {
-                let checkpoint = checkpoint(solver.as_ref(), calm_since);
+                let checkpoint = checkpoint(solver.as_ref(), rest.calm_since);
                 flight.save(context, checkpoint, None, false)?;
             }
             if stopped {
@@ -93,7 +84,7 @@ impl Stage for Relax<'_> {
                 return Err(StageError::Interrupted);
             }
             flight.collect(context)?;
-            let text = format!("{specific:.2e} J/kg, {spread:.2} kg/m^3");
+            let text = format!("{:.2e} J/kg, {:.2} kg/m^3", unrest.energy, unrest.spread);
             pace.report(context, solver.as_ref(), relax.time, &text);
         };
         flight.land(context)?;
@@ -104,17 +95,18 @@ impl Stage for Relax<'_> {
 
 impl Relax<'_> {
     /// Notes how still the body is.
-    fn report(&self, context: &mut Context, solver: &dyn Solver, unrest: (f64, f64, bool)) {
+    fn report(&self, context: &mut Context, solver: &dyn Solver, unrest: Unrest) {
         let relax = self.loaded.scene.relax.as_ref().expect("as above");
-        let (specific, spread, calm) = unrest;
         let reached = format!(
-            "after {:.3e} s: kinetic energy {specific:.3e} J/kg (limit {:.3e}), standard deviation \
-             of density {spread:.3} kg/m^3 (limit {:.3})",
+            "after {:.3e} s: kinetic energy {:.3e} J/kg (limit {:.3e}), standard deviation of \
+             density {:.3} kg/m^3 (limit {:.3})",
             solver.time(),
+            unrest.energy,
             relax.kinetic_energy,
+            unrest.spread,
             relax.density_spread
         );
-        if !calm {
+        if !unrest.is_calm {
             let text =
                 format!("{UNREST} {reached}; raise relax.time or relax.damping, or the limits");
             context.warn(&text);

@@ -15,7 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["effect"],
     &["method"],
     &["measure", "record"],
-    &["pipeline"],
+    &["pipeline", "simulate"],
 ];
 
 const LINES_OF_FILE: usize = 400;
@@ -25,7 +25,7 @@ const COLUMNS: usize = 100;
 /// What may stand in the root, besides hidden files and what is built or exported.
 const ROOT: &str =
     "Cargo.toml Cargo.lock build.rs README.md LICENSE-MIT LICENSE-APACHE pipeline.toml
-    stages src tests artifacts benches scenes docs fuzz target export";
+    stages src tests artifacts benches examples scenes docs fuzz target export";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

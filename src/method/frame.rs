@@ -5,6 +5,35 @@ use super::flow::Flow;
 use crate::particle::{Frame, Particles};
 use crate::space::parallel::{sum, sum_in};
 
+/// When frames are taken: frame k at the first step at or after k times the interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// s.
+    pub interval: f64,
+    /// The k of the next one.
+    pub next: u64,
+}
+
+impl Schedule {
+    pub fn new(interval: f64) -> Self {
+        Schedule { interval, next: 0 }
+    }
+
+    /// Whether a frame is taken at `time` s; then that is past.
+    pub fn takes(&mut self, time: f64) -> bool {
+        let is_due = self.next as f64 * self.interval <= time;
+        self.skip(time);
+        is_due
+    }
+
+    /// Leaves out what is due at `time` s.
+    pub fn skip(&mut self, time: f64) {
+        while self.next as f64 * self.interval <= time {
+            self.next += 1;
+        }
+    }
+}
+
 /// Per-particle fields that only the solver knows.
 pub struct Fields<'a> {
     /// Pa, by particle index.

@@ -11,6 +11,7 @@ pub mod mps;
 pub mod pass;
 pub mod pressure;
 pub mod projection;
+pub mod rest;
 pub mod shifting;
 pub mod start;
 pub mod wcsph;

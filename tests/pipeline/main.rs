@@ -11,6 +11,7 @@ mod golden;
 mod inspect;
 mod keys;
 mod laboratory;
+mod library;
 mod program;
 mod promise;
 mod resume;

@@ -1,0 +1,214 @@
+//! A scene from Rust, without files: pack, relax, impact and measure as calls, with the results of
+//! the program, bit for bit.
+//!
+//! ```
+//! let scene = coronet::simulate::scene(r#"
+//!     dimension = 2
+//!     [box]
+//!     size = ["4 mm", "4 mm"]
+//!     [liquid]
+//!     density = "1000 kg/m^3"
+//!     [effects.gravity]
+//!     acceleration = "9.81 m/s^2"
+//!     [body.drop]
+//!     disc = { diameter = "1 mm", centre = ["2 mm", "2 mm"] }
+//!     [pack]
+//!     spacing = "0.1 mm"
+//!     [impact]
+//!     end = "1 ms"
+//!     [frames]
+//!     interval = "0.5 ms"
+//! "#)?;
+//! let mut simulation = coronet::simulate::Simulation::new(&scene)?;
+//! let measures = simulation.run(|frame, _| println!("{} particles", frame.id.len()))?;
+//! let speed = measures.column("speed_max_m_s").unwrap();
+//! assert!((speed.last().unwrap() - 9.81e-3).abs() < 1e-4); // it falls freely
+//! # Ok::<(), coronet::simulate::Error>(())
+//! ```
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use crate::measure::gauge::{Gauge, Row};
+use crate::measure::series::Series;
+use crate::measure::whole::Unfold;
+use crate::method::frame::Schedule;
+use crate::method::rest::Rest;
+use crate::method::{self, Diverged, MethodError, Phase, Solver};
+use crate::particle::pack::{self, PackError};
+use crate::particle::{Frame, Particles, State};
+use crate::scene::error::SceneError;
+use crate::scene::{Scene, file};
+
+/// Why a scene cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A mistake in the scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A body cannot be packed.
+    #[error(transparent)]
+    Pack(#[from] PackError),
+    /// The method cannot be set up.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+    /// The physics went wrong.
+    #[error(transparent)]
+    Diverged(#[from] Box<Diverged>),
+}
+
+impl From<Diverged> for Error {
+    fn from(diverged: Diverged) -> Self {
+        Error::Diverged(Box::new(diverged))
+    }
+}
+
+/// The scene of a TOML text, in the format of the pipeline file.
+///
+/// # Errors
+/// [`Error::Scene`] with line, key, value and remedy.
+pub fn scene(text: &str) -> Result<Scene, Error> {
+    Ok(file::read(text, Path::new("scene.toml"), &[])?.scene)
+}
+
+/// The same, from a file, with the overrides `sets`, each `key.key=value`.
+///
+/// # Errors
+/// [`Error::Scene`].
+pub fn load(path: &Path, sets: &[String]) -> Result<Scene, Error> {
+    Ok(file::load(path, sets)?.scene)
+}
+
+/// Packs the body `index` of a scene, about its own origin.
+///
+/// # Errors
+/// [`Error::Pack`] if it is too small or too large for the spacing, or does not fit its box.
+pub fn pack(scene: &Scene, index: usize) -> Result<Particles, Error> {
+    let (body, _) = pack::pack(scene, index, &mut |_| ControlFlow::Continue(()))?;
+    Ok(body)
+}
+
+/// Lets a packed body come to rest, if the scene has a relaxation.
+///
+/// # Errors
+/// [`Error::Method`], [`Error::Diverged`].
+pub fn relax(scene: &Scene, packed: Particles) -> Result<Particles, Error> {
+    let Some(relax) = &scene.relax else {
+        return Ok(packed);
+    };
+    let phase = Phase::Relax {
+        damping: relax.damping,
+    };
+    let mass = packed.mass;
+    let mut solver = method::build(scene, method::resting(scene, &packed), phase, None)?;
+    let mut rest = Rest::default();
+    while !rest.look(solver.as_ref(), mass, relax).1 {
+        solver.advance(&mut |_| ())?;
+    }
+    Ok(method::relaxed(scene, &solver.state()))
+}
+
+/// An impact under way.
+pub struct Simulation {
+    scene: Scene,
+    solver: Box<dyn Solver>,
+    frames: Schedule,
+    unfold: Unfold,
+    gauge: Gauge,
+    measures: Series,
+}
+
+impl Simulation {
+    /// Packs and relaxes every body, calibrates the tension, and brings all to their places.
+    ///
+    /// # Errors
+    /// [`Error`].
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        let packed: Result<Vec<_>, _> = (0..scene.bodies.len()).map(|i| pack(scene, i)).collect();
+        let packed = packed?;
+        let relaxed: Result<Vec<_>, _> = packed.iter().map(|b| relax(scene, b.clone())).collect();
+        let relaxed = relaxed?;
+        let strength = match crate::scene::key::is_calibrated(scene) {
+            true if method::is_of_packing(scene) => Some(method::calibrate(scene, &packed)?),
+            true => Some(method::calibrate(scene, &relaxed)?),
+            false => None,
+        };
+        let state = method::initial(scene, &relaxed);
+        Simulation::of(scene, state, strength.map(|s| s.strength))
+    }
+
+    /// Goes on from a state; what is measured counts from it.
+    ///
+    /// # Errors
+    /// [`Error::Method`].
+    pub fn resume(scene: &Scene, state: State) -> Result<Self, Error> {
+        let time = state.time;
+        let mut simulation = Simulation::of(scene, state, None)?;
+        simulation.frames.skip(time);
+        Ok(simulation)
+    }
+
+    fn of(scene: &Scene, state: State, strength: Option<f64>) -> Result<Self, Error> {
+        Ok(Simulation {
+            scene: scene.clone(),
+            solver: method::build(scene, state, Phase::Impact, strength)?,
+            frames: Schedule::new(scene.frames.interval),
+            unfold: Unfold::new(scene),
+            gauge: Gauge::new(&scene.whole()),
+            measures: Series::default(),
+        })
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.solver.time()
+    }
+
+    /// What a log would show now.
+    pub fn frame(&self) -> Frame {
+        self.solver.frame()
+    }
+
+    /// All that [`Simulation::resume`] needs.
+    pub fn state(&self) -> State {
+        self.solver.state()
+    }
+
+    /// A few steps.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`].
+    pub fn advance(&mut self) -> Result<(), Error> {
+        Ok(self.solver.advance(&mut |_| ())?)
+    }
+
+    /// Goes on to `impact.end`. `each` sees every frame of `frames.interval` with its measures, by
+    /// column name; the result has them all.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`].
+    pub fn run(&mut self, mut each: impl FnMut(&Frame, &Row)) -> Result<&Series, Error> {
+        let Simulation {
+            scene,
+            solver,
+            frames,
+            unfold,
+            gauge,
+            measures,
+        } = self;
+        let mut take = |solver: &dyn Solver| {
+            if frames.takes(solver.time()) {
+                let frame = solver.frame();
+                let whole = (!unfold.is_plain()).then(|| unfold.frame(&frame));
+                let row = gauge.measure(whole.as_ref().unwrap_or(&frame));
+                measures.push(&row);
+                each(&frame, &row);
+            }
+        };
+        take(solver.as_ref());
+        while solver.time() < scene.impact.end {
+            solver.advance(&mut take)?;
+        }
+        Ok(measures)
+    }
+}

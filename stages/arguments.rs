@@ -51,6 +51,15 @@ pub enum Command {
     Recover(RecoverArguments),
     /// Print the JSON schema of pipeline files, for editors
     Schema,
+    /// Print what completes the commands in a shell
+    #[command(after_help = "As in: coronet completions bash > \
+                            ~/.local/share/bash-completion/completions/coronet")]
+    Completions { shell: clap_complete::Shell },
+    /// Write the manual pages into a folder
+    Man {
+        #[arg(default_value = ".")]
+        folder: PathBuf,
+    },
 }
 
 impl Command {
@@ -65,7 +74,7 @@ impl Command {
             Command::Export(arguments) => arguments.json,
             Command::Recover(arguments) => arguments.json,
             Command::Study(_) | Command::Tune(_) => true,
-            Command::Schema => false,
+            Command::Schema | Command::Completions { .. } | Command::Man { .. } => false,
         }
     }
 }

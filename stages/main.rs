@@ -13,6 +13,7 @@ mod inspect;
 mod jobs;
 mod journal;
 mod keep;
+mod manual;
 mod pace;
 mod pack;
 mod plan;
@@ -96,6 +97,8 @@ fn obey(command: &Command) -> Result<()> {
         Command::Export(arguments) => inspect::export(arguments),
         Command::Recover(arguments) => inspect::recover(arguments),
         Command::Schema => inspect::schema(),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man { folder } => manual::pages(folder),
     }
 }
 

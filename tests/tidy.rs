@@ -24,7 +24,8 @@ const COLUMNS: usize = 100;
 
 /// What may stand in the root, besides hidden files and what is built or exported.
 const ROOT: &str =
-    "Cargo.toml Cargo.lock build.rs README.md LICENSE-MIT LICENSE-APACHE pipeline.toml
+    "Cargo.toml Cargo.lock build.rs clippy.toml deny.toml rust-toolchain.toml rustfmt.toml
+    README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE-MIT LICENSE-APACHE pipeline.toml
     stages src tests artifacts benches examples scenes docs fuzz target export";
 
 fn root() -> &'static Path {

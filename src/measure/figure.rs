@@ -170,7 +170,7 @@ impl Figures<'_> {
             .collect()
     }
 
-    fn from_first(&self, name: &str) -> Option<Vec<f64>> {
+    fn since_first(&self, name: &str) -> Option<Vec<f64>> {
         let energy = self.series.column(name)?;
         Some(energy.iter().map(|e| e - energy[0]).collect())
     }
@@ -180,9 +180,9 @@ impl Figures<'_> {
         let kinetic = self.series.column("kinetic_energy_J").map(<[f64]>::to_vec);
         let parts = [
             ("kinetic", kinetic),
-            ("potential", self.from_first("potential_energy_J")),
-            ("surface", self.from_first("surface_energy_J")),
-            ("compression", self.from_first("compression_energy_J")),
+            ("potential", self.since_first("potential_energy_J")),
+            ("surface", self.since_first("surface_energy_J")),
+            ("compression", self.since_first("compression_energy_J")),
             ("sum", summary::total_energy(self.series)),
         ];
         self.energies("Energy", "energy from the start", &parts)
@@ -191,7 +191,7 @@ impl Figures<'_> {
     /// What was taken from the sum of the energies, and what came from nowhere.
     fn budget(&self) -> Plot {
         let taken = |name: &str| {
-            let work = self.from_first(&format!("{name}_work_J"))?;
+            let work = self.since_first(&format!("{name}_work_J"))?;
             Some(work.iter().map(|w| -w).collect::<Vec<f64>>())
         };
         let unexplained = self.series.column("energy_unexplained_J");

@@ -305,8 +305,9 @@ impl Flow {
                 !doomed(i)
                     && (0..3).all(|a| {
                         let (x, sides) = (self.position(i)[a], self.domain.boundary[a]);
-                        !(x < 0.0 && sides[0] == Side::Open)
-                            && !(x > self.domain.size[a] && sides[1] == Side::Open)
+                        let left = x < 0.0 && sides[0] == Side::Open;
+                        let right = x > self.domain.size[a] && sides[1] == Side::Open;
+                        !left && !right
                     })
             })
             .map(|i| i as u32)

@@ -282,8 +282,11 @@ fn set_aside_before(folder: &Path) -> Result<Found, FileError> {
         .filter_map(|entry| entry.file_name().into_string().ok());
     let mut bad: Vec<_> = names.filter(|name| name.contains(".bad-")).collect();
     bad.sort();
-    let files = bad.iter().filter(|name| !name.starts_with(stamp::FILE));
-    Ok(match files.last().or(bad.last()) {
+    let mut files = bad
+        .iter()
+        .rev()
+        .filter(|name| !name.starts_with(stamp::FILE));
+    Ok(match files.next().or(bad.last()) {
         Some(name) => Found::Unusable(format!("a file was damaged and is kept as {name}")),
         None => Found::Nothing,
     })

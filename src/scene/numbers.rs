@@ -387,7 +387,7 @@ pub(super) fn short(value: f64, unit: Unit) -> String {
 /// Three digits, plain unless far from 1; whole above 100.
 fn digits(value: f64) -> String {
     let magnitude = value.abs();
-    if magnitude >= 100.0 && magnitude < 1e7 {
+    if (100.0..1e7).contains(&magnitude) {
         format!("{value:.0}")
     } else if (1e-2..100.0).contains(&magnitude) {
         format!("{}", format!("{value:.2e}").parse().unwrap_or(value))

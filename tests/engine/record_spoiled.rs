@@ -56,7 +56,7 @@ fn try_all(path: &Path, good: &[Frame], what: &str, number: usize) -> bool {
     // A merge waits for the disk.
     let merged = segments(folder).and_then(|segments| {
         let merge = || merge(&segments, &out);
-        (number % 8 == 0).then(merge).transpose()
+        number.is_multiple_of(8).then(merge).transpose()
     });
     match merged {
         Ok(None) => {}

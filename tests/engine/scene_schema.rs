@@ -150,11 +150,11 @@ fn json_of(toml: &str) -> Value {
 #[test]
 fn the_shipped_schema_is_the_generated_one() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/pipeline.schema.json");
-    if std::env::var_os("CORONET_UPDATE_SCHEMA").is_some() {
+    if std::env::var_os("UPDATE").is_some() {
         std::fs::write(&path, schema::json()).unwrap();
     }
     let shipped = std::fs::read_to_string(&path).unwrap();
-    let remedy = "CORONET_UPDATE_SCHEMA=1 cargo test --release --test engine schema";
+    let remedy = "UPDATE=1 cargo test --release --test engine schema";
     assert_eq!(shipped, schema::json(), "the format changed: run {remedy}");
 }
 

@@ -359,3 +359,19 @@ fn pipes_and_devices_are_refused_in_words() {
         ended.badly(5, &["not a regular file"]);
     }
 }
+
+#[test]
+fn completions_and_manual_pages_name_every_command() {
+    let program = Program::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = program.call(&["completions", shell]).well().out.clone();
+        assert!(
+            script.contains("recover") && script.contains("artifacts"),
+            "{shell}"
+        );
+    }
+    program.call(&["man"]).well();
+    let page = fs::read_to_string(program.path("coronet-run.1")).unwrap();
+    assert!(page.contains("coronet") && page.contains("until"), "{page}");
+    assert!(program.path("coronet.1").is_file());
+}

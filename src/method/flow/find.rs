@@ -108,7 +108,6 @@ impl Flow {
             };
             wall_rows.build(search, self.liquid(), &self.wall.position);
         }
-        drop(sources);
         (self.rows, self.wall_rows) = (rows, wall_rows);
     }
 

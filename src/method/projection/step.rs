@@ -277,7 +277,6 @@ impl<S: Scheme> Projection<S> {
         tension.update(&flow, |i| self.is_surface(i));
         let velocity = &self.flow.particles.velocity;
         tension.friction(&flow, velocity, &mut self.scratch.friction);
-        drop(sources);
         if self.case.follows_energy() {
             self.ledger.see(tension.account(&self.flow.particles));
         }

@@ -28,7 +28,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         tension.update(&flow, |i| around[i].kernel_sum(scale) < SURFACE);
         let velocity = &self.flow.particles.velocity;
         tension.friction(&flow, velocity, &mut self.friction);
-        drop(sources);
         if self.model.follows_energy() {
             self.ledger.see(tension.account(&self.flow.particles));
         }

@@ -174,7 +174,7 @@ impl Level {
         for a in 0..3 {
             let n = self.count[a];
             self.halved[a] = if self.periodic[a] {
-                n % 2 == 0 && n >= 8
+                n.is_multiple_of(2) && n >= 8
             } else {
                 n > 3
             };

@@ -1,0 +1,36 @@
+//! `completions` and `man`: what a package installs beside the program.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use clap::CommandFactory as _;
+use clap_complete::Shell;
+use coronet::record::atomic::write_file;
+
+use crate::arguments::Arguments;
+use crate::print;
+
+/// Prints the completions of a shell.
+pub fn completions(shell: Shell) -> Result<()> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "coronet", &mut script);
+    print::out!("{}", String::from_utf8_lossy(&script).trim_end());
+    Ok(())
+}
+
+/// Writes a manual page of the program and of each command.
+pub fn pages(folder: &Path) -> Result<()> {
+    let program = Arguments::command();
+    let commands = program.get_subcommands().cloned().map(|command| {
+        let name = format!("coronet-{}", command.get_name());
+        command.name(name)
+    });
+    for command in std::iter::once(program.clone()).chain(commands) {
+        let path = folder.join(format!("{}.1", command.get_name()));
+        let mut page = Vec::new();
+        clap_mangen::Man::new(command).render(&mut page)?;
+        write_file(&path, &page).with_context(|| format!("cannot write {}", path.display()))?;
+        print::out!("{}", path.display());
+    }
+    Ok(())
+}

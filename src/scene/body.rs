@@ -1,8 +1,9 @@
 //! Bodies of a scene file.
 
 use super::cursor::Cursor;
-use super::error::SceneError;
+use super::error::{Mistakes, SceneError};
 use super::quantity::Unit;
+use super::tree::Node;
 use super::{Body, Dimension, Domain, Motion, Shape, conform};
 
 /// Colours of bodies that name none, in file order; beyond, they repeat.
@@ -37,6 +38,29 @@ pub fn all(
         });
     }
     Ok(bodies)
+}
+
+/// Names of supports, in a file that has other mistakes and is not resolved.
+pub fn supports(root: &Node, found: &mut Mistakes) {
+    let mut earlier: Vec<&str> = Vec::new();
+    for body in root.get("body").map_or(&[][..], Node::entries) {
+        for shape in body.node.entries() {
+            let path = format!("body.{}.{}.above", body.key, shape.key);
+            if let Some(above) = shape.node.get("above")
+                && let Ok(below) = conform::text(above, &path)
+                && !earlier.contains(&below)
+            {
+                found.add(no_support(above, &path, &earlier));
+            }
+        }
+        earlier.push(&body.key);
+    }
+}
+
+fn no_support(above: &Node, path: &str, earlier: &[&str]) -> SceneError {
+    let remedy = format!("bodies earlier in the file: {}", earlier.join(", "));
+    let problem = "is no body that stands earlier in the file";
+    conform::fault(above, path, problem, &remedy)
 }
 
 /// The shape's key decides; 2-D and 3-D have words of their own.
@@ -115,8 +139,7 @@ fn sphere(
     let below = above.text()?;
     let Some(support) = earlier.iter().find(|body| body.name == below) else {
         let names: Vec<&str> = earlier.iter().map(|body| body.name.as_str()).collect();
-        let remedy = format!("bodies earlier in the file: {}", names.join(", "));
-        return Err(above.fault("is no body that stands earlier in the file", &remedy));
+        return Err(no_support(above.node, &above.path, &names));
     };
     let top = support.shape.bounds(domain, dimension).1[2];
     let gap = shape.quantity_at("gap", Unit::Length)?;

@@ -5,7 +5,7 @@ mod tension;
 use std::path::Path;
 
 use super::cursor::Cursor;
-use super::error::SceneError;
+use super::error::{Mistakes, SceneError};
 use super::file::LONGEST_REFERENCE;
 use super::quantity::{Unit, human};
 use super::resolve::AXES;
@@ -28,14 +28,16 @@ const MIRRORED: f64 = 1.5;
 /// Checks `scene`; `root` leads to the places, `folder` holds the file.
 pub fn scene(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), SceneError> {
     bodies(scene, root)?;
-    overlaps(scene, root)?;
-    spacing(scene, root)?;
-    periodic_reach(scene, root)?;
-    mirrors(scene, root)?;
-    vortices(scene, root)?;
-    tension::check(scene, root)?;
-    times(scene, root)?;
-    references(scene, root, folder)
+    let mut found = Mistakes::default();
+    found.take(overlaps(scene, root));
+    found.take(spacing(scene, root));
+    found.take(periodic_reach(scene, root));
+    found.take(mirrors(scene, root));
+    found.take(vortices(scene, root));
+    found.take(tension::check(scene, root));
+    found.take(times(scene, root));
+    found.take(references(scene, root, folder));
+    found.told()
 }
 
 fn bodies(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {

@@ -1,14 +1,16 @@
 //! Holds a tree against the format: unknown keys, missing keys, wrong types, units and ranges.
 
-use super::error::SceneError;
+use super::error::{Mistakes, SceneError};
 use super::format::{self, FILE, Field, Kind, Need};
 use super::quantity;
 use super::spelling::{ALIKE, beside, is_printable, nearest, printable};
 use super::tree::{Entry, Node, Value};
 
-/// Checks the whole file. The first fault in file order is returned.
-pub fn check(root: &Node) -> Result<(), SceneError> {
-    table(root, "", FILE, &[])
+/// All mistakes of the whole file.
+pub fn check(root: &Node) -> Mistakes {
+    let mut found = Mistakes::default();
+    table(root, "", FILE, &[], &mut found);
+    found
 }
 
 /// `parent.key`, or `key` at the root.
@@ -20,25 +22,34 @@ pub fn dotted(parent: &str, key: &str) -> String {
     }
 }
 
-fn table(node: &Node, path: &str, fields: &[Field], one_of: &[&str]) -> Result<(), SceneError> {
+fn table(node: &Node, path: &str, fields: &[Field], one_of: &[&str], found: &mut Mistakes) {
     let Value::Table(entries) = &node.value else {
-        return Err(unfit(node, path, "a table"));
+        return found.add(unfit(node, path, "a table"));
     };
+    let mut meant = Vec::new();
     for entry in entries {
         match fields.iter().find(|field| field.name == entry.key) {
-            Some(field) => value(&entry.node, &dotted(path, &entry.key), &field.kind)?,
-            None => return Err(unknown(entry, path, fields)),
+            Some(field) => value(&entry.node, &dotted(path, &entry.key), &field.kind, found),
+            None => {
+                let (mistake, nearest) = unknown(entry, path, fields);
+                meant.extend(nearest);
+                found.add(mistake);
+            }
         }
     }
+    // What is spelled wrong is not missing too.
+    let is_meant = |key: &str| meant.contains(&dotted(path, key));
     let absent = |field: &&Field| field.need == Need::Required && node.get(field.name).is_none();
-    if let Some(field) = fields.iter().find(absent) {
-        return Err(SceneError::Missing {
+    for field in fields.iter().filter(absent).filter(|f| !is_meant(f.name)) {
+        found.add(SceneError::Missing {
             place: node.place.clone(),
             key: dotted(path, field.name),
             remedy: format!("{} Write {}", field.about, example(field)),
         });
     }
-    exactly_one(node, path, entries, one_of)
+    if !one_of.iter().any(|key| is_meant(key)) {
+        found.take(exactly_one(node, path, entries, one_of));
+    }
 }
 
 fn exactly_one(
@@ -71,7 +82,20 @@ fn exactly_one(
     }
 }
 
-fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
+fn value(node: &Node, path: &str, kind: &Kind, found: &mut Mistakes) {
+    match kind {
+        Kind::List(item, least, most) => list(node, path, item, (*least, *most), found),
+        Kind::Table(fields, one_of) => table(node, path, fields, one_of, found),
+        Kind::Named(fields, one_of) => named(node, path, fields, one_of, found),
+        Kind::Either(kinds) => either(node, path, kinds, found),
+        _ => {
+            found.take(single(node, path, kind));
+        }
+    }
+}
+
+/// A value without parts.
+fn single(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
     match kind {
         Kind::Text => text(node, path).map(|_| ()),
         Kind::Colour => colour(node, path).map(|_| ()),
@@ -93,10 +117,7 @@ fn value(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
                 &format!("a whole number of at least {least}"),
             )),
         },
-        Kind::List(item, least, most) => list(node, path, item, *least, *most),
-        Kind::Table(fields, one_of) => table(node, path, fields, one_of),
-        Kind::Named(fields, one_of) => named(node, path, fields, one_of),
-        Kind::Either(kinds) => either(node, path, kinds),
+        Kind::List(..) | Kind::Table(..) | Kind::Named(..) | Kind::Either(_) => Ok(()),
     }
 }
 
@@ -188,9 +209,9 @@ fn word(node: &Node, path: &str, words: &[&str]) -> Result<(), SceneError> {
     Err(fault(node, path, "is not known", &remedy))
 }
 
-fn list(node: &Node, path: &str, item: &Kind, least: usize, most: usize) -> Result<(), SceneError> {
+fn list(node: &Node, path: &str, item: &Kind, (least, most): (usize, usize), found: &mut Mistakes) {
     let Value::List(items) = &node.value else {
-        return Err(unfit(node, path, "an array"));
+        return found.add(unfit(node, path, "an array"));
     };
     if items.len() < least || items.len() > most {
         let problem = format!("has {} entries", items.len());
@@ -199,17 +220,16 @@ fn list(node: &Node, path: &str, item: &Kind, least: usize, most: usize) -> Resu
         } else {
             format!("give {least} to {most}, one for each dimension")
         };
-        return Err(fault(node, path, &problem, &remedy));
+        found.add(fault(node, path, &problem, &remedy));
     }
     for (index, entry) in items.iter().enumerate() {
-        value(entry, &format!("{path}[{index}]"), item)?;
+        value(entry, &format!("{path}[{index}]"), item, found);
     }
-    Ok(())
 }
 
-fn named(node: &Node, path: &str, fields: &[Field], one_of: &[&str]) -> Result<(), SceneError> {
+fn named(node: &Node, path: &str, fields: &[Field], one_of: &[&str], found: &mut Mistakes) {
     let Value::Table(entries) = &node.value else {
-        return Err(unfit(node, path, "a table of named tables"));
+        return found.add(unfit(node, path, "a table of named tables"));
     };
     for entry in entries {
         let letter = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
@@ -222,31 +242,39 @@ fn named(node: &Node, path: &str, fields: &[Field], one_of: &[&str]) -> Result<(
                 .key
                 .starts_with(|first: char| first.is_ascii_lowercase())
         {
-            return Err(SceneError::Value {
+            found.add(SceneError::Value {
                 place: entry.place.clone(),
                 key: dotted(path, &printable(&entry.key)),
                 value: toml::Value::String(printable(&entry.key)).to_string(),
                 problem: "is no name".to_string(),
                 remedy: "use lower-case letters, digits, - and _, a letter first".to_string(),
             });
+            continue;
         }
-        table(&entry.node, &dotted(path, &entry.key), fields, one_of)?;
+        table(
+            &entry.node,
+            &dotted(path, &entry.key),
+            fields,
+            one_of,
+            found,
+        );
     }
-    Ok(())
 }
 
-/// The error is that of the alternative whose TOML type fits, if there is one.
-fn either(node: &Node, path: &str, kinds: &[Kind]) -> Result<(), SceneError> {
+/// The mistakes are those of the alternative whose TOML type fits, if there is one.
+fn either(node: &Node, path: &str, kinds: &[Kind], found: &mut Mistakes) {
     let mut fitting = None;
     for kind in kinds {
-        match value(node, path, kind) {
-            Ok(()) => return Ok(()),
-            Err(error) if same_type(node, kind) => fitting = Some(error),
+        let mut own = Mistakes::default();
+        value(node, path, kind, &mut own);
+        match own.told() {
+            Ok(()) => return,
+            Err(mistake) if same_type(node, kind) => fitting = Some(mistake),
             Err(_) => {}
         }
     }
     let wanted: Vec<String> = kinds.iter().map(wording).collect();
-    Err(fitting.unwrap_or_else(|| unfit(node, path, &wanted.join(", or "))))
+    found.add(fitting.unwrap_or_else(|| unfit(node, path, &wanted.join(", or "))));
 }
 
 fn same_type(node: &Node, kind: &Kind) -> bool {
@@ -300,7 +328,8 @@ fn example(field: &Field) -> String {
     format!("{} = {value}", field.name)
 }
 
-fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> SceneError {
+/// The mistake, and the known key that is meant, if one is near.
+fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> (SceneError, Option<String>) {
     let here = nearest(&entry.key, fields.iter().map(|field| field.name));
     let here = here.map(|(name, likeness)| (dotted(path, name), likeness));
     let guess = match here {
@@ -312,7 +341,7 @@ fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> SceneError {
     let question = nearest
         .as_ref()
         .map(|key| format!("did you mean `{key}`? "));
-    SceneError::UnknownKey {
+    let mistake = SceneError::UnknownKey {
         place: entry.place.clone(),
         key: dotted(path, &printable(&entry.key)),
         remedy: format!(
@@ -320,8 +349,9 @@ fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> SceneError {
             question.unwrap_or_default(),
             known.join(", ")
         ),
-        nearest,
-    }
+        nearest: nearest.clone(),
+    };
+    (mistake, nearest)
 }
 
 fn unfit(node: &Node, path: &str, wanted: &str) -> SceneError {

@@ -65,4 +65,64 @@ pub enum SceneError {
         problem: String,
         remedy: String,
     },
+    /// Two or more of these, in the order of the file.
+    #[error("{} mistakes:\n{}", .0.len(), lines(.0))]
+    Many(Vec<SceneError>),
+}
+
+fn lines(errors: &[SceneError]) -> String {
+    let lines: Vec<String> = errors.iter().map(|error| format!("  {error}")).collect();
+    lines.join("\n")
+}
+
+impl SceneError {
+    /// The file with line and column, then arguments.
+    fn order(&self) -> (bool, usize, usize) {
+        let place = match self {
+            SceneError::Syntax { place, .. }
+            | SceneError::UnknownKey { place, .. }
+            | SceneError::Missing { place, .. }
+            | SceneError::Value { place, .. } => place,
+            _ => return (true, 0, 0),
+        };
+        match place {
+            Place::File { line, column, .. } => (false, *line, *column),
+            Place::Argument(_) => (true, 0, 0),
+        }
+    }
+}
+
+/// The mistakes of a scene file, so that all are told at once.
+#[derive(Debug, Default)]
+pub struct Mistakes(Vec<SceneError>);
+
+impl Mistakes {
+    /// Notes a mistake.
+    pub fn add(&mut self, mistake: SceneError) {
+        match mistake {
+            SceneError::Many(more) => self.0.extend(more),
+            one => self.0.push(one),
+        }
+    }
+
+    /// The value of a part, unless it has a mistake.
+    pub fn take<T>(&mut self, part: Result<T, SceneError>) -> Option<T> {
+        part.map_err(|mistake| self.add(mistake)).ok()
+    }
+
+    /// Whether there is any.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// # Errors
+    /// The mistake, or all of them.
+    pub fn told(mut self) -> Result<(), SceneError> {
+        self.0.sort_by_key(SceneError::order);
+        match self.0.len() {
+            0 => Ok(()),
+            1 => Err(self.0.remove(0)),
+            _ => Err(SceneError::Many(self.0)),
+        }
+    }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::cursor::{self, Cursor};
 use super::error::SceneError;
-use super::{Scene, check, conform, resolve, tree};
+use super::{Scene, body, check, conform, resolve, tree};
 
 /// No scene file is longer, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -25,8 +25,8 @@ pub struct Loaded {
 /// Reads the scene file at `path` with the overrides `sets`, each `key.key=value`.
 ///
 /// # Errors
-/// [`SceneError`] for the first fault: unreadable file, no TOML, unknown key, missing key, wrong
-/// type, unit or range, or a scene that makes no sense.
+/// [`SceneError`]: unreadable file, no TOML; all unknown keys, missing keys, wrong types, units and
+/// ranges; or, of a file without these, what makes no sense.
 pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
     let content = crate::file::read(path, LONGEST)?;
     let text = String::from_utf8(content).map_err(|_| SceneError::NotText {
@@ -44,7 +44,11 @@ pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneErr
     for set in sets {
         tree::set(&mut root, set)?;
     }
-    conform::check(&root)?;
+    let mut found = conform::check(&root);
+    if !found.is_empty() {
+        body::supports(&root, &mut found);
+    }
+    found.told()?;
     let full = cursor::with_defaults(&root)?;
     let cursor = Cursor::root(&full);
     let name = path

@@ -1,7 +1,7 @@
 //! From a tree with defaults to a `Scene`.
 
 use super::cursor::Cursor;
-use super::error::SceneError;
+use super::error::{Mistakes, SceneError};
 use super::quantity::Unit;
 use super::{
     Arrangement, Clock, Colour, Dimension, Domain, Effects, Frames, Impact, Pack, Post, Reference,
@@ -14,23 +14,33 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 pub const ENDS: [&str; 2] = ["low", "high"];
 
 /// The scene of a tree that conforms to the format and has its defaults.
+///
+/// # Errors
+/// The first mistake of each part.
 pub fn scene(root: &Cursor<'_>, name: &str) -> Result<Scene, SceneError> {
     let dimension = dimension(root)?;
     let domain = domain(&root.need("box")?, dimension)?;
-    let bodies = body::all(&root.need("body")?, dimension, &domain)?;
+    let mut found = Mistakes::default();
+    let bodies = found.take(body::all(&root.need("body")?, dimension, &domain));
+    let effects = found.take(effects(&root.need("effects")?, dimension));
+    let method = found.take(preset::method(root));
+    let frames = found.take(frames(&root.need("frames")?));
+    let post = found.take(post(&root.need("post")?));
+    found.told()?;
+    let known = "told otherwise";
     let mut scene = Scene {
         name: name.to_string(),
         title: root.text_at("title")?.to_string(),
         dimension,
         density: root.need("liquid")?.quantity_at("density", Unit::Density)?,
-        effects: effects(&root.need("effects")?, dimension)?,
-        bodies,
+        effects: effects.expect(known),
+        bodies: bodies.expect(known),
         pack: pack(&root.need("pack")?)?,
         relax: root.get("relax").map(|table| relax(&table)).transpose()?,
         impact: impact(&root.need("impact")?)?,
-        frames: frames(&root.need("frames")?)?,
-        post: post(&root.need("post")?)?,
-        method: preset::method(root)?,
+        frames: frames.expect(known),
+        post: post.expect(known),
+        method: method.expect(known),
         pairs: preset::pairs(&root.need("method")?)?,
         domain,
     };

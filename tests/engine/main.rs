@@ -52,6 +52,7 @@ mod record_spoiled;
 mod scene_error;
 mod scene_file;
 mod scene_key;
+mod scene_mistakes;
 mod scene_number;
 mod scene_quantity;
 mod scene_sanity;

@@ -49,17 +49,40 @@ pub enum Command {
     Export(ExportArguments),
     /// Save the whole frames of a log that was cut off
     Recover(RecoverArguments),
-    /// Print the JSON schema of pipeline files, for editors
-    Schema,
+    /// Print the JSON schema of pipeline files or of study files, for editors
+    Schema(SchemaArguments),
     /// Print what completes the commands in a shell
     #[command(after_help = "As in: coronet completions bash > \
                             ~/.local/share/bash-completion/completions/coronet")]
-    Completions { shell: clap_complete::Shell },
+    Completions(CompletionsArguments),
     /// Write the manual pages into a folder
-    Man {
-        #[arg(default_value = ".")]
-        folder: PathBuf,
-    },
+    Man(ManArguments),
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// What kind of file
+    #[arg(value_enum, default_value_t)]
+    pub of: FileKind,
+}
+
+#[derive(Debug, Args)]
+pub struct CompletionsArguments {
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManArguments {
+    #[arg(default_value = ".")]
+    pub folder: PathBuf,
+}
+
+/// Files that have a schema.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub enum FileKind {
+    #[default]
+    Pipeline,
+    Study,
 }
 
 impl Command {
@@ -74,7 +97,7 @@ impl Command {
             Command::Export(arguments) => arguments.json,
             Command::Recover(arguments) => arguments.json,
             Command::Study(_) | Command::Tune(_) => true,
-            Command::Schema | Command::Completions { .. } | Command::Man { .. } => false,
+            Command::Schema(_) | Command::Completions(_) | Command::Man(_) => false,
         }
     }
 }

@@ -1,12 +1,13 @@
 //! What a study counts as the cost of a point.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::trial::Outcome;
 use crate::watch::duration;
 
 /// Of the impact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Cost {
     /// CPU seconds of all threads.

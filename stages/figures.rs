@@ -8,6 +8,7 @@ use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
 use coronet::record::export::cell;
 use coronet::scene::Clock;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::cost::Cost;
@@ -18,7 +19,7 @@ use crate::trial::{Outcome, Trial};
 
 /// A number that the measures of every point come down to. Times count from contact, where there is
 /// one.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Figure {
     /// Heads its column.
@@ -39,7 +40,7 @@ pub struct Figure {
 }
 
 /// One plot of a column of the measures for each label of an axis, one curve a point.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Curves {
     column: String,

@@ -11,7 +11,7 @@ use coronet::record::export;
 use coronet::record::log::{self, LogError};
 use serde_json::{Value, json};
 
-use crate::arguments::{ExportArguments, Format, RecoverArguments, ShowArguments};
+use crate::arguments::{ExportArguments, FileKind, Format, RecoverArguments, ShowArguments};
 use crate::fault::{Untrusted, Usage};
 use crate::impact::FRAMES;
 use crate::keep::size;
@@ -327,8 +327,11 @@ pub fn recover(arguments: &RecoverArguments) -> Result<()> {
     Ok(())
 }
 
-pub fn schema() -> Result<()> {
-    let schema = coronet::scene::schema::json();
+pub fn schema(of: FileKind) -> Result<()> {
+    let schema = match of {
+        FileKind::Pipeline => coronet::scene::schema::json(),
+        FileKind::Study => crate::points::schema(),
+    };
     out!("{}", schema.trim_end());
     Ok(())
 }

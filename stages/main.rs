@@ -96,9 +96,9 @@ fn obey(command: &Command) -> Result<()> {
         Command::Show(arguments) => inspect::show(arguments),
         Command::Export(arguments) => inspect::export(arguments),
         Command::Recover(arguments) => inspect::recover(arguments),
-        Command::Schema => inspect::schema(),
-        Command::Completions { shell } => manual::completions(*shell),
-        Command::Man { folder } => manual::pages(folder),
+        Command::Schema(arguments) => inspect::schema(arguments.of),
+        Command::Completions(arguments) => manual::completions(arguments.shell),
+        Command::Man(arguments) => manual::pages(&arguments.folder),
     }
 }
 

@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use coronet::measure::series::Series;
 use coronet::scene::file;
 use coronet::scene::numbers::count;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::cost::Cost;
@@ -19,7 +20,7 @@ use crate::trial::Trial;
 const LONGEST: u64 = 16 << 20;
 
 /// A study file: an `error` to be measured, `figure`s to be told, or `case`s with promises.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Study {
     pub title: String,
@@ -45,12 +46,14 @@ pub struct Study {
 }
 
 /// Either `key` with `values`, or `points`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
     pub name: String,
     key: Option<String>,
+    /// Numbers, or texts with a unit.
     #[serde(default)]
+    #[schemars(with = "Vec<serde_json::Value>")]
     values: Vec<toml::Value>,
     #[serde(default)]
     points: Vec<Choice>,
@@ -59,7 +62,7 @@ pub struct Axis {
     repeat: bool,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Choice {
     label: String,
@@ -69,6 +72,13 @@ pub struct Choice {
 
 /// Labels and overrides of a point.
 type Point = (Vec<String>, Vec<String>);
+
+/// JSON Schema 2020-12 of study files, as shipped in `docs/study.schema.json`.
+pub fn schema() -> String {
+    let mut schema = schemars::schema_for!(Study);
+    schema.insert("title".into(), "Coronet study".into());
+    format!("{:#}\n", schema.to_value())
+}
 
 /// The study and its points, each checked against the format of scenes before anything runs. With
 /// cases, the points of each case in turn; a point that a case excludes is none.

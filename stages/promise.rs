@@ -8,13 +8,14 @@ use coronet::measure::conservation::{ALWAYS, Conservation, FIGURES};
 use coronet::measure::summary::digits;
 use coronet::record::log::read_frames;
 use coronet::scene::file;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::fault;
 use crate::trial::{Outcome, Trial};
 
 /// A named case; with axes, it is run at each of their points.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
     pub name: String,
@@ -38,7 +39,7 @@ pub struct Case {
 }
 
 /// How a case must end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Ending {
     /// At the end of its time.

@@ -8,13 +8,14 @@ use coronet::measure::series::{Reference, Series, compare_column};
 use coronet::measure::summary::{mean, period};
 use coronet::scene::quantity::{Unit, parse};
 use coronet::scene::{Clock, Scene};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::fault::Usage;
 use crate::trial::{Outcome, Trial};
 
 /// What the error is measured against: exactly one of `value`, `theory`, `reference` and `finest`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
     pub column: String,
@@ -37,7 +38,7 @@ pub struct Target {
 }
 
 /// What theory says of a scene: a value, or the range that its forms leave.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 enum Theory {
     /// The contact angle that is set, degrees.
@@ -59,7 +60,7 @@ impl Theory {
 }
 
 /// A number that a column comes down to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Feature {
     #[default]

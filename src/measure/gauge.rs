@@ -2,6 +2,7 @@
 
 use super::contact::Contact;
 use super::drop::{Front, Shape, Spread};
+use super::energy;
 use super::pool::{self, Axis, Pool};
 use super::raster::Raster;
 use super::region::Region;
@@ -212,8 +213,8 @@ impl Gauge {
         {
             row.put("speed_max_m_s", speed_max(frame));
         }
-        self.measure_energy(frame, area, &mut row);
-        if let Some(energy) = explained(&row.0) {
+        energy::put(&self.scene, frame, area, &mut row.0);
+        if let Some(energy) = energy::explained(&row.0) {
             let first = *start.energy.get_or_insert(energy);
             row.put("energy_unexplained_J", energy - first);
         }
@@ -296,56 +297,6 @@ impl Gauge {
             row.put_some("core_pressure_Pa", pressure);
         }
     }
-
-    /// The solver's own scalars, and what follows from the particles where it gives none.
-    fn measure_energy(&self, frame: &Frame, area: Option<f64>, row: &mut Table) {
-        let given = |name: &str| frame.scalars.iter().any(|(n, _)| n == name);
-        let spacing = self.scene.pack.spacing;
-        let count = frame.id.len();
-        let nominal = self.scene.density * spacing.powi(self.scene.dimension.count() as i32);
-        let mass = frame
-            .scalars
-            .iter()
-            .find(|(name, _)| name == "mass_kg")
-            .map_or(nominal, |(_, total)| total / count.max(1) as f64);
-        for (name, value) in &frame.scalars {
-            row.put(name, *value);
-        }
-        if !given("kinetic_energy_J") {
-            let square = (0..count).fold(0.0, |sum, i| sum + f64::from(speed_squared(frame, i)));
-            row.put("kinetic_energy_J", 0.5 * mass * square);
-        }
-        if let Some(g) = self.scene.effects.gravity
-            && !given("potential_energy_J")
-        {
-            let height = (0..count).fold(0.0, |sum, i| {
-                (0..3).fold(sum, |s, a| s - g[a] * f64::from(frame.position[a][i]))
-            });
-            row.put("potential_energy_J", mass * height);
-        }
-        if let (Some(sigma), Some(area)) = (self.scene.effects.tension, area) {
-            row.put("surface_area_m2", area);
-            if !given("surface_energy_J") {
-                row.put("surface_energy_J", sigma * area);
-            }
-        }
-        if !given("mass_kg") {
-            row.put("mass_kg", mass * count as f64);
-        }
-    }
-}
-
-/// The energies of a row less all work that is known, J; `None` where none is known.
-fn explained(row: &Row) -> Option<f64> {
-    let is_work = |name: &str| name.ends_with("_work_J");
-    let is_energy = |name: &str| name.ends_with("_energy_J");
-    row.iter().find(|(name, _)| is_work(name))?;
-    let signed = row.iter().map(|(name, value)| match name {
-        name if is_work(name) => -value,
-        name if is_energy(name) => *value,
-        _ => 0.0,
-    });
-    Some(signed.sum())
 }
 
 #[derive(Default)]

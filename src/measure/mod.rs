@@ -9,6 +9,7 @@ pub mod canvas;
 pub mod conservation;
 pub mod contact;
 pub mod drop;
+mod energy;
 pub mod field;
 pub mod figure;
 pub mod gauge;

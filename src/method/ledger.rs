@@ -1,6 +1,6 @@
 //! The budget of energy: what the liquid was given since the start of a run, part by part, J (J/m
-//! in 2-D), negative where it was taken, and the energy of its surface. With those of motion, height
-//! and compression the budget closes: what is left over came from nowhere.
+//! in 2-D), negative where it was taken, and the energy of its surface. With those of motion,
+//! height and compression the budget closes: what is left over came from nowhere.
 
 use crate::effect::tension::energy::Account;
 use crate::particle::State;
@@ -27,6 +27,8 @@ pub struct Ledger {
     pub diffusive: f64,
     pub lines: f64,
     pub rising: f64,
+    /// Work of friction in the last step of a projection, J.
+    pub rubbed: f64,
     /// Energy of the surface before particles were removed, if they were in this step.
     pub removes: bool,
     before: Option<f64>,

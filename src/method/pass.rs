@@ -87,7 +87,9 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
 }
 
 /// [`Continuity`] with gravity alone as f, whose part from diffusion is known, for the budget of
-/// energy: first the rate, then that part. It may spare small differences of density. At a surface whose tension
+/// energy: first the rate, then that part. It may spare small differences of density.
+///
+/// At a surface whose tension
 /// is the derivative of an energy every particle needs the density that it has: it holds the force
 /// on it. Diffusion would even it out, and the layer would creep, fed by it, as long as it lasts.
 /// Without any, a splash is noise: a crater at d/8 was 20 % flat.

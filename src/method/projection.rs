@@ -52,7 +52,6 @@ use crate::kernel::Kernel;
 use crate::particle::{Frame, State};
 use crate::scene::{PoissonSource, Projection as Settings};
 use crate::space::grid::Scale;
-use crate::space::parallel::max;
 use closed::Closed;
 use look::{Local, Sums};
 use std::mem::size_of;
@@ -157,8 +156,6 @@ pub(super) struct Projection<S: Scheme> {
     repeated: u64,
     pool: bool,
     ledger: Ledger,
-    /// Work of friction in the last step, J.
-    rubbed: f64,
     scratch: Scratch<S::Own>,
 }
 
@@ -232,7 +229,6 @@ impl<S: Scheme> Projection<S> {
             repeated: named("pressure_repeated").unwrap_or(0.0) as u64,
             pool,
             ledger: Ledger::of(state),
-            rubbed: 0.0,
             scratch: Scratch::default(),
         };
         if let Some(sums) = array("kernel_sum") {
@@ -266,27 +262,6 @@ impl<S: Scheme> Projection<S> {
     /// Axes along which anything varies.
     pub fn active(&self) -> [bool; 3] {
         self.flow.grid.unit.map(|unit| unit > 0.0)
-    }
-
-    /// Largest speed now, m/s.
-    fn speed(&self) -> f64 {
-        let p = &self.flow.particles;
-        max(p.len(), |i| p.speed(i)).max(0.0)
-    }
-
-    /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
-    fn connected_speed(&self) -> f64 {
-        let p = &self.flow.particles;
-        let speed = |i: usize| match self.kernel_sum(i) < LOOSE {
-            true => 0.0,
-            false => p.speed(i),
-        };
-        max(p.len(), speed).max(0.0)
-    }
-
-    /// Largest pressure now, Pa, or zero.
-    fn peak(&self) -> f64 {
-        max(self.pressure.len(), |i| self.pressure[i]).max(0.0)
     }
 
     /// Kernel sum of particle `i` at r^n: 1 inside.
@@ -337,16 +312,18 @@ impl<S: Scheme> Solver for Projection<S> {
     }
 
     fn state(&self) -> State {
-        let mut scalars = vec![
-            ("removed_mass_kg".to_string(), self.flow.removed.0),
-            ("removed_particles".to_string(), self.flow.removed.1 as f64),
-            ("time_step_s".to_string(), self.last_step),
-            ("acceleration_m_s2".to_string(), self.hardest),
-            ("connected_speed_m_s".to_string(), self.connected),
+        let own = [
+            ("removed_mass_kg", self.flow.removed.0),
+            ("removed_particles", self.flow.removed.1 as f64),
+            ("time_step_s", self.last_step),
+            ("acceleration_m_s2", self.hardest),
+            ("connected_speed_m_s", self.connected),
         ];
-        let solution = self.solution_scalars();
-        let named = solution.into_iter().chain(self.ledger.scalars());
-        scalars.extend(named.map(|(name, value)| (name.to_string(), value)));
+        let named = own
+            .into_iter()
+            .chain(self.solution_scalars())
+            .chain(self.ledger.scalars());
+        let mut scalars: Vec<_> = named.map(|(name, x)| (name.to_string(), x)).collect();
         if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
             scalars.push(("tension_strength".to_string(), tension.strength));
         }

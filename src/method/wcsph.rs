@@ -151,9 +151,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let parts = ["acceleration_x", "acceleration_y", "acceleration_z"].map(array);
             match parts {
                 [Some(x), Some(y), Some(z)] => {
-                    for i in 0..n {
-                        solver.held[i] = [x[i] as f32, y[i] as f32, z[i] as f32];
-                    }
+                    let of = |i: usize| [x[i] as f32, y[i] as f32, z[i] as f32];
+                    solver.held = (0..n).map(of).collect();
                 }
                 _ => solver.prime(),
             }

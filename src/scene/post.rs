@@ -22,7 +22,7 @@ pub struct Reference {
 }
 
 /// From which instant the times of a table count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
     /// The start of the run, as in `measures.csv`.

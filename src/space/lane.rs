@@ -80,9 +80,8 @@ pub const WIDTH: usize = 8;
 /// Eight lanes of f32 or f64.
 ///
 /// # Safety
-/// Every function requires the processor features of the implementation, and eight words wherever it
-/// reads or writes through a pointer.
-#[allow(clippy::missing_safety_doc, reason = "one for all, above")]
+/// Every function requires the processor features of the implementation, and eight words wherever
+/// it reads or writes through a pointer.
 pub trait Lanes: Copy + Send + Sync + 'static {
     type F: Copy;
     /// Eight fixed-point coordinates.

@@ -27,7 +27,6 @@ impl<'a, T> Slots<'a, T> {
     /// # Safety
     /// No two threads use the same index at a time.
     #[inline(always)]
-    #[allow(clippy::mut_from_ref, reason = "different indices, says the contract")]
     pub unsafe fn at(&self, i: usize) -> &mut T {
         debug_assert!(i < self.len);
         unsafe { &mut *self.start.add(i) }

@@ -5,7 +5,7 @@ use coronet::simulate::{Simulation, scene};
 
 use crate::program::{Program, TINY};
 
-/// The columns of the program's table are rounded; those that `post` blanks afterwards are left out.
+/// The columns of the program's table are rounded; what `post` blanks afterwards is left out.
 #[test]
 fn a_simulation_from_rust_is_that_of_the_program() {
     let program = Program::new();

@@ -15,6 +15,7 @@ mod library;
 mod program;
 mod promise;
 mod resume;
+mod schema;
 mod sharing;
 mod study;
 mod toy;

@@ -74,7 +74,8 @@ impl Shore {
             + 24 * self.pulls[0].capacity()
     }
 
-    /// Finds who is under liquid: what is not near a surface is so as the cell of the box before it.
+    /// Finds who is under liquid: what is not near a surface is so as the cell of the box before it
+    /// is filled.
     pub fn see(&mut self, flow: &Surface) {
         let (size, start) = (self.domain.size, &flow.liquid.start);
         let inside = |a: usize, x: f64| {

@@ -1,8 +1,10 @@
 //! What a run tells of itself: divergence, budgets, frames.
 
 use super::{Projection, Scheme};
+use crate::method::shifting::LOOSE;
 use crate::method::{Diverged, frame};
 use crate::particle::Frame;
+use crate::space::parallel::max;
 
 /// Spacings that no particle crosses in one step: its neighbours would be others.
 const STRIDE: f64 = 2.0;
@@ -64,6 +66,27 @@ impl<S: Scheme> Projection<S> {
     /// Kinetic and potential energy, J, momentum, kg m/s.
     pub(super) fn budget(&self) -> [f64; 5] {
         frame::budget(&self.flow, self.case.effects.gravity)
+    }
+
+    /// Largest speed now, m/s.
+    pub(super) fn speed(&self) -> f64 {
+        let p = &self.flow.particles;
+        max(p.len(), |i| p.speed(i)).max(0.0)
+    }
+
+    /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
+    pub(super) fn connected_speed(&self) -> f64 {
+        let p = &self.flow.particles;
+        let speed = |i: usize| match self.kernel_sum(i) < LOOSE {
+            true => 0.0,
+            false => p.speed(i),
+        };
+        max(p.len(), speed).max(0.0)
+    }
+
+    /// Largest pressure now, Pa, or zero.
+    pub(super) fn peak(&self) -> f64 {
+        max(self.pressure.len(), |i| self.pressure[i]).max(0.0)
     }
 
     /// Energy of motion and height, J.

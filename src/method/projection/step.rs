@@ -63,7 +63,7 @@ impl<S: Scheme> Projection<S> {
         }
         self.check(dt)?;
         self.ledger.step(dt);
-        self.ledger.walls += self.rubbed;
+        self.ledger.walls += self.ledger.rubbed;
         if self.case.shifts(self.settings.shifting) {
             let before = self.stored();
             self.shift(dt);
@@ -368,7 +368,7 @@ impl<S: Scheme> Projection<S> {
             }
             [work]
         });
-        self.rubbed = p.mass * work;
+        self.ledger.rubbed = p.mass * work;
         self.fastest = self.speed();
     }
 }

@@ -13,8 +13,8 @@ use crate::scene::WallPressure;
 use crate::space::parallel::{Slots, sum, sum_in};
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
-    /// Whether all parts of the budget are known: with dual stepping, a density from its rate, walls
-    /// without a density of their own and no tension but one that has an energy.
+    /// Whether all parts of the budget are known: with dual stepping, a density from its rate,
+    /// walls without a density of their own and no tension but one that has an energy.
     pub(super) fn books(&self) -> bool {
         self.is_dual()
             && self.model.diffusion().is_some()

@@ -1,0 +1,60 @@
+//! Energy and mass of a frame.
+
+use super::gauge::Row;
+use crate::particle::Frame;
+use crate::scene::Scene;
+
+/// The solver's own scalars, and what follows from the particles where it gives none.
+pub(super) fn put(scene: &Scene, frame: &Frame, area: Option<f64>, row: &mut Row) {
+    let mut put = |name: &str, value: f64| row.push((name.to_owned(), value));
+    let given = |name: &str| frame.scalars.iter().any(|(n, _)| n == name);
+    let spacing = scene.pack.spacing;
+    let count = frame.id.len();
+    let nominal = scene.density * spacing.powi(scene.dimension.count() as i32);
+    let mass = frame
+        .scalars
+        .iter()
+        .find(|(name, _)| name == "mass_kg")
+        .map_or(nominal, |(_, total)| total / count.max(1) as f64);
+    for (name, value) in &frame.scalars {
+        put(name, *value);
+    }
+    if !given("kinetic_energy_J") {
+        let square = (0..count).fold(0.0, |sum, i| sum + f64::from(squared(frame, i)));
+        put("kinetic_energy_J", 0.5 * mass * square);
+    }
+    if let Some(g) = scene.effects.gravity
+        && !given("potential_energy_J")
+    {
+        let height = (0..count).fold(0.0, |sum, i| {
+            (0..3).fold(sum, |s, a| s - g[a] * f64::from(frame.position[a][i]))
+        });
+        put("potential_energy_J", mass * height);
+    }
+    if let (Some(sigma), Some(area)) = (scene.effects.tension, area) {
+        put("surface_area_m2", area);
+        if !given("surface_energy_J") {
+            put("surface_energy_J", sigma * area);
+        }
+    }
+    if !given("mass_kg") {
+        put("mass_kg", mass * count as f64);
+    }
+}
+
+fn squared(frame: &Frame, i: usize) -> f32 {
+    frame.velocity.iter().map(|v| v[i] * v[i]).sum()
+}
+
+/// The energies of a row less all work that is known, J; `None` where none is known.
+pub(super) fn explained(row: &Row) -> Option<f64> {
+    let is_work = |name: &str| name.ends_with("_work_J");
+    let is_energy = |name: &str| name.ends_with("_energy_J");
+    row.iter().find(|(name, _)| is_work(name))?;
+    let signed = row.iter().map(|(name, value)| match name {
+        name if is_work(name) => -value,
+        name if is_energy(name) => *value,
+        _ => 0.0,
+    });
+    Some(signed.sum())
+}

@@ -1,0 +1,49 @@
+//! The schema of study files: as shipped, and named by every study.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::Program;
+
+const STUDIES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/study");
+
+#[test]
+fn the_shipped_schema_of_studies_is_that_of_the_program() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/study.schema.json");
+    let schema = Program::new().call(&["schema", "study"]).well().out;
+    if std::env::var_os("UPDATE").is_some() {
+        fs::write(&path, &schema).unwrap();
+    }
+    let shipped = fs::read_to_string(&path).unwrap();
+    let remedy = "UPDATE=1 cargo test --release --test pipeline schema";
+    assert_eq!(
+        shipped, schema,
+        "the format of studies changed: run {remedy}"
+    );
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    assert_eq!(schema["additionalProperties"], false);
+    for key in ["title", "axis", "error", "figure", "curves", "case"] {
+        assert!(schema["properties"][key].is_object(), "{key}");
+    }
+}
+
+#[test]
+fn every_study_names_its_schema() {
+    let files = fs::read_dir(STUDIES)
+        .unwrap()
+        .map(|file| file.unwrap().path());
+    let studies: Vec<_> = files
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    assert!(studies.len() > 20);
+    for path in studies {
+        let text = fs::read_to_string(&path).unwrap();
+        let first = text.lines().next().unwrap();
+        assert_eq!(
+            first,
+            "#:schema ../../docs/study.schema.json",
+            "{}",
+            path.display()
+        );
+    }
+}

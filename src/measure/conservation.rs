@@ -10,7 +10,7 @@ use super::summary::total_energy;
 use super::whole::Unfold;
 use crate::particle::Frame;
 use crate::scene::numbers::{length, reference_speed};
-use crate::scene::{Method, Pressure, Scene, Side};
+use crate::scene::{Method, Pressure, Scene, Side, TensionForm};
 
 /// Names and meanings of all figures.
 pub const FIGURES: [(&str, &str); 10] = [
@@ -34,7 +34,7 @@ pub const FIGURES: [(&str, &str); 10] = [
     (
         "energy_unexplained",
         "the most energy that came from nowhere, over the energy at first: kinetic, surface and \
-         what potential energy falls by, at least M g s0",
+         what potential energy falls by, at least M g s0; not of a tension without an energy",
     ),
     (
         "energy_unexplained_end",
@@ -139,7 +139,13 @@ impl<'a> Conservation<'a> {
             let window = measures.window(part * end, f64::INFINITY);
             window.maximum(column).map_or(f64::NAN, |(value, _)| value)
         };
-        let unexplained = unexplained(measures, mass * gravity * scene.pack.spacing);
+        // A stress has no energy that a budget could close with.
+        let form = scene.method.sph().tension_form;
+        let has_energy = scene.effects.tension.is_none() || form == TensionForm::SurfaceEnergy;
+        let unexplained = match has_energy {
+            true => unexplained(measures, mass * gravity * scene.pack.spacing),
+            false => [f64::NAN; 2],
+        };
         let values = [
             self.strange,
             self.mass_error,

@@ -214,7 +214,13 @@ impl Gauge {
             row.put("speed_max_m_s", speed_max(frame));
         }
         energy::put(&self.scene, frame, area, &mut row.0);
-        if let Some(energy) = energy::explained(&row.0) {
+        // Sigma times the area of the surface does not have the energy of wet walls.
+        let is_whole = self.scene.effects.wetting.is_none()
+            || frame
+                .scalars
+                .iter()
+                .any(|(name, _)| name == "surface_energy_J");
+        if let Some(energy) = energy::explained(&row.0).filter(|_| is_whole) {
             let first = *start.energy.get_or_insert(energy);
             row.put("energy_unexplained_J", energy - first);
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{Ended, Program, TINY, members};
+use crate::program::{Ended, Program, TINY, hearing, members};
 
 const RUN: &str = "run tiny.toml --threads 1";
 
@@ -16,7 +16,10 @@ fn bash(program: &Program, line: &str) -> Ended {
     let script = format!("program='{binary}'; coronet() {{ \"$program\" \"$@\"; }}; {line}");
     let mut command = Command::new("bash");
     command.current_dir(program.folder.path());
-    command.args(["-c", &script]).output().unwrap().into()
+    hearing(command.args(["-c", &script]))
+        .output()
+        .unwrap()
+        .into()
 }
 
 /// As the user `nobody`; `None` if this process may not become one.

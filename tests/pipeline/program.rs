@@ -63,6 +63,21 @@ impl From<Output> for Ended {
     }
 }
 
+/// Has a command hear the signals that whoever started these tests may have had ignored.
+pub fn hearing(command: &mut Command) -> &mut Command {
+    let hear = || {
+        for signal in [libc::SIGINT, libc::SIGHUP, libc::SIGTERM] {
+            // SAFETY: sets a disposition of the new process, which runs nothing of its own yet.
+            if unsafe { libc::signal(signal, libc::SIG_DFL) } == libc::SIG_ERR {
+                return Err(std::io::Error::last_os_error());
+            }
+        }
+        Ok(())
+    };
+    // SAFETY: `hear` only makes system calls.
+    unsafe { command.pre_exec(hear) }
+}
+
 impl Program {
     /// With [`TINY`] as `tiny.toml`.
     pub fn new() -> Self {
@@ -96,19 +111,8 @@ impl Program {
         self.command(arguments).output().unwrap().into()
     }
 
-    /// It hears SIGINT, which whoever started these tests may have had ignored.
     pub fn start(&self, arguments: &[&str]) -> Child {
-        let mut command = self.command(arguments);
-        let hear = || {
-            // SAFETY: sets a disposition of the new process, which runs nothing of its own yet.
-            match unsafe { libc::signal(libc::SIGINT, libc::SIG_DFL) } {
-                libc::SIG_ERR => Err(std::io::Error::last_os_error()),
-                _ => Ok(()),
-            }
-        };
-        // SAFETY: `hear` only makes a system call.
-        unsafe { command.pre_exec(hear) };
-        command.spawn().unwrap()
+        hearing(&mut self.command(arguments)).spawn().unwrap()
     }
 
     /// `coronet run tiny.toml --json` with more arguments; must end well.

@@ -20,7 +20,7 @@ pub(super) fn put(scene: &Scene, frame: &Frame, area: Option<f64>, row: &mut Row
         put(name, *value);
     }
     if !given("kinetic_energy_J") {
-        let square = (0..count).fold(0.0, |sum, i| sum + f64::from(squared(frame, i)));
+        let square = (0..count).fold(0.0, |sum, i| sum + f64::from(speed_squared(frame, i)));
         put("kinetic_energy_J", 0.5 * mass * square);
     }
     if let Some(g) = scene.effects.gravity
@@ -42,8 +42,10 @@ pub(super) fn put(scene: &Scene, frame: &Frame, area: Option<f64>, row: &mut Row
     }
 }
 
-fn squared(frame: &Frame, i: usize) -> f32 {
-    frame.velocity.iter().map(|v| v[i] * v[i]).sum()
+/// m^2/s^2, of particle `i`.
+pub(super) fn speed_squared(frame: &Frame, i: usize) -> f32 {
+    let [u, v, w] = &frame.velocity;
+    u[i] * u[i] + v[i] * v[i] + w[i] * w[i]
 }
 
 /// The energies of a row less all work that is known, J; `None` where none is known.

@@ -342,15 +342,10 @@ fn put_pool(pool: &Pool, row: &mut Table) {
     row.put_some("far_level_m", pool.far_level);
 }
 
-fn speed_squared(frame: &Frame, i: usize) -> f32 {
-    let [u, v, w] = &frame.velocity;
-    u[i] * u[i] + v[i] * v[i] + w[i] * w[i]
-}
-
 fn speed_max(frame: &Frame) -> f64 {
     f64::from(
         (0..frame.id.len())
-            .map(|i| speed_squared(frame, i))
+            .map(|i| energy::speed_squared(frame, i))
             .fold(0.0, f32::max),
     )
     .sqrt()

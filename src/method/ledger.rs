@@ -29,8 +29,9 @@ pub struct Ledger {
     pub rising: f64,
     /// Work of friction in the last step of a projection, J.
     pub rubbed: f64,
-    /// Energy of the surface before particles were removed, if they were in this step.
+    /// Whether particles were removed at the start of this step.
     pub removes: bool,
+    /// Energy of the surface at the end of the step before, J.
     before: Option<f64>,
 }
 

@@ -167,9 +167,9 @@ impl<K: Kernel> Pass<3> for Pull<K> {
 pub struct Account {
     /// E.
     pub energy: f64,
-    /// Its rate: minus the power of the force, but for
+    /// Its rate: minus the power of the force, `lines` left out.
     pub rate: f64,
-    /// the power of what the angles of contact lines pull beyond the mean angle.
+    /// Power of what contact lines pull because their angle is not the mean one.
     pub lines: f64,
 }
 

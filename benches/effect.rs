@@ -107,11 +107,11 @@ fn solver(method: &str, which: &[usize]) -> Box<dyn Solver> {
     let scene = loaded.unwrap_or_else(|error| panic!("{error}")).scene;
     let bodies: Vec<_> = (0..scene.bodies.len())
         .map(|body| {
-            pack(&scene, body, &mut |_| Continue(()))
+            pack(&scene.pack_input(body), &mut |_| Continue(()))
                 .expect("a lattice")
                 .0
         })
         .collect();
-    let state = initial(&scene, &bodies);
+    let state = initial(&scene.impact_input(), &bodies);
     build(&scene, state, Phase::Impact, Some(3.0)).expect("the scene can be built")
 }

@@ -65,14 +65,15 @@ fn impact(spacing: f64) -> Box<dyn Solver> {
     let loaded = file::load(&path, &sets).unwrap_or_else(|error| panic!("{error}"));
     let scene = loaded.scene;
     let place = |body: usize| {
-        let packed = pack(&scene, body, &mut |_| ControlFlow::Continue(()));
+        let packed = pack(&scene.pack_input(body), &mut |_| ControlFlow::Continue(()));
         let mut particles = packed.expect("a lattice can be placed").0;
         particles.body.fill(body as u8);
         particles
     };
     let bodies: Vec<Particles> = (0..scene.bodies.len()).map(place).collect();
-    let strength = calibrate(&scene, &bodies).expect("the pool has a surface");
-    let state = initial(&scene, &bodies);
+    let input = scene.calibrate_input().expect("the scene has tension");
+    let strength = calibrate(&input.bodies, &bodies).expect("the pool has a surface");
+    let state = initial(&scene.impact_input(), &bodies);
     let built = build(&scene, state, Phase::Impact, Some(strength.strength));
     let mut solver = built.expect("the scene can be built");
     let touch = 1e-3 * spacing / 3.13;

@@ -14,7 +14,7 @@ fn main() {
         measure(&scene, body, &scene.bodies[body].name);
     }
     if std::env::args().any(|argument| argument == "million") {
-        scene.pack.spacing = 0.25e-3;
+        scene.spacing = 0.25e-3;
         let pool = scene.bodies.iter().position(|body| body.name == "pool");
         measure(
             &scene,
@@ -26,7 +26,7 @@ fn main() {
 
 fn measure(scene: &Scene, body: usize, name: &str) {
     let (mut task, mut since) = ("", Instant::now());
-    let packed = pack(scene, body, &mut |now| {
+    let packed = pack(&scene.pack_input(body), &mut |now| {
         if now.task != task {
             if !task.is_empty() {
                 println!("pack.{name}.{task} {:.2} s", since.elapsed().as_secs_f64());

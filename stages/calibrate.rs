@@ -4,18 +4,19 @@
 use coronet::method;
 use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
-use coronet::scene::file::Loaded;
+use coronet::scene::key::CalibrateInput;
 
-use crate::forecast;
+use crate::forecast::Forecast;
 use crate::impact::read_body;
 
 const FILE: &str = "strength.checkpoint";
 const STRENGTH: &str = "strength";
 
 pub struct Calibrate<'a> {
-    pub loaded: &'a Loaded,
+    pub input: CalibrateInput,
     /// Jobs of the bodies that it reads, in the order of the scene.
     pub bodies: Vec<usize>,
+    pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
 
@@ -29,7 +30,7 @@ impl Stage for Calibrate<'_> {
     }
 
     fn work(&self) -> Option<Work> {
-        forecast::calibrate(&self.loaded.scene)
+        (self.forecast)()
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
@@ -37,7 +38,7 @@ impl Stage for Calibrate<'_> {
             .map(|body| read_body(context, body, body))
             .collect();
         let calibration =
-            method::calibrate(&self.loaded.scene, &bodies?).map_err(StageError::failed)?;
+            method::calibrate(&self.input.bodies, &bodies?).map_err(StageError::failed)?;
         context.note(format!("alpha = {}", calibration.strength));
         let mut scalars = vec![(STRENGTH.to_string(), calibration.strength)];
         for (index, (name, area, ratio)) in calibration.bodies.iter().enumerate() {

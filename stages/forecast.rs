@@ -123,10 +123,10 @@ fn particle_step(scene: &Scene) -> f64 {
     } else {
         WCSPH_SUMMED
     };
-    let tension = match scene.method.sph().tension_form {
-        _ if scene.effects.tension.is_none() => 0.0,
-        TensionForm::NormalisedColour => NORMALISED * near_surface(scene),
-        _ => TENSION,
+    let tension = match scene.effects.tension.map(|tension| tension.form) {
+        None => 0.0,
+        Some(TensionForm::NormalisedColour) => NORMALISED * near_surface(scene),
+        Some(_) => TENSION,
     };
     let found = match &scene.method {
         Method::Wcsph(settings) if settings.time_stepping.holds() => HELD,
@@ -142,7 +142,7 @@ fn walls(scene: &Scene) -> f64 {
     let projected = usize::from(is_projected(scene));
     let (mut inner, mut outer, mut open) = (1.0, 1.0, 1.0);
     for &axis in scene.dimension.axes() {
-        let cells = scene.domain.size[axis] / scene.pack.spacing;
+        let cells = scene.domain.size[axis] / scene.spacing;
         let sides = |kind: Side| {
             let sides = scene.domain.boundary[axis].iter();
             layers * sides.filter(|side| **side == kind).count() as f64
@@ -176,7 +176,11 @@ fn iterations(scene: &Scene, settings: &Projection) -> f64 {
 
 /// Part of the deepest layer that is within [`BAND`] H of its surface.
 fn near_surface(scene: &Scene) -> f64 {
-    let long = scene.method.sph().tension_smoothing * numbers::smoothing_length(scene);
+    let smoothing = scene
+        .effects
+        .tension
+        .map_or(1.0, |tension| tension.smoothing);
+    let long = smoothing * numbers::smoothing_length(scene);
     let depth = gauge::pool_depth(scene);
     if depth > 0.0 {
         (BAND * long / depth).min(1.0)
@@ -230,7 +234,7 @@ fn step(scene: &Scene, speed: f64, sound: f64) -> f64 {
         .filter(|limit| limit.name != "acoustic" && limit.name != "advective");
     let calm = calm.fold(f64::INFINITY, |least, limit| least.min(limit.value));
     if let Some(settings) = scene.method.projection() {
-        let cross = settings.courant * scene.pack.spacing / speed;
+        let cross = settings.courant * scene.spacing / speed;
         return cross.clamp(settings.shortest, settings.longest).min(calm);
     }
     let h = numbers::smoothing_length(scene);
@@ -272,9 +276,12 @@ fn resting_steps(scene: &Scene, body: usize) -> Option<f64> {
         false => spread.max(energy / relax.kinetic_energy).clamp(least, 1.0),
     };
     // Nothing moves; a projection has the same limits as ever.
-    let sound = numbers::rest_sound_speed(scene, body);
+    let sound = numbers::rest_sound_speed(&scene.resting(body));
     Some(part * relax.time / step(scene, 0.0, sound))
 }
+
+/// What a job will cost, found when it is asked for.
+pub type Forecast<'a> = Box<dyn Fn() -> Option<Work> + Sync + 'a>;
 
 fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
     cpu.is_finite().then(|| Work {

@@ -14,12 +14,14 @@ use coronet::record::atomic::write_file;
 use coronet::record::checkpoint::{self, CheckpointError};
 use coronet::record::layout::Layout;
 use coronet::record::log::{LogSetup, LogWriter};
-use coronet::scene::file::Loaded;
+use coronet::scene::key::ImpactInput;
+use coronet::scene::quantity::{self, Unit};
 
+use crate::calibrate;
 use crate::flight::{self, Flight};
+use crate::forecast::Forecast;
 use crate::journal::{Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start};
 use crate::pace::Pace;
-use crate::{calibrate, forecast, settings};
 
 /// State at the end.
 pub const STATE: &str = "state.checkpoint";
@@ -35,10 +37,15 @@ pub const KEPT_IN: &str = "are kept in";
 const PARTS: f64 = 4.0;
 
 pub struct Impact<'a> {
-    pub loaded: &'a Loaded,
+    pub input: ImpactInput,
+    /// Wall-clock seconds between checkpoints.
+    pub checkpoint_every: f64,
+    /// Text of the scene file, for the log.
+    pub text: &'a str,
     /// Jobs of the bodies, in the order of the scene.
     pub bodies: Vec<usize>,
     pub calibration: Option<usize>,
+    pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
 
@@ -60,7 +67,7 @@ impl Stage for Impact<'_> {
     }
 
     fn work(&self) -> Option<Work> {
-        forecast::impact(&self.loaded.scene)
+        (self.forecast)()
     }
 
     fn remark(&self, name: &str) -> Option<&str> {
@@ -82,7 +89,6 @@ impl Stage for Impact<'_> {
 
 impl Impact<'_> {
     fn fly(&self, context: &mut Context) -> Result<Vec<Output>, Trouble> {
-        let scene = &self.loaded.scene;
         let strength = match self.calibration {
             Some(_) => Some(calibrate::read(context, self.bodies.len())?),
             None => None,
@@ -92,12 +98,12 @@ impl Impact<'_> {
             context.resumed();
         }
         let resumed_from = start.resumed.then_some(start.state.time);
-        let built = method::build(scene, start.state, Phase::Impact, strength);
+        let built = method::build(&self.input.problem, start.state, Phase::Impact, strength);
         let mut solver = built.map_err(StageError::failed)?;
         let mut frames = Frames {
             log: self.open_log(context, resumed_from)?,
             due: Schedule {
-                interval: scene.frames.interval,
+                interval: self.input.frames.interval,
                 next: start.next,
             },
             taken: start.taken,
@@ -129,8 +135,8 @@ impl Impact<'_> {
         solver: &mut dyn Solver,
         frames: &mut Frames,
     ) -> Result<(), StageError> {
-        let impact = &self.loaded.scene.impact;
-        let mut flight = Flight::new(context, impact.checkpoint_every)?;
+        let impact = &self.input.impact;
+        let mut flight = Flight::new(context, self.checkpoint_every)?;
         let mut pace = Pace::new(solver);
         let mut part = (solver.time() / impact.end * PARTS).floor();
         while solver.time() < impact.end {
@@ -182,8 +188,8 @@ impl Impact<'_> {
         let bodies: Result<Vec<_>, _> = (0..self.bodies.len())
             .map(|body| read_body(context, body, body))
             .collect();
-        let scene = &self.loaded.scene;
-        let state = method::initial(scene, &bodies?);
+        let scene = &self.input.problem;
+        let state = method::initial(&self.input, &bodies?);
         if let Some((body, other, count)) = method::intruders(scene, &state) {
             let name = |body: usize| &scene.bodies[body].name;
             context.warn(&format!(
@@ -203,7 +209,7 @@ impl Impact<'_> {
 
     /// The latest usable instant after `since` of a finished run with another end.
     fn relative(&self, context: &Context, since: f64) -> Result<Option<Start>, StageError> {
-        let end = self.loaded.scene.impact.end;
+        let end = self.input.impact.end;
         let mut candidates = Vec::new();
         for relative in &context.relatives {
             for output in &relative.stamp.outputs {
@@ -241,7 +247,7 @@ impl Impact<'_> {
     }
 
     fn write_layout(&self, context: &Context, solver: &dyn Solver) -> Result<(), StageError> {
-        let scene = &self.loaded.scene;
+        let scene = &self.input.problem;
         let scalars = solver.frame().scalars;
         let layout = Layout {
             bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
@@ -262,9 +268,11 @@ impl Impact<'_> {
         for input in &context.inputs {
             provenance.push((input.stamp.label(), input.stamp.digest.to_string()));
         }
-        let scene = &self.loaded.scene;
-        let text = self.loaded.text.clone();
-        let setup = LogSetup::new(scene, &wall::build(scene), text, provenance);
+        let ImpactInput {
+            problem, frames, ..
+        } = &self.input;
+        let (wall, text) = (wall::build(problem), self.text.to_string());
+        let setup = LogSetup::new(problem, frames, &wall, text, provenance);
         let segment = next_segment(context)?;
         LogWriter::create(context.work(), segment, from, &setup).map_err(StageError::failed)
     }
@@ -272,7 +280,7 @@ impl Impact<'_> {
 
 /// `impact.end` of a finished run, s.
 fn run_end(relative: &Relative) -> Option<f64> {
-    settings::number(relative.setting("impact.end")?)
+    quantity::parse(relative.setting("impact.end")?, Unit::Time).ok()
 }
 
 /// Reads body `index` from input `input`: the checkpoint does not know its place in the scene.

@@ -4,21 +4,22 @@ use std::path::Path;
 
 use anyhow::Result;
 use coronet::method;
-use coronet::pipeline::{Identity, Pipeline, Stage};
+use coronet::pipeline::{Identity, Pipeline, Setting, Stage};
+use coronet::scene::Scene;
 use coronet::scene::file::Loaded;
-use coronet::scene::key::{self, Setting};
+use coronet::scene::key::RelaxInput;
 
 use crate::calibrate::Calibrate;
 use crate::impact::Impact;
 use crate::pack::Pack;
 use crate::post::Post;
 use crate::relax::Relax;
-use crate::settings::list;
+use crate::{forecast, settings};
 
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
 pub mod version {
-    use coronet::scene::{Density, Gradient, Method, Scene, TensionForm, TimeStepping};
+    use coronet::scene::{Density, Gradient, Method, Problem, TensionForm, TimeStepping};
 
     pub const PACK: u32 = 2;
     const CALIBRATE: u32 = 7;
@@ -37,25 +38,23 @@ pub mod version {
     const WCSPH: u32 = 1;
     const ONE_RATE: u32 = 1;
 
-    fn normalised(scene: &Scene) -> u32 {
-        let form = scene.method.sph().tension_form;
-        let is = scene.effects.tension.is_some() && form == TensionForm::NormalisedColour;
-        NORMALISED * u32::from(is)
+    fn normalised(problem: &Problem) -> u32 {
+        let form = TensionForm::NormalisedColour;
+        NORMALISED * u32::from(problem.effects.has_tension(form))
     }
 
-    fn energetic(scene: &Scene) -> u32 {
-        let form = scene.method.sph().tension_form;
-        let is = scene.effects.tension.is_some() && form == TensionForm::SurfaceEnergy;
-        ENERGY * u32::from(is)
+    fn energetic(problem: &Problem) -> u32 {
+        let form = TensionForm::SurfaceEnergy;
+        ENERGY * u32::from(problem.effects.has_tension(form))
     }
 
-    pub fn calibrate(scene: &Scene) -> u32 {
+    pub fn calibrate(scene: &Problem) -> u32 {
         CALIBRATE + normalised(scene) + energetic(scene)
     }
 
     /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results
     /// of other scenes fresh.
-    pub fn flow(scene: &Scene) -> u32 {
+    pub fn flow(scene: &Problem) -> u32 {
         let wets = scene.effects.wetting.is_some();
         let rubs = scene
             .effects
@@ -79,71 +78,93 @@ pub mod version {
     }
 }
 
-fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {
-    Identity {
-        name,
-        part: part.to_string(),
-        version,
-        settings: list(settings),
-    }
-}
-
 /// The jobs of a scene, in an order in which they can run.
 pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     let scene = &loaded.scene;
     let mut jobs: Vec<Box<dyn Stage + '_>> = Vec::new();
     let (mut packed, mut bodies) = (Vec::new(), Vec::new());
     for body in 0..scene.bodies.len() {
-        let part = scene.bodies[body].name.as_str();
-        jobs.push(Box::new(Pack {
-            loaded,
-            body,
-            identity: identity("pack", part, version::PACK, key::pack(scene, body)?),
-        }));
+        jobs.push(pack(scene, body)?);
         packed.push(jobs.len() - 1);
-        if scene.relax.is_some() {
-            jobs.push(Box::new(Relax {
-                loaded,
-                body,
-                pack: jobs.len() - 1,
-                identity: identity(
-                    "relax",
-                    part,
-                    version::flow(scene),
-                    key::relax(scene, body)?,
-                ),
-            }));
+        if let Some(input) = scene.relax_input(body) {
+            jobs.push(relax(scene, body, input, jobs.len() - 1)?);
         }
         bodies.push(jobs.len() - 1);
     }
     let mut calibration = None;
-    if let Some(settings) = key::calibrate(scene)? {
-        let read = if method::is_of_packing(scene) {
-            packed
-        } else {
-            bodies.clone()
-        };
+    if let Some(input) = scene.calibrate_input() {
+        let settings = settings::list(&input, scene)?;
         jobs.push(Box::new(Calibrate {
-            loaded,
-            bodies: read,
+            input,
+            bodies: match method::is_of_packing(scene) {
+                true => packed,
+                false => bodies.clone(),
+            },
+            forecast: Box::new(|| forecast::calibrate(scene)),
             identity: identity("calibrate", "", version::calibrate(scene), settings),
         }));
         calibration = Some(jobs.len() - 1);
     }
+    let input = scene.impact_input();
+    let settings = settings::list(&input, scene)?;
     jobs.push(Box::new(Impact {
-        loaded,
+        input,
+        checkpoint_every: scene.impact.checkpoint_every,
+        text: &loaded.text,
         bodies,
         calibration,
-        identity: identity("impact", "", version::flow(scene), key::impact(scene)?),
+        forecast: Box::new(|| forecast::impact(scene)),
+        identity: identity("impact", "", version::flow(scene), settings),
     }));
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
+    let input = scene.post_input(folder)?;
+    let settings = settings::list(&input, scene)?;
     jobs.push(Box::new(Post {
-        loaded,
+        input,
+        folder,
+        text: &loaded.text,
         impact: jobs.len() - 1,
-        identity: identity("post", "", version::POST, key::post(scene, folder)?),
+        forecast: Box::new(|| forecast::post(scene)),
+        identity: identity("post", "", version::POST, settings),
     }));
     Ok(Pipeline {
         name: scene.name.clone(),
         jobs,
     })
+}
+
+fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {
+    Identity {
+        name,
+        part: part.to_string(),
+        version,
+        settings,
+    }
+}
+
+fn pack(scene: &Scene, body: usize) -> Result<Box<dyn Stage + '_>> {
+    let input = scene.pack_input(body);
+    let settings = settings::list(&input, &scene.resting(body))?;
+    Ok(Box::new(Pack {
+        identity: identity("pack", &input.name, version::PACK, settings),
+        input,
+        forecast: Box::new(move || forecast::pack(scene, body)),
+    }))
+}
+
+fn relax(
+    scene: &Scene,
+    body: usize,
+    input: RelaxInput,
+    pack: usize,
+) -> Result<Box<dyn Stage + '_>> {
+    let settings = settings::list(&input, &input.problem)?;
+    let part = &scene.bodies[body].name;
+    Ok(Box::new(Relax {
+        identity: identity("relax", part, version::flow(&input.problem), settings),
+        input,
+        checkpoint_every: scene.impact.checkpoint_every,
+        pack,
+        forecast: Box::new(move || forecast::relax(scene, body)),
+    }))
 }

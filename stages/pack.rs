@@ -6,17 +6,17 @@ use std::time::{Duration, Instant};
 use coronet::particle::pack::{PackError, PackProgress, PackReport, pack};
 use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
-use coronet::scene::file::Loaded;
+use coronet::scene::key::PackInput;
 
-use crate::{BODY, forecast};
+use crate::BODY;
+use crate::forecast::Forecast;
 
 /// Time between two reports.
 const BETWEEN: Duration = Duration::from_millis(200);
 
 pub struct Pack<'a> {
-    pub loaded: &'a Loaded,
-    /// Place in the scene.
-    pub body: usize,
+    pub input: PackInput,
+    pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
 
@@ -26,7 +26,7 @@ impl Stage for Pack<'_> {
     }
 
     fn work(&self) -> Option<Work> {
-        forecast::pack(&self.loaded.scene, self.body)
+        (self.forecast)()
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
@@ -42,13 +42,11 @@ impl Stage for Pack<'_> {
                 false => ControlFlow::Continue(()),
             }
         };
-        let packed = pack(&self.loaded.scene, self.body, &mut watch);
-        let (mut body, report) = packed.map_err(|error| match error {
+        let packed = pack(&self.input, &mut watch);
+        let (body, report) = packed.map_err(|error| match error {
             PackError::Stopped { .. } => StageError::Interrupted,
             error => StageError::failed(error),
         })?;
-        // Which place a scene gives to a body is no part of the body.
-        body.body.fill(0);
         let path = context.output().join(BODY);
         Checkpoint::from(body)
             .write(&path, checkpoint::LEVEL)

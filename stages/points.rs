@@ -213,7 +213,7 @@ impl Study {
             .with_context(point)?
             .scene;
         trial.method = scene.method.name();
-        trial.spacing = scene.pack.spacing;
+        trial.spacing = scene.spacing;
         let particles = (0..scene.bodies.len()).map(|body| count(&scene, body) as f64);
         trial.count = particles.sum();
         Ok(trial)

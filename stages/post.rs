@@ -8,9 +8,9 @@ use coronet::pipeline::{
     Context, Identity, Output, Progress, Stage, StageError, Stamp, Store, Work,
 };
 use coronet::record::log;
-use coronet::scene::file::Loaded;
+use coronet::scene::key::PostInput;
 
-use crate::forecast;
+use crate::forecast::Forecast;
 use crate::impact::FRAMES;
 use crate::relax::UNREST;
 
@@ -26,9 +26,13 @@ const AT_ONCE: usize = 8;
 const PARTICLES: usize = 1_000_000;
 
 pub struct Post<'a> {
-    pub loaded: &'a Loaded,
+    pub input: PostInput,
+    /// Folder and text of the scene file.
+    pub folder: &'a Path,
+    pub text: &'a str,
     /// Job that wrote the log.
     pub impact: usize,
+    pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
 
@@ -42,15 +46,14 @@ impl Stage for Post<'_> {
     }
 
     fn work(&self) -> Option<Work> {
-        forecast::post(&self.loaded.scene)
+        (self.forecast)()
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
         let path = context.verified(0, FRAMES)?;
-        let scene = &self.loaded.scene;
-        let base = self.loaded.path.parent().unwrap_or(Path::new("."));
+        let scene = &self.input.scene();
         let out = context.output();
-        let mut post = post::Post::new(scene, base, &out).map_err(StageError::failed)?;
+        let mut post = post::Post::new(scene, self.folder, &out).map_err(StageError::failed)?;
         for text in unrest(context) {
             post.remark(format!("Warning: {text}."));
             context.warn(&text);
@@ -182,7 +185,7 @@ impl Post<'_> {
                 ));
             }
         }
-        lines.push(("scene file".to_string(), self.loaded.text.clone()));
+        lines.push(("scene file".to_string(), self.text.to_string()));
         lines
     }
 }

@@ -40,8 +40,14 @@ pub fn slower() -> f64 {
 /// `None` where the system does not tell the time of a process.
 fn probe() -> Option<f64> {
     let scene = file::read(POOL, Path::new("probe"), &[]).ok()?.scene;
-    let (pool, _) = pack(&scene, 0, &mut |_| ControlFlow::Continue(())).ok()?;
-    let mut solver = build(&scene, initial(&scene, &[pool]), Phase::Impact, None).ok()?;
+    let (pool, _) = pack(&scene.pack_input(0), &mut |_| ControlFlow::Continue(())).ok()?;
+    let mut solver = build(
+        &scene,
+        initial(&scene.impact_input(), &[pool]),
+        Phase::Impact,
+        None,
+    )
+    .ok()?;
     // The first one sets up what stays.
     solver.advance(&mut |_| ()).ok()?;
     let (step, start) = (solver.step_count(), machine::cpu_seconds());

@@ -9,12 +9,13 @@ use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
 use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
-use coronet::scene::file::Loaded;
+use coronet::scene::key::RelaxInput;
 
+use crate::BODY;
 use crate::flight::{self, Flight};
+use crate::forecast::Forecast;
 use crate::impact::read_body;
 use crate::pace::Pace;
-use crate::{BODY, forecast};
 
 /// Since when both limits have been kept, s, as a scalar of a checkpoint; NaN: they are not.
 const CALM_SINCE: &str = "calm_since";
@@ -23,11 +24,12 @@ const CALM_SINCE: &str = "calm_since";
 pub const UNREST: &str = "not at rest";
 
 pub struct Relax<'a> {
-    pub loaded: &'a Loaded,
-    /// Place in the scene.
-    pub body: usize,
-    /// Job that packs it.
+    pub input: RelaxInput,
+    /// Wall-clock seconds between checkpoints.
+    pub checkpoint_every: f64,
+    /// Job that packs the body.
     pub pack: usize,
+    pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
 
@@ -41,15 +43,11 @@ impl Stage for Relax<'_> {
     }
 
     fn work(&self) -> Option<Work> {
-        forecast::relax(&self.loaded.scene, self.body)
+        (self.forecast)()
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
-        let scene = &self.loaded.scene;
-        let relax = scene
-            .relax
-            .as_ref()
-            .expect("the stage exists because the table does");
+        let RelaxInput { problem, relax } = &self.input;
         let (state, calm_since) = match flight::newest(context)?.and_then(restored) {
             Some(start) => {
                 context.resumed();
@@ -57,16 +55,16 @@ impl Stage for Relax<'_> {
             }
             None => {
                 flight::clear(context)?;
-                let packed = read_body(context, 0, self.body)?;
-                (method::resting(scene, &packed), f64::NAN)
+                let packed = read_body(context, 0, 0)?;
+                (method::resting(problem, &packed), f64::NAN)
             }
         };
         let mut rest = Rest { calm_since };
         let particle_mass = state.particles.mass;
         let damping = relax.damping;
-        let built = method::build(scene, state, Phase::Relax { damping }, None);
+        let built = method::build(problem, state, Phase::Relax { damping }, None);
         let mut solver = built.map_err(StageError::failed)?;
-        let mut flight = Flight::new(context, scene.impact.checkpoint_every)?;
+        let mut flight = Flight::new(context, self.checkpoint_every)?;
         let mut pace = Pace::new(solver.as_ref());
         let unrest = loop {
             let (unrest, ends) = rest.look(solver.as_ref(), particle_mass, relax);
@@ -96,7 +94,7 @@ impl Stage for Relax<'_> {
 impl Relax<'_> {
     /// Notes how still the body is.
     fn report(&self, context: &mut Context, solver: &dyn Solver, unrest: Unrest) {
-        let relax = self.loaded.scene.relax.as_ref().expect("as above");
+        let relax = &self.input.relax;
         let reached = format!(
             "after {:.3e} s: kinetic energy {:.3e} J/kg (limit {:.3e}), standard deviation of \
              density {:.3} kg/m^3 (limit {:.3})",
@@ -117,8 +115,7 @@ impl Relax<'_> {
     }
 
     fn write(&self, context: &Context, state: &State) -> Result<Vec<Output>, StageError> {
-        let mut body = method::relaxed(&self.loaded.scene, state);
-        body.body.fill(0);
+        let body = method::relaxed(&self.input.problem, state);
         let path = context.output().join(BODY);
         Checkpoint::from(body)
             .write(&path, checkpoint::LEVEL)

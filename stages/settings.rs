@@ -1,21 +1,17 @@
 //! What each stage reads, for its key.
 
+use anyhow::Result;
 use coronet::pipeline::Setting;
-use coronet::scene::key;
+use coronet::scene::{Problem, key};
+use serde::Serialize;
 
-/// Settings of the scene as the pipeline knows them.
-pub fn list(settings: Vec<key::Setting>) -> Vec<Setting> {
+/// Settings in the input of a stage, as the pipeline knows them; `problem` is the scene's.
+pub fn list(input: &impl Serialize, problem: &Problem) -> Result<Vec<Setting>> {
     let setting = |setting: key::Setting| Setting {
         name: setting.name,
         shown: setting.value,
         canonical: setting.canonical,
     };
-    settings.into_iter().map(setting).collect()
-}
-
-/// The number at the end of a setting's canonical bytes, from their hexadecimal form.
-pub fn number(canonical: &str) -> Option<f64> {
-    let digits = canonical.get(canonical.len().checked_sub(16)?..)?;
-    let bits = u64::from_str_radix(digits, 16).ok()?;
-    Some(f64::from_bits(bits.swap_bytes()))
+    let settings = key::settings(input, problem)?;
+    Ok(settings.into_iter().map(setting).collect())
 }

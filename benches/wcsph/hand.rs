@@ -73,7 +73,7 @@ pub struct Hand<K, V> {
 
 impl<K: Kernel, V: PairViscosity> Hand<K, V> {
     pub fn new(scene: &Scene, particles: Particles, viscosity: V) -> Self {
-        let model = Model::new(scene, settings(scene), Phase::Impact, Some(0));
+        let model = Model::new(scene, settings(scene), Phase::Impact);
         let TimeStepping::Fixed { step: dt } = model.settings.time_stepping else {
             panic!("`paper` has a fixed step");
         };

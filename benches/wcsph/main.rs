@@ -114,7 +114,7 @@ fn step(side: usize, preset: &str, threads: &[ThreadPool; 2]) {
 fn parts(side: usize, threads: &[ThreadPool; 2]) {
     let scene = scene::block(side, "paper", true);
     let viscosity = TwoTerm {
-        factor: (scene.effects.viscosity.unwrap_or(0.0) / scene::smoothing(&scene)) as f32,
+        factor: (scene.effects.mu().unwrap_or(0.0) / scene::smoothing(&scene)) as f32,
     };
     let state = scene::state(&scene, side);
     let mut hand = Hand::<CubicSpline, _>::new(&scene, state.particles, viscosity);

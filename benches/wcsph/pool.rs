@@ -94,7 +94,13 @@ fn compare(when: &str, solver: &mut [Box<dyn Solver>; 2], pool: &ThreadPool) {
 pub fn record(pool: &ThreadPool) {
     let (scene, state, strength) = pool.install(|| scene::pool(&scene::DEFAULT, true));
     let folder = tempfile::tempdir().expect("a folder for results");
-    let setup = LogSetup::new(&scene, &wall::build(&scene), String::new(), Vec::new());
+    let setup = LogSetup::new(
+        &scene,
+        &scene.frames,
+        &wall::build(&scene),
+        String::new(),
+        Vec::new(),
+    );
     let log = LogWriter::create(folder.path(), 0, None, &setup);
     let mut log = log.expect("a log can be written");
     let mut checkpoints = CheckpointWriter::new(LEVEL).expect("checkpoints can be written");

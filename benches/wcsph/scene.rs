@@ -41,12 +41,12 @@ pub fn settings(scene: &Scene) -> &Wcsph {
 
 /// h, m.
 pub fn smoothing(scene: &Scene) -> f64 {
-    settings(scene).sph.smoothing * scene.pack.spacing
+    settings(scene).sph.smoothing * scene.spacing
 }
 
 /// Each particle of the box up to 0.1 s0 and 1 m/s from rest on the lattice.
 pub fn state(scene: &Scene, side: usize) -> State {
-    let s0 = scene.pack.spacing;
+    let s0 = scene.spacing;
     let mut seed = 1u64;
     let mut random = move || {
         seed = seed
@@ -97,7 +97,7 @@ pub fn pool(of: &[&str], tension: bool) -> (Scene, State, Option<f64>) {
         .scene;
     let bodies: Vec<Particles> = (0..scene.bodies.len())
         .map(|body| {
-            let packed = pack(&scene, body, &mut |_| ControlFlow::Continue(()));
+            let packed = pack(&scene.pack_input(body), &mut |_| ControlFlow::Continue(()));
             let mut particles = packed.expect("a lattice can be placed").0;
             particles.body.fill(body as u8);
             particles
@@ -105,14 +105,22 @@ pub fn pool(of: &[&str], tension: bool) -> (Scene, State, Option<f64>) {
         .collect();
     if !tension {
         scene.effects.tension = None;
-        return (scene.clone(), initial(&scene, &bodies), None);
+        return (scene.clone(), initial(&scene.impact_input(), &bodies), None);
     }
-    let strength = match settings(&scene).sph.tension_strength {
-        TensionStrength::Fixed(strength) => strength,
-        _ => {
-            let found = calibrate(&scene, &bodies);
+    let strength = match (scene.effects.tension, scene.calibrate_input()) {
+        (_, Some(input)) => {
+            let found = calibrate(&input.bodies, &bodies);
             found.expect("the pool has a surface").strength
         }
+        (Some(tension), None) => match tension.strength {
+            TensionStrength::Fixed(strength) => strength,
+            other => panic!("{other:?}"),
+        },
+        (None, None) => panic!("the scene has tension"),
     };
-    (scene.clone(), initial(&scene, &bodies), Some(strength))
+    (
+        scene.clone(),
+        initial(&scene.impact_input(), &bodies),
+        Some(strength),
+    )
 }

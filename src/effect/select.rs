@@ -6,9 +6,7 @@ use super::viscosity::{Cleary, Morris, PairViscosity, TwoTerm};
 use super::wetting::typed::Typed;
 use super::wetting::{Setting, Wetting};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
-use crate::scene::{
-    Dimension, Domain, Effects, KernelName, Sph, TensionForm, ViscosityForm, WettingForm,
-};
+use crate::scene::{Dimension, Domain, Effects, KernelName, Sph, TensionForm, ViscosityForm};
 
 /// What is done with the chosen types.
 pub trait Visitor {
@@ -25,29 +23,24 @@ pub fn pair<R: Visitor>(
     visitor: R,
 ) -> R::Out {
     match settings.kernel {
-        KernelName::CubicSpline => {
-            viscosity::<CubicSpline, R>(effects, settings, dimension, h, visitor)
-        }
-        KernelName::WendlandC2 => {
-            viscosity::<WendlandC2, R>(effects, settings, dimension, h, visitor)
-        }
+        KernelName::CubicSpline => viscosity::<CubicSpline, R>(effects, dimension, h, visitor),
+        KernelName::WendlandC2 => viscosity::<WendlandC2, R>(effects, dimension, h, visitor),
     }
 }
 
 fn viscosity<K: Kernel, R: Visitor>(
     effects: &Effects,
-    settings: &Sph,
     dimension: usize,
     h: f64,
     visitor: R,
 ) -> R::Out {
-    let Some(mu) = effects.viscosity else {
+    let Some(viscosity) = effects.viscosity else {
         return visitor.visit::<K, ()>(());
     };
-    let factor = (mu / h) as f32;
+    let factor = (viscosity.dynamic / h) as f32;
     // (d+2)/(d+3): see `super::viscosity` (1).
     let exact = (dimension as f32 + 2.0) / (dimension as f32 + 3.0);
-    match settings.viscosity_form {
+    match viscosity.form {
         ViscosityForm::Morris => visitor.visit::<K, _>(Morris { factor }),
         ViscosityForm::TwoTerm => visitor.visit::<K, _>(TwoTerm { factor }),
         ViscosityForm::Cleary => visitor.visit::<K, _>(Cleary {
@@ -80,17 +73,17 @@ pub fn tension(
     density: f64,
     alpha: f64,
 ) -> Option<Tension> {
-    let coefficient = effects.tension?;
+    let asked = effects.tension?;
     let mut tension = Tension::new(
-        settings.tension_form,
+        asked.form,
         settings.kernel,
-        [settings.tension_smoothing * h, h],
-        coefficient,
+        [asked.smoothing * h, h],
+        asked.coefficient,
         alpha,
         dimension,
         density,
     );
-    tension.lifted = settings.lifts_tension();
+    tension.lifted = asked.is_lifted();
     Some(tension)
 }
 
@@ -105,9 +98,9 @@ pub fn wetting(
 ) -> Option<Wetting> {
     let angle = effects.wetting?;
     // Without hysteresis the energy of walls does it all.
-    let energetic = settings.tension_form == TensionForm::SurfaceEnergy;
+    let energetic = effects.has_tension(TensionForm::SurfaceEnergy);
     let needless = energetic && angle.hysteresis.is_none();
-    if settings.wetting_form != WettingForm::Young || needless {
+    if angle.layers.is_some() || needless {
         return None;
     }
     let setting = Setting {
@@ -125,25 +118,22 @@ pub fn wetting(
 /// The same for a tension that is the derivative of an energy.
 pub fn shore(
     effects: &Effects,
-    settings: &Sph,
     domain: &Domain,
     dimension: Dimension,
     spacing: f64,
 ) -> Option<Shore> {
     let angle = effects.wetting?.angle.to_radians();
-    let is = settings.tension_form == TensionForm::SurfaceEnergy;
+    let is = effects.has_tension(TensionForm::SurfaceEnergy);
     is.then(|| Shore::new(angle.cos(), domain.clone(), dimension, spacing))
 }
 
 /// The same by types of particles. `spacing` in m.
-pub fn typed(effects: &Effects, settings: &Sph, domain: &Domain, spacing: f64) -> Option<Typed> {
-    match settings.wetting_form {
-        WettingForm::Young => None,
-        WettingForm::ParticleTypes(lengths) => Some(Typed {
-            angle: effects.wetting?,
-            domain: domain.clone(),
-            lengths: lengths.map(|length| length * spacing),
-            here: Vec::new(),
-        }),
-    }
+pub fn typed(effects: &Effects, domain: &Domain, spacing: f64) -> Option<Typed> {
+    let angle = effects.wetting?;
+    Some(Typed {
+        angle,
+        domain: domain.clone(),
+        lengths: angle.layers?.map(|length| length * spacing),
+        here: Vec::new(),
+    })
 }

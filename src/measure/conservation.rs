@@ -130,8 +130,8 @@ impl<'a> Conservation<'a> {
         let scene = self.scene;
         let mass = self.first.map_or(f64::NAN, |(count, mass)| count * mass);
         let speed = reference_speed(scene);
-        let viscosity = scene.effects.viscosity.unwrap_or(f64::NAN);
-        let tension = scene.effects.tension.unwrap_or(f64::NAN);
+        let viscosity = scene.effects.mu().unwrap_or(f64::NAN);
+        let tension = scene.effects.sigma().unwrap_or(f64::NAN);
         let gravity = scene.effects.gravity.map_or(f64::NAN, length);
         let removed = last(measures, "mass_removed_kg");
         let end = measures.time().last().copied().unwrap_or(f64::NAN);
@@ -140,22 +140,22 @@ impl<'a> Conservation<'a> {
             window.maximum(column).map_or(f64::NAN, |(value, _)| value)
         };
         // A stress has no energy that a budget could close with.
-        let form = scene.method.sph().tension_form;
-        let has_energy = scene.effects.tension.is_none() || form == TensionForm::SurfaceEnergy;
+        let has_energy = scene.effects.tension.is_none()
+            || scene.effects.has_tension(TensionForm::SurfaceEnergy);
         let unexplained = match has_energy {
-            true => unexplained(measures, mass * gravity * scene.pack.spacing),
+            true => unexplained(measures, mass * gravity * scene.spacing),
             false => [f64::NAN; 2],
         };
         let values = [
             self.strange,
             self.mass_error,
-            self.crossing / scene.pack.spacing,
+            self.crossing / scene.spacing,
             energy_growth(measures, &scene.method) / (0.5 * mass * speed * speed),
             unexplained[0],
             unexplained[1],
             momentum_change(measures) / (mass * speed),
             viscosity * late(0.5, "speed_max_m_s") / tension,
-            late(0.75, "kinetic_energy_J") / (mass * gravity * scene.pack.spacing),
+            late(0.75, "kinetic_energy_J") / (mass * gravity * scene.spacing),
             removed / mass,
         ];
         let names = FIGURES.iter().map(|(name, _)| *name);

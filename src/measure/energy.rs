@@ -8,7 +8,7 @@ use crate::scene::Scene;
 pub(super) fn put(scene: &Scene, frame: &Frame, area: Option<f64>, row: &mut Row) {
     let mut put = |name: &str, value: f64| row.push((name.to_owned(), value));
     let given = |name: &str| frame.scalars.iter().any(|(n, _)| n == name);
-    let spacing = scene.pack.spacing;
+    let spacing = scene.spacing;
     let count = frame.id.len();
     let nominal = scene.density * spacing.powi(scene.dimension.count() as i32);
     let mass = frame
@@ -31,7 +31,7 @@ pub(super) fn put(scene: &Scene, frame: &Frame, area: Option<f64>, row: &mut Row
         });
         put("potential_energy_J", mass * height);
     }
-    if let (Some(sigma), Some(area)) = (scene.effects.tension, area) {
+    if let (Some(sigma), Some(area)) = (scene.effects.sigma(), area) {
         put("surface_area_m2", area);
         if !given("surface_energy_J") {
             put("surface_energy_J", sigma * area);

@@ -48,7 +48,7 @@ pub struct Field {
 
 impl Field {
     pub fn new(scene: &Scene, frame: &Frame, axis: &Axis, label: String) -> Field {
-        let edge = scene.pack.spacing;
+        let edge = scene.spacing;
         let flat = scene.dimension == Dimension::Two;
         let size = scene.domain.size;
         let reach = 0.5 * if flat { size[0] } else { size[0].min(size[1]) };

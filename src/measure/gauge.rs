@@ -47,7 +47,7 @@ impl Kind {
 
     fn of_blocks(scene: &Scene, falls: bool) -> Kind {
         let size = scene.domain.size;
-        let near = 0.5 * scene.pack.spacing;
+        let near = 0.5 * scene.spacing;
         let spans = |axis: usize| {
             let flat = axis == 1 && scene.dimension == Dimension::Two;
             flat || scene.bodies.iter().any(|body| match body.shape {
@@ -146,7 +146,7 @@ pub fn strikes_wall(scene: &Scene) -> bool {
     let whole = scene.whole();
     let lone = whole.bodies.len() == 1 && matches!(Kind::new(&whole), Kind::Wall(_));
     lone && drop(&whole).is_some_and(|(body, _)| {
-        let is_above = drop_height(&whole, body) > 0.5 * whole.pack.spacing;
+        let is_above = drop_height(&whole, body) > 0.5 * whole.spacing;
         arrival(&whole, body).is_some() && (is_above || speed_down(body) > 0.0)
     })
 }
@@ -197,7 +197,7 @@ impl Gauge {
             let raster = Raster::new(
                 scene.dimension,
                 &scene.domain,
-                scene.pack.spacing,
+                scene.spacing,
                 &frame.position,
             );
             let region = Region::new(&raster);
@@ -285,7 +285,7 @@ impl Gauge {
 
     fn measure_shape(&self, frame: &Frame, row: &mut Table) {
         let scene = &self.scene;
-        let shape = Shape::new(frame, scene.dimension, scene.pack.spacing);
+        let shape = Shape::new(frame, scene.dimension, scene.spacing);
         let names = ["centre_x_m", "centre_y_m", "centre_z_m"];
         for (axis, name) in names.iter().enumerate() {
             if axis != 1 || scene.dimension == Dimension::Three {

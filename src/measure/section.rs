@@ -8,7 +8,7 @@ use crate::scene::{Dimension, Scene};
 const THICKNESS: f64 = 1e-3;
 /// Width of sections and views, pixels, even: coarse scenes do not need fine pictures.
 pub fn width(scene: &Scene) -> usize {
-    let particles = scene.domain.size[0] / scene.pack.spacing;
+    let particles = scene.domain.size[0] / scene.spacing;
     ((8.0 * particles) as usize * 2).clamp(520, 880)
 }
 
@@ -23,7 +23,7 @@ pub struct Section {
 impl Section {
     /// `at`: lateral y of the axis, m.
     pub fn new(scene: &Scene, frame: &Frame, at: f64, label: String) -> Section {
-        let half = 0.5 * THICKNESS.max(scene.pack.spacing);
+        let half = 0.5 * THICKNESS.max(scene.spacing);
         let flat = scene.dimension == Dimension::Two;
         let [x, y, z] = &frame.position;
         let near = |&i: &usize| flat || (f64::from(y[i]) - at).abs() <= half;
@@ -50,7 +50,7 @@ impl Section {
         let width = width(scene);
         let scale = width as f64 / size[0];
         let floor = 8.0;
-        let spacing = scene.pack.spacing;
+        let spacing = scene.spacing;
         let height = (top + 3.0 * spacing) * scale + floor;
         let height = height.clamp(120.0, 1400.0).round() as usize;
         let mut canvas = Canvas::new(width, height, WHITE);

@@ -200,7 +200,7 @@ fn young_laplace(scene: &Scene) -> Option<f64> {
     };
     let radius = body.shape.equivalent_radius(&scene.domain, scene.dimension);
     let sides = scene.dimension.count() as f64 - 1.0;
-    Some(sides * scene.effects.tension? / radius)
+    Some(sides * scene.effects.sigma()? / radius)
 }
 
 /// Period of a column about its mean, s: twice the mean time between crossings.
@@ -236,7 +236,7 @@ fn rayleigh(scene: &Scene) -> Option<f64> {
     } else {
         6.0
     };
-    let sigma = scene.effects.tension.filter(|_| round)?;
+    let sigma = scene.effects.sigma().filter(|_| round)?;
     let omega = (factor * sigma / (scene.density * radius.powi(3))).sqrt();
     Some(2.0 * std::f64::consts::PI / omega)
 }

@@ -88,7 +88,7 @@ impl Camera {
 pub fn draw(scene: &Scene, frame: &Frame, camera: &Camera) -> Canvas {
     debug_assert!(scene.dimension == Dimension::Three);
     let mut buffer = splat(scene, frame, camera);
-    let spacing = scene.pack.spacing as f32;
+    let spacing = scene.spacing as f32;
     for pass in 0..6 {
         // From wide and sparse to narrow and dense: the last passes even out what the first leave.
         let part = [1.0, 0.5, 0.25][pass / 2];
@@ -111,7 +111,7 @@ fn splat(scene: &Scene, frame: &Frame, camera: &Camera) -> Buffer {
     let colours: Vec<[f32; 3]> = (0..=255)
         .map(|b| body_colour(scene, b).map(f32::from))
         .collect();
-    let radius = 0.72 * scene.pack.spacing;
+    let radius = 0.72 * scene.spacing;
     for i in 0..frame.id.len() {
         let d = [0, 1, 2].map(|a| f64::from(frame.position[a][i]) - camera.target[a]);
         let along = |v: [f64; 3]| d[0] * v[0] + d[1] * v[1] + d[2] * v[2];

@@ -23,7 +23,7 @@ use super::model::Case;
 use super::{MethodError, Phase};
 use crate::effect::tension::{energy, level};
 use crate::particle::{Particles, wall};
-use crate::scene::{Body, Dimension, Scene, Shape, Side, TensionLevel};
+use crate::scene::{Body, Dimension, Problem, Shape, Side, TensionLevel};
 use std::f64::consts::PI;
 
 /// Result of a calibration.
@@ -37,31 +37,33 @@ pub struct Calibration {
 }
 
 /// Whether the calibration reads the bodies as they are packed, and not as they relaxed.
-pub fn is_of_packing(scene: &Scene) -> bool {
-    scene.method.sph().tension_level == TensionLevel::Inside
+pub fn is_of_packing(problem: &Problem) -> bool {
+    let inside = TensionLevel::Inside;
+    problem
+        .effects
+        .tension
+        .is_some_and(|tension| tension.level == inside)
 }
 
 /// Calibrates on packed or relaxed `bodies`, as the pack stage leaves them: weighted by area.
-pub fn calibrate(scene: &Scene, bodies: &[Particles]) -> Result<Calibration, MethodError> {
+/// `problems`: of each body, [`Problem::calm`].
+pub fn calibrate(problems: &[Problem], bodies: &[Particles]) -> Result<Calibration, MethodError> {
     let mut measured = Vec::new();
     let (mut area, mut pull) = (0.0, 0.0);
-    for particles in bodies {
-        let index = particles.body.first().copied().ok_or(MethodError::Empty)? as usize;
-        let body = &scene.bodies[index];
-        let a = free_area(scene, body, 0.0);
+    for (problem, particles) in problems.iter().zip(bodies) {
+        let body = &problem.bodies[0];
+        let a = free_area(problem, body, 0.0);
         if a <= 0.0 {
             continue;
         }
-        let ratio = ratio_of(scene, index, particles)?;
+        let ratio = ratio_of(problem, particles)?;
         measured.push((body.name.clone(), a, ratio));
         area += a;
         pull += ratio * a;
     }
     if pull <= 0.0 {
-        let body = scene
-            .bodies
-            .first()
-            .map_or(String::new(), |b| b.name.clone());
+        let body = problems.first().map(|problem| &problem.bodies[0]);
+        let body = body.map_or(String::new(), |body| body.name.clone());
         return Err(MethodError::NoSurface { body });
     }
     Ok(Calibration {
@@ -74,26 +76,21 @@ pub fn calibrate(scene: &Scene, bodies: &[Particles]) -> Result<Calibration, Met
 const DEEPEST: f64 = 0.75;
 
 /// (1) or (2) over sigma at alpha = 1.
-fn ratio_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, MethodError> {
-    let case = Case::new(scene, Phase::Relax { damping: 0.0 }, Some(index));
+fn ratio_of(problem: &Problem, particles: &Particles) -> Result<f64, MethodError> {
+    let case = Case::new(problem, Phase::Relax { damping: 0.0 });
     if case.follows_energy() {
         return Ok(energy::carried(case.is_implicit));
     }
-    let rests = super::model::rests(&scene.bodies[index]);
-    let walls = if rests {
-        wall::build(scene)
-    } else {
-        Default::default()
-    };
-    let state = super::start::resting(scene, particles);
+    let walls = wall::build(problem);
+    let state = super::start::resting(problem, particles);
     let mut flow = super::flow_of(&case, state.particles, walls)?;
     flow.sort();
     flow.find();
-    let sigma = case.effects.tension.unwrap_or(1.0);
+    let sigma = case.effects.sigma().unwrap_or(1.0);
     let Some(mut tension) = super::tension_of(&case, 1.0, false) else {
         return Ok(0.0);
     };
-    let body = &scene.bodies[index];
+    let body = &problem.bodies[0];
     if tension.lifted && matches!(body.shape, Shape::Block { .. }) {
         return Ok(level::flat(tension.kernel, tension.dimension));
     }
@@ -103,18 +100,18 @@ fn ratio_of(scene: &Scene, index: usize, particles: &Particles) -> Result<f64, M
     }
     let sources = flow.sources();
     let surface = super::surface_of(&flow, &sources);
-    let origin = super::start::home(scene, index);
+    let origin = super::start::centre(&body.shape);
     let round = radius(body);
     let home = |i: usize| {
         let x = flow.position(i);
         [0, 1, 2].map(|a| x[a] - origin[a])
     };
     // Every particle may be at the surface: a stress needs no flags for one evaluation.
-    let top = |i: usize| !counted || depth(scene, body, home(i)) < scene.pack.spacing;
+    let top = |i: usize| !counted || depth(problem, body, home(i)) < problem.spacing;
     tension.update(&surface, top);
     let place = |i: usize| {
-        let (z, normal) = under(scene, body, home(i));
-        let area = free_area(scene, body, z.min(DEEPEST * round));
+        let (z, normal) = under(problem, body, home(i));
+        let area = free_area(problem, body, z.min(DEEPEST * round));
         (normal, if area > 0.0 { 1.0 / area } else { 0.0 })
     };
     let sum = if (tension.lifted || counted) && round.is_finite() {
@@ -151,20 +148,20 @@ fn radius(body: &Body) -> f64 {
 
 /// Depth below the free surface of a body, m, and the unit normal there, of `x` in packed
 /// coordinates.
-fn under(scene: &Scene, body: &Body, x: [f64; 3]) -> (f64, [f64; 3]) {
-    let z = depth(scene, body, x);
-    let step = 1e-3 * scene.pack.spacing;
+fn under(problem: &Problem, body: &Body, x: [f64; 3]) -> (f64, [f64; 3]) {
+    let z = depth(problem, body, x);
+    let step = 1e-3 * problem.spacing;
     let slope = [0, 1, 2].map(|a| {
         let mut beside = x;
         beside[a] += step;
-        z - depth(scene, body, beside)
+        z - depth(problem, body, beside)
     });
     let size = slope.iter().map(|s| s * s).sum::<f64>().sqrt();
     (z, slope.map(|s| s / size.max(f64::MIN_POSITIVE)))
 }
 
 /// Depth of `x`, in packed coordinates, below the free surface of its body, m.
-fn depth(scene: &Scene, body: &Body, x: [f64; 3]) -> f64 {
+fn depth(problem: &Problem, body: &Body, x: [f64; 3]) -> f64 {
     match &body.shape {
         Shape::Sphere { radius, .. } => radius - x.iter().map(|x| x * x).sum::<f64>().sqrt(),
         Shape::Ellipsoid { semi_axes, .. } => {
@@ -177,28 +174,28 @@ fn depth(scene: &Scene, body: &Body, x: [f64; 3]) -> f64 {
         Shape::Layer { depth } => depth - x[2],
         Shape::Block { low, high } => (0..3)
             .flat_map(|a| [(a, 0, x[a] - low[a]), (a, 1, high[a] - x[a])])
-            .filter(|(a, side, _)| is_free(scene, *a, *side, [low, high][*side][*a]))
+            .filter(|(a, side, _)| is_free(problem, *a, *side, [low, high][*side][*a]))
             .fold(f64::INFINITY, |least, (_, _, d)| least.min(d)),
     }
 }
 
 /// Whether the face of a block at `at` on `axis` is a free surface.
-fn is_free(scene: &Scene, axis: usize, side: usize, at: f64) -> bool {
-    if axis == 1 && scene.dimension == Dimension::Two {
+fn is_free(problem: &Problem, axis: usize, side: usize, at: f64) -> bool {
+    if axis == 1 && problem.dimension == Dimension::Two {
         return false;
     }
-    let edge = [0.0, scene.domain.size[axis]][side];
-    let apart = (at - edge).abs() > 0.5 * scene.pack.spacing;
-    apart || scene.domain.boundary[axis][side] == Side::Open
+    let edge = [0.0, problem.domain.size[axis]][side];
+    let apart = (at - edge).abs() > 0.5 * problem.spacing;
+    apart || problem.domain.boundary[axis][side] == Side::Open
 }
 
 /// Free surface of a body at rest, shrunk by `depth` m, m^2 (m in 2-D): without what touches walls
 /// or periodic sides, and inside mirror planes.
-fn free_area(scene: &Scene, body: &Body, depth: f64) -> f64 {
-    let two = scene.dimension == Dimension::Two;
-    let size = scene.domain.size;
+fn free_area(problem: &Problem, body: &Body, depth: f64) -> f64 {
+    let two = problem.dimension == Dimension::Two;
+    let size = problem.domain.size;
     let shrunk = |x: &f64| (x - depth).max(0.0);
-    let cuts = body.shape.cuts(&scene.domain);
+    let cuts = body.shape.cuts(&problem.domain);
     let part = 0.5f64.powi(cuts.iter().flatten().count() as i32);
     match &body.shape {
         Shape::Sphere { radius, .. } if two => part * 2.0 * PI * shrunk(radius),
@@ -213,7 +210,10 @@ fn free_area(scene: &Scene, body: &Body, depth: f64) -> f64 {
         Shape::Block { low, high } => {
             let axes = (0..3).filter(|a| !(two && *a == 1));
             let free = |a: usize| {
-                let sides = [is_free(scene, a, 0, low[a]), is_free(scene, a, 1, high[a])];
+                let sides = [
+                    is_free(problem, a, 0, low[a]),
+                    is_free(problem, a, 1, high[a]),
+                ];
                 sides.map(f64::from)
             };
             let extent = |a: usize| high[a] - low[a] - depth * free(a).iter().sum::<f64>();

@@ -24,7 +24,7 @@ use crate::effect::tension::{Surface, Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State, Wall};
-use crate::scene::{Body, KernelName, Method, Scene, Shape, TensionStrength};
+use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
 use model::{Case, Model};
@@ -106,41 +106,31 @@ pub enum Phase {
     Relax { damping: f64 },
 }
 
-/// Builds the scene's method on a state (fresh or restored).
+/// Builds the method of a problem on a state (fresh or restored).
 ///
 /// `strength`: calibrated tension strength; `None` takes the one in the state, else the fixed one,
 /// else calibrates on the state itself.
 pub fn build(
-    scene: &Scene,
+    problem: &Problem,
     state: State,
     phase: Phase,
     strength: Option<f64>,
 ) -> Result<Box<dyn Solver>, MethodError> {
-    let body = state
-        .particles
-        .body
-        .first()
-        .copied()
-        .ok_or(MethodError::Empty)? as usize;
-    let case = Case::new(scene, phase, Some(body));
-    let relaxing = matches!(phase, Phase::Relax { .. });
-    let walled = !relaxing || model::rests(&scene.bodies[body]);
-    let wall = if walled {
-        crate::particle::wall::build(scene)
-    } else {
-        Wall::default()
-    };
-    let strength = strength_of(scene, &case, &state, strength)?;
+    if state.particles.body.is_empty() {
+        return Err(MethodError::Empty);
+    }
+    let case = Case::new(problem, phase);
+    let strength = strength_of(problem, &case, &state, strength)?;
+    let wall = crate::particle::wall::build(problem);
     let flow = flow_of(&case, state.particles.clone(), wall)?;
     let layer = |b: &Body| matches!(b.shape, Shape::Layer { .. });
-    let pool = scene.bodies.iter().any(layer);
+    let pool = problem.bodies.iter().any(layer);
     let parts = Parts {
-        scene,
+        problem,
         phase,
-        body,
         flow,
-        tension: tension_of(&case, strength, scene.method.shifting() > 0.0)
-            .or_else(|| normals_of(&case, &scene.method)),
+        tension: tension_of(&case, strength, problem.method.shifting() > 0.0)
+            .or_else(|| normals_of(&case, &problem.method)),
         state,
         pool,
     };
@@ -150,23 +140,24 @@ pub fn build(
 
 /// The given strength of the tension, else that of the state, else as the scene says.
 fn strength_of(
-    scene: &Scene,
+    problem: &Problem,
     case: &Case,
     state: &State,
     given: Option<f64>,
 ) -> Result<f64, MethodError> {
+    let Some(tension) = case.effects.tension else {
+        return Ok(0.0);
+    };
     let mut scalars = state.scalars.iter();
     let stored = scalars.find(|s| s.0 == "tension_strength").map(|s| s.1);
-    let strength = case.sph.tension_strength;
-    Ok(match (case.effects.tension, given.or(stored), strength) {
-        (None, _, _) => 0.0,
-        (_, Some(alpha), _) | (_, None, TensionStrength::Fixed(alpha)) => alpha,
-        (_, None, TensionStrength::Flat) if case.follows_energy() => 1.0,
-        (_, None, TensionStrength::Flat) => {
-            select::flat_strength(&case.sph, case.dimension.count())
-        }
-        (_, None, TensionStrength::Virial) => {
-            calibrate(scene, std::slice::from_ref(&start::at_home(scene, state)))?.strength
+    Ok(match (given.or(stored), tension.strength) {
+        (Some(alpha), _) | (None, TensionStrength::Fixed(alpha)) => alpha,
+        (None, TensionStrength::Flat) if case.follows_energy() => 1.0,
+        (None, TensionStrength::Flat) => select::flat_strength(&case.sph, case.dimension.count()),
+        (None, TensionStrength::Virial) => {
+            let first = state.particles.body.first().copied().unwrap_or(0);
+            let problems = [problem.calm(first as usize)];
+            calibrate(&problems, &[start::at_home(problem, state)])?.strength
         }
     })
 }
@@ -188,28 +179,21 @@ fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
         wetting.short = shifts.then_some(case.h);
     }
     tension.energy.carried = energy::carried(case.is_implicit);
-    tension.energy.shore = select::shore(
-        &case.effects,
-        &case.sph,
-        &case.domain,
-        case.dimension,
-        case.spacing,
-    );
-    tension.typed = select::typed(&case.effects, &case.sph, &case.domain, case.spacing);
+    tension.energy.shore = select::shore(&case.effects, &case.domain, case.dimension, case.spacing);
+    tension.typed = select::typed(&case.effects, &case.domain, case.spacing);
     Some(tension)
 }
 
 /// What shifting needs where there is no tension: its normals.
 fn normals_of(case: &Case, method: &Method) -> Option<Tension> {
-    let (d, length) = (case.dimension.count(), case.sph.tension_smoothing * case.h);
+    let (d, length) = (case.dimension.count(), method.normals() * case.h);
     let normals = || Tension::normals(case.sph.kernel, length, d, case.density);
     (method.shifting() > 0.0).then(normals)
 }
 
 struct Parts<'a> {
-    scene: &'a Scene,
+    problem: &'a Problem,
     phase: Phase,
-    body: usize,
     flow: Flow,
     tension: Option<Tension>,
     state: State,
@@ -219,24 +203,24 @@ struct Parts<'a> {
 impl select::Visitor for Parts<'_> {
     type Out = Box<dyn Solver>;
     fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Box<dyn Solver> {
-        let (scene, phase, body) = (self.scene, self.phase, Some(self.body));
+        let (problem, phase) = (self.problem, self.phase);
         let (flow, tension, state, pool) = (self.flow, self.tension, &self.state, self.pool);
-        match &scene.method {
+        match &problem.method {
             Method::Wcsph(settings) => {
-                let model = Model::new(scene, settings, phase, body);
+                let model = Model::new(problem, settings, phase);
                 Box::new(wcsph::Wcsph::<K, V>::new(
                     model, flow, viscosity, tension, state, pool,
                 ))
             }
             Method::Isph(settings) => {
-                let case = Case::new(scene, phase, body);
+                let case = Case::new(problem, phase);
                 let mass = flow.particles.mass;
                 let scheme = isph::Isph::<K>::new(settings, viscosity, &case, mass);
                 let parts = (settings.projection, scheme);
                 Box::new(Projection::new(case, parts, flow, tension, state, pool))
             }
             Method::Mps(settings) => {
-                let case = Case::new(scene, phase, body);
+                let case = Case::new(problem, phase);
                 let scheme = mps::Mps::new(settings, case.dimension.count());
                 let parts = (settings.projection, scheme);
                 Box::new(Projection::new(case, parts, flow, tension, state, pool))

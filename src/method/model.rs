@@ -2,12 +2,12 @@
 
 use super::Phase;
 use crate::scene::{
-    Body, Density, Dimension, Domain, Effects, Method, Pairs, Pressure, Scene, Shape, Side, Sph,
-    Wcsph, numbers,
+    Density, Dimension, Domain, Effects, Method, Pairs, Pressure, Problem, Sph, TensionForm, Wcsph,
+    numbers,
 };
 use std::ops::Deref;
 
-/// What every method derives from a scene, SI.
+/// What every method derives from a problem, SI.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub sph: Sph,
@@ -48,65 +48,25 @@ impl Deref for Model {
     }
 }
 
-/// Whether the body rests on a wall and so feels gravity while it relaxes.
-pub fn rests(body: &Body) -> bool {
-    matches!(body.shape, Shape::Layer { .. } | Shape::Block { .. })
-}
-
-/// The box in which a body relaxes: the scene's for one that rests, else an open one around it,
-/// with the mirror planes that cut it.
-pub fn resting_domain(scene: &Scene, body: &Body) -> Domain {
-    let extent = match &body.shape {
-        Shape::Sphere { radius, .. } => [*radius; 3],
-        Shape::Ellipsoid { semi_axes, .. } => *semi_axes,
-        _ => return scene.domain.clone(),
-    };
-    let mut size = extent.map(|r| 4.0 * r + 8.0 * scene.pack.spacing);
-    let mut boundary = [[Side::Open; 2]; 3];
-    for (axis, side) in body.shape.cuts(&scene.domain).into_iter().enumerate() {
-        if let Some(side) = side {
-            size[axis] *= 0.5;
-            boundary[axis][side] = Side::Mirror;
-        }
-    }
-    if scene.dimension == Dimension::Two {
-        size[1] = 0.0;
-        boundary[1] = [Side::Periodic; 2];
-    }
-    Domain {
-        size,
-        boundary,
-        wall_velocity: Default::default(),
-    }
-}
-
 impl Case {
-    pub fn new(scene: &Scene, phase: Phase, body: Option<usize>) -> Self {
-        let mut effects = scene.effects.clone();
-        let mut domain = scene.domain.clone();
-        let mut damping = 0.0;
-        if let Phase::Relax { damping: rate } = phase {
-            let body = &scene.bodies[body.expect("a body relaxes alone")];
-            damping = rate;
-            domain = resting_domain(scene, body);
-            if !rests(body) {
-                effects.gravity = None;
-            }
-        }
-        let sph = *scene.method.sph();
+    pub fn new(problem: &Problem, phase: Phase) -> Self {
+        let sph = problem.method.sph();
         Case {
             sph,
-            pairs: scene.pairs,
-            dimension: scene.dimension,
-            domain,
-            effects,
-            spacing: scene.pack.spacing,
-            h: sph.smoothing * scene.pack.spacing,
-            widest: scene.widest(),
-            density: scene.density,
-            speed: numbers::reference_speed(scene),
-            damping,
-            is_implicit: !matches!(scene.method, Method::Wcsph(_)),
+            pairs: problem.pairs,
+            dimension: problem.dimension,
+            domain: problem.domain.clone(),
+            effects: problem.effects.clone(),
+            spacing: problem.spacing,
+            h: sph.smoothing * problem.spacing,
+            widest: problem.widest(),
+            density: problem.density,
+            speed: numbers::reference_speed(problem),
+            damping: match phase {
+                Phase::Relax { damping } => damping,
+                Phase::Impact => 0.0,
+            },
+            is_implicit: !matches!(problem.method, Method::Wcsph(_)),
         }
     }
 }
@@ -120,21 +80,20 @@ impl Case {
 
     /// Whether the tension is the derivative of an energy.
     pub fn follows_energy(&self) -> bool {
-        let form = self.sph.tension_form;
-        self.effects.tension.is_some() && form == crate::scene::TensionForm::SurfaceEnergy
+        self.effects.has_tension(TensionForm::SurfaceEnergy)
     }
 }
 
 impl Model {
-    /// For `settings`, which are those of the scene's method.
-    pub fn new(scene: &Scene, settings: &Wcsph, phase: Phase, body: Option<usize>) -> Self {
-        let sound_speeds = match (phase, body) {
-            (Phase::Relax { .. }, Some(body)) => [numbers::rest_sound_speed(scene, body); 2],
-            _ => numbers::sound_speeds(scene),
+    /// For `settings`, which are those of the problem's method.
+    pub fn new(problem: &Problem, settings: &Wcsph, phase: Phase) -> Self {
+        let sound_speeds = match phase {
+            Phase::Relax { .. } => [numbers::rest_sound_speed(problem); 2],
+            Phase::Impact => numbers::sound_speeds(problem),
         };
         Model {
             settings: settings.clone(),
-            case: Case::new(scene, phase, body),
+            case: Case::new(problem, phase),
             sound_speed: sound_speeds[1],
             sound_speeds,
         }
@@ -191,7 +150,7 @@ impl Model {
     /// pressure that tension holds across the finest surface, (d - 1) sigma / h.
     pub fn torn(&self) -> Option<f64> {
         let held = (self.dimension.count() - 1) as f64 / self.h;
-        let sigma = self.effects.tension.unwrap_or(0.0);
+        let sigma = self.effects.sigma().unwrap_or(0.0);
         let tears = self.settings.pressure == Pressure::Tearing;
         tears.then(|| self.density_at(-held * sigma))
     }

@@ -38,7 +38,7 @@ use super::model::Case;
 use super::projection::correction::times;
 use super::projection::{Projection, Scheme, surface};
 use crate::kernel::WendlandC2;
-use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, Pressure};
+use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep;
 use pass::{Around, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
@@ -86,7 +86,7 @@ pub(super) struct Mps {
     beta: f64,
     closure: MpsClosure,
     gradient: MpsGradient,
-    pressure: Pressure,
+    pressure: MpsPressure,
     /// The lattice at the two radii.
     lattice: Lattice,
     laplacian: Lattice,
@@ -225,7 +225,7 @@ impl Scheme for Mps {
         let (records, rows) = (&p.flow.records, &p.flow.rows);
         p.around.resize(n, Default::default());
         sweep::rows(records, rows, scale, &pass, &mut p.around);
-        if let Some(viscosity) = p.case.effects.viscosity {
+        if let Some(viscosity) = p.case.effects.mu() {
             p.pack_no_slip(1.0);
             let pass = Viscous {
                 reach: p.scheme.laplacian_reach(&p.case),
@@ -317,7 +317,7 @@ impl Scheme for Mps {
 
     fn slope(p: &mut Projection<Self>) {
         let n = p.flow.liquid();
-        if p.scheme.pressure == Pressure::Clipped {
+        if p.scheme.pressure == MpsPressure::Clipped {
             p.unknown.iter_mut().for_each(|p| *p = p.max(0.0));
             p.pressure.copy_from_slice(&p.unknown[..n]);
         }

@@ -1,28 +1,10 @@
 //! From bodies to states and back: where a body stands while it relaxes, and the state at t = 0.
 
 use super::Phase;
-use super::model::{Model, rests};
-use crate::particle::pack::mass;
-use crate::particle::{Particles, State};
-use crate::scene::{Body, Dimension, Method, Motion, Scene, Shape, Side};
-
-/// Where the origin of a packed body lies in the box of its relaxation, m.
-pub(super) fn home(scene: &Scene, body: usize) -> [f64; 3] {
-    let body = &scene.bodies[body];
-    if rests(body) {
-        return [0.0; 3];
-    }
-    let domain = super::model::resting_domain(scene, body);
-    let middle = |a: usize| match domain.fold(a) {
-        Some(side) => [0.0, domain.size[a]][side],
-        None => 0.5 * domain.size[a],
-    };
-    let mut home = [0, 1, 2].map(middle);
-    if scene.dimension == Dimension::Two {
-        home[1] = 0.0;
-    }
-    home
-}
+use super::model::Model;
+use crate::particle::{Particles, State, pack};
+use crate::scene::key::{ImpactInput, Start};
+use crate::scene::{Body, Dimension, Method, Motion, Problem, Shape, Side};
 
 fn shift(particles: &mut Particles, by: [f64; 3]) {
     for (x, by) in particles.position.iter_mut().zip(by) {
@@ -31,30 +13,36 @@ fn shift(particles: &mut Particles, by: [f64; 3]) {
 }
 
 /// The state in which a packed body starts to relax: with its pressure at rest, so that no sound
-/// wave has to die out first.
-pub fn resting(scene: &Scene, body: &Particles) -> State {
+/// wave has to die out first. `problem`: [`Problem::resting`].
+pub fn resting(problem: &Problem, body: &Particles) -> State {
     let mut particles = body.clone();
-    particles.mass = mass(scene);
-    if let Some(index) = particles.body.first().copied() {
-        if let Some(model) = evolving(scene, AT_REST, Some(index as usize)) {
-            particles.density = rest_density(&model, &scene.bodies[index as usize], body);
-        }
-        shift(&mut particles, home(scene, index as usize));
+    particles.mass = mass(problem);
+    particles.body.fill(0);
+    let spec = &problem.bodies[0];
+    if let Some(model) = evolving(problem, AT_REST) {
+        particles.density = rest_density(&model, spec, body);
     }
+    shift(&mut particles, centre(&spec.shape));
     State {
         particles,
         ..State::default()
     }
 }
 
+/// Mass of a particle of a problem, kg.
+fn mass(problem: &Problem) -> f64 {
+    let sph = problem.method.sph();
+    pack::mass(problem.dimension, problem.density, problem.spacing, sph)
+}
+
 const AT_REST: Phase = Phase::Relax { damping: 0.0 };
 
 /// The model of a method in which density has an equation of its own.
-fn evolving(scene: &Scene, phase: Phase, body: Option<usize>) -> Option<Model> {
-    let Method::Wcsph(settings) = &scene.method else {
+fn evolving(problem: &Problem, phase: Phase) -> Option<Model> {
+    let Method::Wcsph(settings) = &problem.method else {
         return None;
     };
-    let model = Model::new(scene, settings, phase, body);
+    let model = Model::new(problem, settings, phase);
     model.diffusion().is_some().then_some(model)
 }
 
@@ -63,7 +51,7 @@ fn evolving(scene: &Scene, phase: Phase, body: Option<usize>) -> Option<Model> {
 fn rest_density(model: &Model, spec: &Body, body: &Particles) -> Vec<f64> {
     let d = model.dimension.count() as f64;
     let laplace = |radius: f64| {
-        let pressure = (d - 1.0) * model.effects.tension.unwrap_or(0.0) / radius;
+        let pressure = (d - 1.0) * model.effects.sigma().unwrap_or(0.0) / radius;
         vec![model.density_at(pressure); body.len()]
     };
     let (low, high) = match &spec.shape {
@@ -91,16 +79,18 @@ fn rest_density(model: &Model, spec: &Body, body: &Particles) -> Vec<f64> {
 }
 
 /// The body of a relaxing state, back about its own origin; at rest, sorted by id.
-pub fn relaxed(scene: &Scene, state: &State) -> Particles {
-    let mut body = by_id(&at_home(scene, state));
+pub fn relaxed(problem: &Problem, state: &State) -> Particles {
+    let mut body = by_id(&at_home(problem, state));
     body.velocity.iter_mut().for_each(|v| v.fill(0.0));
     body
 }
 
-pub(super) fn at_home(scene: &Scene, state: &State) -> Particles {
+/// The first body of a state about its own origin.
+pub(super) fn at_home(problem: &Problem, state: &State) -> Particles {
     let mut particles = state.particles.clone();
     if let Some(index) = particles.body.first().copied() {
-        shift(&mut particles, home(scene, index as usize).map(|x| -x));
+        let home = centre(&problem.bodies[index as usize].shape);
+        shift(&mut particles, home.map(|x| -x));
     }
     particles
 }
@@ -127,23 +117,21 @@ fn by_id(p: &Particles) -> Particles {
     }
 }
 
-/// Merges packed or relaxed bodies and gives them their places and velocities: the state at t = 0.
-pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
+/// Merges packed or relaxed bodies, in the order of the scene, and gives them their places and velocities: the state at t = 0.
+pub fn initial(input: &ImpactInput, bodies: &[Particles]) -> State {
+    let scene = &input.problem;
     let mut all = Particles {
         mass: mass(scene),
         ..Particles::default()
     };
-    let impact = evolving(scene, Phase::Impact, None);
-    for body in bodies {
-        let Some(index) = body.body.first().copied() else {
-            continue;
-        };
-        let spec = &scene.bodies[index as usize];
-        let relax = evolving(scene, AT_REST, Some(index as usize));
+    let impact = evolving(scene, Phase::Impact);
+    for (index, body) in bodies.iter().enumerate() {
+        let spec = &scene.bodies[index];
+        let relax = evolving(&scene.resting(index), AT_REST);
         // The same pressure under the other sound speed.
-        let density: Vec<f64> = match (&impact, relax, &scene.relax) {
-            (Some(impact), _, None) => rest_density(impact, spec, body),
-            (Some(impact), Some(relax), Some(_)) => {
+        let density: Vec<f64> = match (&impact, relax, input.start) {
+            (Some(impact), _, Start::Packed) => rest_density(impact, spec, body),
+            (Some(impact), Some(relax), Start::Relaxed) => {
                 let ratio = (relax.sound_speed / impact.sound_speed).powi(2);
                 let excess = |rho: &f64| scene.density + ratio * (rho - scene.density);
                 body.density.iter().map(excess).collect()
@@ -161,7 +149,7 @@ pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
             }
             all.density.push(density[i]);
             all.id.push(first + body.id[i]);
-            all.body.push(index);
+            all.body.push(index as u8);
         }
     }
     State {
@@ -172,9 +160,9 @@ pub fn initial(scene: &Scene, bodies: &[Particles]) -> State {
 
 /// Particles of one body inside another's shape by more than half a spacing, where relaxation has
 /// brought them: body, the other, how many. None if there are none.
-pub fn intruders(scene: &Scene, state: &State) -> Option<(usize, usize, usize)> {
+pub fn intruders(scene: &Problem, state: &State) -> Option<(usize, usize, usize)> {
     let (p, dimension) = (&state.particles, scene.dimension);
-    let half = 0.5 * scene.pack.spacing;
+    let half = 0.5 * scene.spacing;
     let inside = |shape: &Shape, i: usize| {
         let x = [0, 1, 2].map(|a| p.position[a][i]);
         let beside = |a: usize, by: f64| {
@@ -199,7 +187,7 @@ pub fn intruders(scene: &Scene, state: &State) -> Option<(usize, usize, usize)> 
 }
 
 /// Where the packed origin goes.
-fn centre(shape: &Shape) -> [f64; 3] {
+pub(super) fn centre(shape: &Shape) -> [f64; 3] {
     match shape {
         Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. } => *centre,
         Shape::Block { .. } | Shape::Layer { .. } => [0.0; 3],
@@ -207,7 +195,7 @@ fn centre(shape: &Shape) -> [f64; 3] {
 }
 
 /// Velocity of a point of a body in packed coordinates.
-fn velocity(scene: &Scene, motion: &Motion, shape: &Shape, x: [f64; 3]) -> [f64; 3] {
+fn velocity(scene: &Problem, motion: &Motion, shape: &Shape, x: [f64; 3]) -> [f64; 3] {
     match motion {
         Motion::Uniform(v) => *v,
         Motion::TaylorGreen { speed } => {

@@ -195,8 +195,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             spacing: self.model.spacing,
             density: self.model.density,
             sound_speed: self.model.sound_speed,
-            viscosity: self.model.effects.viscosity,
-            tension: self.model.effects.tension,
+            viscosity: self.model.effects.mu(),
+            tension: self.model.effects.sigma(),
             speed: self.connected,
             acceleration: self.hardest,
         }

@@ -15,7 +15,8 @@ use super::repulse;
 use super::shape::Region;
 use super::{Particles, lattice, poisson, wall};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
-use crate::scene::{Arrangement, KernelName, Mass, Scene};
+use crate::scene::key::PackInput;
+use crate::scene::{Arrangement, Dimension, KernelName, Mass, Sph};
 use crate::space::grid::TooSmall;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
@@ -134,34 +135,32 @@ impl std::fmt::Display for PackReport {
     }
 }
 
-/// Mass of one particle, kg (kg/m in 2-D).
-pub fn mass(scene: &Scene) -> f64 {
-    let d = scene.dimension.count();
-    let nominal = scene.density * scene.pack.spacing.powi(d as i32);
-    let sph = scene.method.sph();
+/// Mass of one particle, kg (kg/m in 2-D). `density` in kg/m^3, `spacing` in m.
+pub fn mass(dimension: Dimension, density: f64, spacing: f64, sph: Sph) -> f64 {
+    let d = dimension.count();
+    let nominal = density * spacing.powi(d as i32);
     match sph.mass {
         Mass::Nominal => nominal,
         Mass::LatticeSum => nominal / kernel::lattice_sum(sph.kernel, d, 1.0, sph.smoothing),
     }
 }
 
-/// Packs `scene.bodies[body]`: at rest, density rho0, ids from 0, positions in m (about the origin
-/// for spheres and ellipsoids, in box coordinates otherwise).
-pub fn pack(
-    scene: &Scene,
-    body: usize,
-    watch: &mut Watch,
-) -> Result<(Particles, PackReport), PackError> {
-    match scene.method.sph().kernel {
-        KernelName::CubicSpline => Packing::<CubicSpline>::new(scene, body)?.run(watch),
-        KernelName::WendlandC2 => Packing::<WendlandC2>::new(scene, body)?.run(watch),
+fn particle_mass(input: &PackInput) -> f64 {
+    mass(input.dimension, input.density, input.spacing, input.sph)
+}
+
+/// Packs a body: at rest, density rho0, ids from 0, body 0, positions in m (about the origin for
+/// spheres and ellipsoids, in box coordinates otherwise).
+pub fn pack(input: &PackInput, watch: &mut Watch) -> Result<(Particles, PackReport), PackError> {
+    match input.sph.kernel {
+        KernelName::CubicSpline => Packing::<CubicSpline>::new(input)?.run(watch),
+        KernelName::WendlandC2 => Packing::<WendlandC2>::new(input)?.run(watch),
     }
 }
 
 /// One body being packed; lengths in units of the spacing.
 struct Packing<'a, K> {
-    scene: &'a Scene,
-    body: usize,
+    input: &'a PackInput,
     region: Region,
     /// Does the kernel find every glass too dense?
     biased: bool,
@@ -173,12 +172,12 @@ struct Packing<'a, K> {
 }
 
 impl<'a, K: Kernel> Packing<'a, K> {
-    fn new(scene: &'a Scene, body: usize) -> Result<Self, PackError> {
-        let spacing = scene.pack.spacing;
-        let region = Region::new(scene, body).scaled(1.0 / spacing);
+    fn new(input: &'a PackInput) -> Result<Self, PackError> {
+        let (dimension, spacing) = (input.dimension, input.spacing);
+        let region = Region::new(input).scaled(1.0 / spacing);
         let count = region.volume().round() as usize;
-        let name = || scene.bodies[body].name.clone();
-        if count < 1 << scene.dimension.count() {
+        let name = || input.name.clone();
+        if count < 1 << dimension.count() {
             return Err(PackError::TooFew {
                 body: name(),
                 spacing,
@@ -192,25 +191,27 @@ impl<'a, K: Kernel> Packing<'a, K> {
                 count,
             });
         }
-        let h = scene.method.sph().smoothing;
+        let h = input.sph.smoothing;
         let reach = (2.0 * h).max(2.0 * repulse::SMOOTHING);
         let wall = match region.touches_wall() {
-            true => wall::build_layers(scene, reach.ceil() as usize).position,
+            true => {
+                let layers = reach.ceil() as usize;
+                wall::build_layers(&input.domain, dimension, spacing, layers).position
+            }
             false => Default::default(),
         };
         let wall = wall.map(|x| x.into_iter().map(|x| x / spacing).collect());
-        let nominal = scene.density * spacing.powi(scene.dimension.count() as i32);
+        let nominal = input.density * spacing.powi(dimension.count() as i32);
         Ok(Packing {
-            scene,
-            body,
+            input,
             wall: wall_near(&region, &wall, reach),
             region,
-            biased: scene.method.sph().kernel == KernelName::WendlandC2,
+            biased: input.sph.kernel == KernelName::WendlandC2,
             count,
             measure: Measure {
-                dimension: scene.dimension.count(),
+                dimension: dimension.count(),
                 h,
-                mass: mass(scene) / nominal,
+                mass: particle_mass(input) / nominal,
                 kernel: PhantomData,
             },
             began: Instant::now(),
@@ -218,13 +219,13 @@ impl<'a, K: Kernel> Packing<'a, K> {
     }
 
     fn run(self, watch: &mut Watch) -> Result<(Particles, PackReport), PackError> {
-        let start = match self.scene.pack.arrangement {
+        let start = match self.input.packing.arrangement {
             Arrangement::Lattice => lattice::fill(&self.region, 1.0),
             Arrangement::Poisson => self.repel(self.sample(watch)?, watch)?,
         };
         let completion = Completion::new::<K>(&self.region, self.measure.h);
         let mut crowd = self.crowd(start, 2.0 * self.measure.h)?;
-        let (iterations, sweeps) = match self.scene.pack.arrangement {
+        let (iterations, sweeps) = match self.input.packing.arrangement {
             Arrangement::Lattice => (0, 0),
             Arrangement::Poisson => self.optimise(&mut crowd, &completion, watch)?,
         };
@@ -249,7 +250,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
             spread: None,
         };
         self.tell(watch, progress(0))?;
-        let position = poisson::sample(&self.region, self.count, self.scene.pack.seed);
+        let position = poisson::sample(&self.region, self.count, self.input.packing.seed);
         self.tell(watch, progress(self.count))?;
         Ok(position)
     }
@@ -285,12 +286,12 @@ impl<'a, K: Kernel> Packing<'a, K> {
         completion: &Completion,
         watch: &mut Watch,
     ) -> Result<(usize, usize), PackError> {
-        let pack = &self.scene.pack;
+        let pack = &self.input.packing;
         let (mut local, mut work) = (Vec::new(), Work::default());
         let (mut done, mut sweeps) = (0, 0);
         loop {
             let level = self.level(crowd, completion, &mut local);
-            let spread = optimise::spread(&local, level) * self.scene.density;
+            let spread = optimise::spread(&local, level) * self.input.density;
             let progress = PackProgress {
                 task: "optimise",
                 done,
@@ -337,22 +338,22 @@ impl<'a, K: Kernel> Packing<'a, K> {
                 // The user thinks in metres.
                 source: TooSmall {
                     axis: found.axis,
-                    size: found.size * self.scene.pack.spacing,
-                    need: found.need * self.scene.pack.spacing,
+                    size: found.size * self.input.spacing,
+                    need: found.need * self.input.spacing,
                 },
             }
         })
     }
 
     fn report(&self, crowd: &Crowd, completion: &Completion) -> PackReport {
-        let density = self.scene.density;
+        let density = self.input.density;
         let mut local = Vec::new();
         let level = self.level(crowd, completion, &mut local);
         let (supported, supported_spread) = quality::supported(&local, level);
-        let nominal = density * self.scene.pack.spacing.powi(self.measure.dimension as i32);
+        let nominal = density * self.input.spacing.powi(self.measure.dimension as i32);
         PackReport {
             count: crowd.len(),
-            mass: crowd.len() as f64 * mass(self.scene),
+            mass: crowd.len() as f64 * particle_mass(self.input),
             wanted_mass: nominal * self.region.volume(),
             spread: density * optimise::spread(&local, level),
             offset: density * optimise::level(&local),
@@ -367,20 +368,20 @@ impl<'a, K: Kernel> Packing<'a, K> {
 
     fn particles(&self, crowd: Crowd) -> Particles {
         let n = crowd.len();
-        let spacing = self.scene.pack.spacing;
+        let spacing = self.input.spacing;
         Particles {
             id: (0..n as u32).collect(),
-            body: vec![self.body as u8; n],
+            body: vec![0; n],
             position: crowd
                 .position
                 .map(|x| x.into_iter().map(|x| x * spacing).collect()),
             velocity: [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; n]),
-            density: vec![self.scene.density; n],
-            mass: mass(self.scene),
+            density: vec![self.input.density; n],
+            mass: particle_mass(self.input),
         }
     }
 
     fn name(&self) -> String {
-        self.scene.bodies[self.body].name.clone()
+        self.input.name.clone()
     }
 }

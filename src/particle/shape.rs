@@ -5,7 +5,8 @@
 //! box and are packed in box coordinates. A 2-D region lies in the x-z plane and its volume is an
 //! area.
 
-use crate::scene::{Dimension, Domain, Scene, Shape, Side};
+use crate::scene::key::PackInput;
+use crate::scene::{Dimension, Domain, Shape, Side};
 
 /// What lies behind one face of a box-shaped region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,26 +45,26 @@ pub struct Region {
 }
 
 impl Region {
-    /// The region of `scene.bodies[body]`. A face of a layer or block belongs to a side of the box
+    /// The region of a body. A face of a layer or block belongs to a side of the box
     /// when it is nearer to it than half a particle spacing.
-    pub fn new(scene: &Scene, body: usize) -> Region {
-        let domain = &scene.domain;
-        let form = match &scene.bodies[body].shape {
+    pub fn new(input: &PackInput) -> Region {
+        let domain = &input.domain;
+        let form = match &input.shape {
             Shape::Sphere { radius, .. } => Form::Ellipsoid {
                 semi_axes: [*radius; 3],
             },
             Shape::Ellipsoid { semi_axes, .. } => Form::Ellipsoid {
                 semi_axes: *semi_axes,
             },
-            Shape::Block { low, high } => block(scene, *low, *high),
+            Shape::Block { low, high } => block(input, *low, *high),
             Shape::Layer { depth } => {
-                block(scene, [0.0; 3], [domain.size[0], domain.size[1], *depth])
+                block(input, [0.0; 3], [domain.size[0], domain.size[1], *depth])
             }
         };
         Region {
-            dimension: scene.dimension,
+            dimension: input.dimension,
             form,
-            cut: scene.bodies[body].shape.cuts(domain),
+            cut: input.shape.cuts(domain),
         }
     }
 
@@ -211,11 +212,11 @@ pub fn axes(dimension: Dimension) -> &'static [usize] {
     }
 }
 
-fn block(scene: &Scene, low: [f64; 3], high: [f64; 3]) -> Form {
-    let near = 0.5 * scene.pack.spacing;
+fn block(input: &PackInput, low: [f64; 3], high: [f64; 3]) -> Form {
+    let near = 0.5 * input.spacing;
     let mut face = [[Face::Periodic; 2]; 3];
-    for &k in axes(scene.dimension) {
-        face[k] = faces(&scene.domain, k, [low[k], high[k]], near);
+    for &k in axes(input.dimension) {
+        face[k] = faces(&input.domain, k, [low[k], high[k]], near);
     }
     Form::Block { low, high, face }
 }

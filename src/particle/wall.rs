@@ -8,28 +8,33 @@
 use super::Wall;
 use super::lattice::cells;
 use super::shape::axes;
-use crate::scene::{Scene, Side};
+use crate::scene::{Dimension, Domain, Problem, Side};
 
 /// Wall particles deep enough for the largest kernel support of the scene.
-pub fn build(scene: &Scene) -> Wall {
-    build_layers(scene, layers(scene))
+pub fn build(problem: &Problem) -> Wall {
+    let Problem {
+        domain,
+        dimension,
+        spacing,
+        ..
+    } = problem;
+    build_layers(domain, *dimension, *spacing, layers(problem))
 }
 
 /// Layers that cover the widest kernel support.
-pub fn layers(scene: &Scene) -> usize {
-    let support = scene.widest() / scene.pack.spacing;
+pub fn layers(scene: &Problem) -> usize {
+    let support = scene.widest() / scene.spacing;
     (support - 1e-9).ceil().max(1.0) as usize
 }
 
 /// Wall particles of `layers` layers at every side that is [`Side::Wall`], z slowest, x fastest.
-pub fn build_layers(scene: &Scene, layers: usize) -> Wall {
-    let domain = &scene.domain;
+pub fn build_layers(domain: &Domain, dimension: Dimension, spacing: f64, layers: usize) -> Wall {
     let depth = layers as i64;
     let mut count = [1; 3];
     let mut pitch = [0.0; 3];
     let mut range = [[0, 1]; 3];
-    for &k in axes(scene.dimension) {
-        (count[k], pitch[k]) = cells(domain.size[k], scene.pack.spacing);
+    for &k in axes(dimension) {
+        (count[k], pitch[k]) = cells(domain.size[k], spacing);
         let extra = |side: Side| match side {
             Side::Periodic | Side::Mirror => 0,
             Side::Open | Side::Wall => depth,

@@ -186,11 +186,11 @@ impl Relative {
         read_checkpoint(&self.folder, &self.stamp, file)
     }
 
-    /// Canonical value of the setting `name`, hexadecimal.
+    /// Value of the setting `name`, for people; exact.
     pub fn setting(&self, name: &str) -> Option<&str> {
         let mut settings = self.stamp.settings.iter();
         let setting = settings.find(|setting| setting.name == name)?;
-        Some(&setting.canonical)
+        Some(&setting.value)
     }
 }
 

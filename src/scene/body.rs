@@ -1,10 +1,14 @@
-//! Bodies of a scene file.
+//! `[body.NAME]`: bodies of liquid, their shapes and first velocities.
 
-use super::cursor::Cursor;
+use indexmap::IndexMap;
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+
 use super::error::{Mistakes, SceneError};
-use super::quantity::Unit;
-use super::tree::Node;
-use super::{Body, Dimension, Domain, Motion, Shape, conform};
+use super::schema::{not_negative, positive};
+use super::tree::Tree;
+use super::unit::{Colour, Length, List, Maybe, Rate, Speed, Vector};
+use super::{Dimension, Domain};
 
 /// Colours of bodies that name none, in file order; beyond, they repeat.
 const COLOURS: [[u8; 3]; 6] = [
@@ -16,174 +20,464 @@ const COLOURS: [[u8; 3]; 6] = [
     [0x8c, 0x56, 0x4b],
 ];
 
-/// Reads all bodies, in file order.
+/// Geometry of a body, m, in box coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Sphere, or disc in 2-D.
+    Sphere { centre: [f64; 3], radius: f64 },
+    /// Semi-axes; ellipse in 2-D.
+    Ellipsoid {
+        centre: [f64; 3],
+        semi_axes: [f64; 3],
+    },
+    /// Axis-parallel block, rectangle in 2-D.
+    Block { low: [f64; 3], high: [f64; 3] },
+    /// Liquid from z = 0 to `depth` over the whole lateral extent of the box.
+    Layer { depth: f64 },
+}
+
+impl Shape {
+    /// Puts the centre of a free shape at `place`, m.
+    pub fn move_to(&mut self, place: [f64; 3]) {
+        if let Shape::Sphere { centre, .. } | Shape::Ellipsoid { centre, .. } = self {
+            *centre = place;
+        }
+    }
+}
+
+/// Initial velocity of a body, m/s.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    Uniform([f64; 3]),
+    /// u = -U cos(kx) sin(kz), w = U sin(kx) cos(kz), k = 2 pi / size_x.
+    TaylorGreen {
+        speed: f64,
+    },
+    /// Velocity that deforms a drop in its n = 2 mode: u = -a x (per lateral axis of d-1), w = +a z
+    /// made divergence-free, about the body's centre; `rate` a in 1/s.
+    Stretch {
+        rate: f64,
+    },
+}
+
+/// One body of liquid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    pub name: String,
+    pub shape: Shape,
+    pub motion: Motion,
+    /// Display colour of the body, RGB.
+    pub colour: [u8; 3],
+}
+
+/// Bodies of liquid, by name, in the order of the file.
+pub type BodyTables = IndexMap<String, BodyTable>;
+
+/// A body of liquid: one shape, at most one first velocity.
+#[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(transform = one_shape)]
+pub struct BodyTable {
+    /// Liquid on the floor, from side to side.
+    pub layer: Option<Layer>,
+    /// A sphere (3-D).
+    pub sphere: Option<Sphere>,
+    /// A disc (2-D).
+    pub disc: Option<Sphere>,
+    /// An ellipsoid along the axes (3-D).
+    pub ellipsoid: Option<Ellipsoid>,
+    /// An ellipse along the axes (2-D).
+    pub ellipse: Option<Ellipsoid>,
+    /// A block along the axes (3-D).
+    pub block: Option<Block>,
+    /// A rectangle along the axes (2-D).
+    pub rectangle: Option<Block>,
+    /// Initial velocity: a speed downward, or all components.
+    pub velocity: Option<Velocity>,
+    /// Initial velocity: Taylor-Green vortices.
+    pub taylor_green: Option<TaylorGreen>,
+    /// Initial velocity: stretching along z.
+    pub stretch: Option<Stretch>,
+    /// Colour in pictures and viewers, "#rrggbb".
+    pub colour: Option<Colour>,
+}
+
+/// Keys of the shapes, of which a body has one.
+pub const SHAPES: [&str; 7] = [
+    "layer",
+    "sphere",
+    "disc",
+    "ellipsoid",
+    "ellipse",
+    "block",
+    "rectangle",
+];
+
+fn one_shape(schema: &mut Schema) {
+    let choice = SHAPES.map(|shape| serde_json::json!({ "required": [shape] }));
+    schema.insert("oneOf".to_string(), choice.to_vec().into());
+}
+
+/// Liquid on the floor, from side to side.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Layer {
+    /// Depth of the liquid.
+    #[serde(with = "Length")]
+    #[schemars(transform = positive)]
+    pub depth: f64,
+}
+
+/// A sphere or a disc, by its centre, or hanging above an earlier body.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Sphere {
+    /// Diameter.
+    #[serde(with = "Length")]
+    #[schemars(transform = positive)]
+    pub diameter: f64,
+    /// Centre, in place of `gap` and `above`.
+    #[serde(default)]
+    pub centre: Option<Vector<Length>>,
+    /// Clear distance from the top of the body `above` which it hangs.
+    #[serde(default, with = "Maybe::<Length>")]
+    #[schemars(transform = not_negative)]
+    pub gap: Option<f64>,
+    /// Name of that body; it stands earlier in the file.
+    #[serde(default)]
+    pub above: Option<String>,
+    /// Lateral distance from the middle of the box, with `above`.
+    #[serde(default)]
+    pub offset: Option<Offset>,
+}
+
+/// One or two lateral components.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct Offset(
+    #[serde(with = "List::<Length>")]
+    #[schemars(length(min = 1, max = 2))]
+    Vec<f64>,
+);
+
+/// An ellipsoid or an ellipse along the axes.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Ellipsoid {
+    /// Half lengths along x, y, z (x, z in 2-D).
+    #[schemars(transform = positive)]
+    pub semi_axes: Vector<Length>,
+    /// Centre.
+    pub centre: Vector<Length>,
+}
+
+/// A block or a rectangle along the axes.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Block {
+    /// Lowest corner.
+    pub low: Vector<Length>,
+    /// Highest corner.
+    pub high: Vector<Length>,
+}
+
+/// A speed downward, or all components.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Velocity {
+    Downward(#[serde(with = "Speed")] f64),
+    Components(Vector<Speed>),
+}
+
+/// Taylor-Green vortices.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct TaylorGreen {
+    /// Largest speed.
+    #[serde(with = "Speed")]
+    #[schemars(transform = positive)]
+    pub speed: f64,
+}
+
+/// Stretching along z.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Stretch {
+    /// Rate of stretching along z.
+    #[serde(with = "Rate")]
+    pub rate: f64,
+}
+
+impl BodyTable {
+    /// The table that gives a body, in canonical form.
+    pub fn of(body: &Body, dimension: Dimension) -> BodyTable {
+        let mut table = BodyTable::of_shape(&body.shape, dimension);
+        match body.motion {
+            Motion::Uniform([x, y, z]) if x == 0.0 && y == 0.0 && z <= 0.0 => {
+                table.velocity = Some(Velocity::Downward(0.0 - z));
+            }
+            Motion::Uniform(velocity) => {
+                table.velocity = Some(Velocity::Components(dimension.components(velocity)));
+            }
+            Motion::TaylorGreen { speed } => table.taylor_green = Some(TaylorGreen { speed }),
+            Motion::Stretch { rate } => table.stretch = Some(Stretch { rate }),
+        }
+        table
+    }
+
+    /// The same of a shape alone.
+    pub fn of_shape(shape: &Shape, dimension: Dimension) -> BodyTable {
+        let mut table = BodyTable::default();
+        let vector = |vector: [f64; 3]| dimension.components(vector);
+        let is_plane = dimension == Dimension::Two;
+        match *shape {
+            Shape::Layer { depth } => table.layer = Some(Layer { depth }),
+            Shape::Sphere { centre, radius } => {
+                let sphere = Some(Sphere {
+                    diameter: 2.0 * radius,
+                    centre: Some(vector(centre)),
+                    gap: None,
+                    above: None,
+                    offset: None,
+                });
+                let place = if is_plane {
+                    &mut table.disc
+                } else {
+                    &mut table.sphere
+                };
+                *place = sphere;
+            }
+            Shape::Ellipsoid { centre, semi_axes } => {
+                let ellipsoid = Some(Ellipsoid {
+                    semi_axes: vector(semi_axes),
+                    centre: vector(centre),
+                });
+                let place = if is_plane {
+                    &mut table.ellipse
+                } else {
+                    &mut table.ellipsoid
+                };
+                *place = ellipsoid;
+            }
+            Shape::Block { low, high } => {
+                let block = Some(Block {
+                    low: vector(low),
+                    high: vector(high),
+                });
+                let place = if is_plane {
+                    &mut table.rectangle
+                } else {
+                    &mut table.block
+                };
+                *place = block;
+            }
+        }
+        table
+    }
+}
+
+/// What the file says about a body, with the scene around it.
+struct Reader<'a> {
+    key: String,
+    table: &'a BodyTable,
+    dimension: Dimension,
+    domain: &'a Domain,
+    tree: &'a Tree<'a>,
+}
+
+/// All bodies of a file, in its order.
+///
+/// # Errors
+/// The first mistake of the first body that has one.
 pub fn all(
-    table: &Cursor<'_>,
+    tables: &BodyTables,
     dimension: Dimension,
     domain: &Domain,
+    tree: &Tree<'_>,
 ) -> Result<Vec<Body>, SceneError> {
     let mut bodies: Vec<Body> = Vec::new();
-    for (name, body) in table.entries() {
-        let shape = shape(&body, dimension, domain, &bodies)?;
-        let colour = match body.get("colour") {
-            Some(colour) => conform::colour(colour.node, &colour.path)?,
-            None => COLOURS[bodies.len() % COLOURS.len()],
+    for (name, table) in tables {
+        let key = format!("body.{name}");
+        let reader = Reader {
+            key,
+            table,
+            dimension,
+            domain,
+            tree,
         };
-        let motion = motion(&body, dimension)?;
+        let usual = COLOURS[bodies.len() % COLOURS.len()];
         bodies.push(Body {
             name: name.to_string(),
-            shape,
-            motion,
-            colour,
+            shape: reader.shape(&bodies)?,
+            motion: reader.motion()?,
+            colour: table.colour.map_or(usual, |Colour(rgb)| rgb),
         });
     }
     Ok(bodies)
 }
 
 /// Names of supports, in a file that has other mistakes and is not resolved.
-pub fn supports(root: &Node, found: &mut Mistakes) {
+pub fn supports(tree: &Tree<'_>, found: &mut Mistakes) {
     let mut earlier: Vec<&str> = Vec::new();
-    for body in root.get("body").map_or(&[][..], Node::entries) {
-        for shape in body.node.entries() {
-            let path = format!("body.{}.{}.above", body.key, shape.key);
-            if let Some(above) = shape.node.get("above")
-                && let Ok(below) = conform::text(above, &path)
+    for body in tree.keys("body") {
+        for shape in SHAPES {
+            let key = format!("body.{body}.{shape}.above");
+            if let Some(below) = tree.text_at(&key)
                 && !earlier.contains(&below)
             {
-                found.add(no_support(above, &path, &earlier));
+                found.add(no_support(tree, &key, &earlier));
             }
         }
-        earlier.push(&body.key);
+        earlier.push(body);
     }
 }
 
-fn no_support(above: &Node, path: &str, earlier: &[&str]) -> SceneError {
+fn no_support(tree: &Tree<'_>, key: &str, earlier: &[&str]) -> SceneError {
     let remedy = format!("bodies earlier in the file: {}", earlier.join(", "));
-    let problem = "is no body that stands earlier in the file";
-    conform::fault(above, path, problem, &remedy)
+    let problem = "is not a body that stands earlier in the file";
+    tree.fault(key, problem, &remedy)
 }
 
-/// The shape's key decides; 2-D and 3-D have words of their own.
-fn shape(
-    body: &Cursor<'_>,
-    dimension: Dimension,
-    domain: &Domain,
-    earlier: &[Body],
-) -> Result<Shape, SceneError> {
-    const PAIRS: [(&str, &str); 3] = [
-        ("sphere", "disc"),
-        ("ellipsoid", "ellipse"),
-        ("block", "rectangle"),
-    ];
-    for (spatial, planar) in PAIRS {
-        let (wrong, right) = match dimension {
-            Dimension::Two => (spatial, planar),
-            Dimension::Three => (planar, spatial),
-        };
-        if let Some(shape) = body.get(wrong) {
-            let problem = format!("is no shape of a {}-D scene", dimension.count());
-            return Err(shape.fault(&problem, &format!("use `{right}`")));
+impl Reader<'_> {
+    fn fault(&self, key: &str, problem: &str, remedy: &str) -> SceneError {
+        self.tree
+            .fault(&format!("{}.{key}", self.key), problem, remedy)
+    }
+
+    fn point(&self, point: &Vector<Length>, key: &str) -> Result<[f64; 3], SceneError> {
+        let key = format!("{}.{key}", self.key);
+        self.dimension.vector(point, &key, self.tree)
+    }
+
+    /// The shape's key decides; 2-D and 3-D have words of their own.
+    fn shape(&self, earlier: &[Body]) -> Result<Shape, SceneError> {
+        let table = self.table;
+        let pairs = [
+            (
+                "sphere",
+                table.sphere.is_some(),
+                "disc",
+                table.disc.is_some(),
+            ),
+            (
+                "ellipsoid",
+                table.ellipsoid.is_some(),
+                "ellipse",
+                table.ellipse.is_some(),
+            ),
+            (
+                "block",
+                table.block.is_some(),
+                "rectangle",
+                table.rectangle.is_some(),
+            ),
+        ];
+        for (spatial, is_spatial, planar, is_planar) in pairs {
+            let (wrong, is_wrong, right) = match self.dimension {
+                Dimension::Two => (spatial, is_spatial, planar),
+                Dimension::Three => (planar, is_planar, spatial),
+            };
+            if is_wrong {
+                let problem = format!("is no shape of a {}-D scene", self.dimension.count());
+                return Err(self.fault(wrong, &problem, &format!("use `{right}`")));
+            }
         }
-        let Some(shape) = body.get(right) else {
-            continue;
+        let word = |spatial, planar| match self.dimension {
+            Dimension::Two => planar,
+            Dimension::Three => spatial,
         };
-        return match spatial {
-            "sphere" => sphere(&shape, dimension, domain, earlier),
-            "ellipsoid" => Ok(Shape::Ellipsoid {
-                centre: shape.need("centre")?.vector(Unit::Length, dimension)?,
-                semi_axes: shape.need("semi_axes")?.vector(Unit::Length, dimension)?,
-            }),
-            _ => block(&shape, dimension),
+        if let Some(sphere) = table.sphere.as_ref().or(table.disc.as_ref()) {
+            return self.sphere(sphere, word("sphere", "disc"), earlier);
+        }
+        if let Some(ellipsoid) = table.ellipsoid.as_ref().or(table.ellipse.as_ref()) {
+            let word = word("ellipsoid", "ellipse");
+            let centre = self.point(&ellipsoid.centre, &format!("{word}.centre"))?;
+            let semi_axes = self.point(&ellipsoid.semi_axes, &format!("{word}.semi_axes"))?;
+            return Ok(Shape::Ellipsoid { centre, semi_axes });
+        }
+        if let Some(block) = table.block.as_ref().or(table.rectangle.as_ref()) {
+            return self.block(block, word("block", "rectangle"));
+        }
+        // The schema demands one of all.
+        let depth = table.layer.as_ref().map_or(0.0, |layer| layer.depth);
+        Ok(Shape::Layer { depth })
+    }
+
+    fn block(&self, block: &Block, word: &str) -> Result<Shape, SceneError> {
+        let low = self.point(&block.low, &format!("{word}.low"))?;
+        let high = self.point(&block.high, &format!("{word}.high"))?;
+        let mut axes = self.dimension.axes().iter();
+        if axes.any(|&axis| low[axis] >= high[axis]) {
+            let remedy = "give the highest corner";
+            return Err(self.fault(&format!("{word}.high"), "is not above `low`", remedy));
+        }
+        Ok(Shape::Block { low, high })
+    }
+
+    /// By its centre, or hanging at a gap above an earlier body, in the middle of the box.
+    fn sphere(&self, sphere: &Sphere, word: &str, earlier: &[Body]) -> Result<Shape, SceneError> {
+        let radius = sphere.diameter / 2.0;
+        if let Some(centre) = &sphere.centre {
+            let mut beside = [
+                ("gap", sphere.gap.is_some()),
+                ("above", sphere.above.is_some()),
+                ("offset", sphere.offset.is_some()),
+            ]
+            .into_iter();
+            if let Some((key, _)) = beside.find(|(_, is_given)| *is_given) {
+                let remedy = "give either; `centre` is absolute";
+                let key = format!("{word}.{key}");
+                return Err(self.fault(&key, "is given beside `centre`", remedy));
+            }
+            let centre = self.point(centre, &format!("{word}.centre"))?;
+            return Ok(Shape::Sphere { centre, radius });
+        }
+        let (Some(below), Some(gap)) = (&sphere.above, sphere.gap) else {
+            let remedy = "give `centre`, or `gap` and `above` = \"NAME\" of an earlier body";
+            let key = format!("{}.{word}", self.key);
+            return Err(self.tree.missing(&key, "centre", remedy));
         };
-    }
-    let depth = body.need("layer")?.quantity_at("depth", Unit::Length)?;
-    Ok(Shape::Layer { depth })
-}
-
-fn block(shape: &Cursor<'_>, dimension: Dimension) -> Result<Shape, SceneError> {
-    let low = shape.need("low")?.vector(Unit::Length, dimension)?;
-    let high = shape.need("high")?.vector(Unit::Length, dimension)?;
-    if dimension.axes().iter().any(|&axis| low[axis] >= high[axis]) {
-        let high = shape.need("high")?;
-        return Err(high.fault("is not above `low`", "give the highest corner"));
-    }
-    Ok(Shape::Block { low, high })
-}
-
-/// By its centre, or hanging at a gap above an earlier body, in the middle of the box.
-fn sphere(
-    shape: &Cursor<'_>,
-    dimension: Dimension,
-    domain: &Domain,
-    earlier: &[Body],
-) -> Result<Shape, SceneError> {
-    let radius = shape.quantity_at("diameter", Unit::Length)? / 2.0;
-    if let Some(centre) = shape.get("centre") {
-        if let Some(gap) = ["gap", "above", "offset"]
-            .iter()
-            .find_map(|key| shape.get(key))
-        {
-            return Err(gap.fault(
-                "is given beside `centre`",
-                "give either; `centre` is absolute",
-            ));
+        let Some(support) = earlier.iter().find(|body| body.name == *below) else {
+            let names: Vec<&str> = earlier.iter().map(|body| body.name.as_str()).collect();
+            let key = format!("{}.{word}.above", self.key);
+            return Err(no_support(self.tree, &key, &names));
+        };
+        let [x, y, _] = self.domain.size.map(|size| size / 2.0);
+        let top = support.shape.bounds(self.domain, self.dimension).1[2];
+        let mut centre = [x, y, top + gap + radius];
+        let lateral = self.dimension.count() - 1;
+        if let Some(Offset(offset)) = &sphere.offset {
+            if offset.len() != lateral {
+                let problem = format!("has {} components", offset.len());
+                let key = format!("{word}.offset");
+                return Err(self.fault(&key, &problem, &format!("give {lateral}")));
+            }
+            let moved = centre.iter_mut().zip(offset);
+            moved.for_each(|(centre, by)| *centre += by);
         }
-        let centre = centre.vector(Unit::Length, dimension)?;
-        return Ok(Shape::Sphere { centre, radius });
+        Ok(Shape::Sphere { centre, radius })
     }
-    let above = shape.need("above").map_err(|_| SceneError::Missing {
-        place: shape.node.place.clone(),
-        key: conform::dotted(&shape.path, "centre"),
-        remedy: "give `centre`, or `gap` and `above` = \"NAME\" of an earlier body".to_string(),
-    })?;
-    let below = above.text()?;
-    let Some(support) = earlier.iter().find(|body| body.name == below) else {
-        let names: Vec<&str> = earlier.iter().map(|body| body.name.as_str()).collect();
-        return Err(no_support(above.node, &above.path, &names));
-    };
-    let top = support.shape.bounds(domain, dimension).1[2];
-    let gap = shape.quantity_at("gap", Unit::Length)?;
-    let mut centre = [
-        domain.size[0] / 2.0,
-        domain.size[1] / 2.0,
-        top + gap + radius,
-    ];
-    if let Some(offset) = shape.get("offset") {
-        let values = offset.quantities(Unit::Length)?;
-        if values.len() != dimension.count() - 1 {
-            let remedy = format!("give {}", dimension.count() - 1);
-            return Err(offset.fault(&format!("has {} components", values.len()), &remedy));
-        }
-        values
-            .iter()
-            .enumerate()
-            .for_each(|(axis, value)| centre[axis] += value);
-    }
-    Ok(Shape::Sphere { centre, radius })
-}
 
-fn motion(body: &Cursor<'_>, dimension: Dimension) -> Result<Motion, SceneError> {
-    let ways = ["velocity", "taylor_green", "stretch"];
-    let given: Vec<Cursor<'_>> = ways.iter().filter_map(|key| body.get(key)).collect();
-    if let [_, second, ..] = given.as_slice() {
-        let remedy = "give at most one of velocity, taylor_green, stretch";
-        return Err(second.fault("is a second initial velocity", remedy));
+    fn motion(&self) -> Result<Motion, SceneError> {
+        let table = self.table;
+        let ways = [
+            ("velocity", table.velocity.is_some()),
+            ("taylor_green", table.taylor_green.is_some()),
+            ("stretch", table.stretch.is_some()),
+        ];
+        let mut given = ways.iter().filter(|(_, is_given)| *is_given).skip(1);
+        if let Some((second, _)) = given.next() {
+            let remedy = "give at most one of velocity, taylor_green, stretch";
+            return Err(self.fault(second, "is a second initial velocity", remedy));
+        }
+        if let Some(TaylorGreen { speed }) = table.taylor_green {
+            return Ok(Motion::TaylorGreen { speed });
+        }
+        if let Some(Stretch { rate }) = table.stretch {
+            return Ok(Motion::Stretch { rate });
+        }
+        Ok(Motion::Uniform(match &table.velocity {
+            None => [0.0; 3],
+            // A zero without a sign: -0 and 0 are one velocity.
+            Some(Velocity::Downward(speed)) => [0.0, 0.0, 0.0 - speed],
+            Some(Velocity::Components(components)) => {
+                let key = format!("{}.velocity", self.key);
+                self.dimension.vector(components, &key, self.tree)?
+            }
+        }))
     }
-    if let Some(vortex) = body.get("taylor_green") {
-        let speed = vortex.quantity_at("speed", Unit::Speed)?;
-        return Ok(Motion::TaylorGreen { speed });
-    }
-    if let Some(stretch) = body.get("stretch") {
-        let rate = stretch.quantity_at("rate", Unit::Rate)?;
-        return Ok(Motion::Stretch { rate });
-    }
-    let Some(velocity) = body.get("velocity") else {
-        return Ok(Motion::Uniform([0.0; 3]));
-    };
-    if let super::tree::Value::List(_) = velocity.node.value {
-        return Ok(Motion::Uniform(velocity.vector(Unit::Speed, dimension)?));
-    }
-    // A zero without a sign: -0 and 0 are one velocity.
-    let downward = 0.0 - velocity.quantity(Unit::Speed)?;
-    Ok(Motion::Uniform([0.0, 0.0, downward]))
 }

@@ -4,13 +4,13 @@ mod tension;
 
 use std::path::Path;
 
-use super::cursor::Cursor;
+use super::body::SHAPES;
 use super::error::{Mistakes, SceneError};
 use super::file::LONGEST_REFERENCE;
 use super::quantity::{Unit, human};
-use super::resolve::AXES;
+use super::tree::Tree;
 use super::{
-    Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, Wetting,
+    AXES, Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, Wetting,
     numbers,
 };
 
@@ -25,28 +25,26 @@ const EQUAL: f64 = 1e-9;
 /// Supports of the widest sum between two mirrors at least, with room for lists.
 const MIRRORED: f64 = 1.5;
 
-/// Checks `scene`; `root` leads to the places, `folder` holds the file.
-pub fn scene(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), SceneError> {
-    bodies(scene, root)?;
+/// Checks `scene`; `tree` leads to the places, `folder` holds the file.
+pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneError> {
+    bodies(scene, tree)?;
     let mut found = Mistakes::default();
-    found.take(overlaps(scene, root));
-    found.take(spacing(scene, root));
-    found.take(periodic_reach(scene, root));
-    found.take(mirrors(scene, root));
-    found.take(vortices(scene, root));
-    found.take(tension::check(scene, root));
-    found.take(times(scene, root));
-    found.take(references(scene, root, folder));
+    found.take(overlaps(scene, tree));
+    found.take(spacing(scene, tree));
+    found.take(periodic_reach(scene, tree));
+    found.take(mirrors(scene, tree));
+    found.take(vortices(scene, tree));
+    found.take(tension::check(scene, tree));
+    found.take(times(scene, tree));
+    found.take(references(scene, tree, folder));
     found.told()
 }
 
-fn bodies(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+fn bodies(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let count = scene.bodies.len();
     if count == 0 || count > BODIES {
         let remedy = format!("write 1 to {BODIES} tables [body.NAME]");
-        return Err(root
-            .nearest("body")
-            .fault(&format!("has {count} bodies"), &remedy));
+        return Err(tree.fault("body", &format!("has {count} bodies"), &remedy));
     }
     for body in &scene.bodies {
         let (low, high) = body.shape.bounds(&scene.domain, scene.dimension);
@@ -60,29 +58,28 @@ fn bodies(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
                     AXES[axis],
                     human(size, Unit::Length)
                 );
-                let place = root.nearest(&format!("body.{}", body.name));
-                return Err(shape_of(&place).fault(&problem, "move it or enlarge `box.size`"));
+                let key = shape_of(&body.name, tree);
+                return Err(tree.fault(&key, &problem, "move it or enlarge `box.size`"));
             }
         }
     }
     Ok(())
 }
 
-/// The cursor at the shape of a body.
-fn shape_of<'a>(body: &Cursor<'a>) -> Cursor<'a> {
-    let shape = super::format::SHAPES
-        .iter()
-        .find_map(|shape| body.get(shape));
-    shape.unwrap_or_else(|| body.clone())
+/// The key of the shape of a body.
+fn shape_of(body: &str, tree: &Tree<'_>) -> String {
+    let key = |shape: &str| format!("body.{body}.{shape}");
+    let is_there = |shape: &&str| tree.get(&key(shape)).is_some();
+    SHAPES.into_iter().find(is_there).map_or(key(""), key)
 }
 
-fn overlaps(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+fn overlaps(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     for (index, first) in scene.bodies.iter().enumerate() {
         for second in &scene.bodies[index + 1..] {
             if overlap(scene, &first.shape, &second.shape) {
-                let place = root.nearest(&format!("body.{}", second.name));
                 let problem = format!("overlaps body `{}`", first.name);
-                return Err(shape_of(&place).fault(&problem, "move them apart"));
+                let key = shape_of(&second.name, tree);
+                return Err(tree.fault(&key, &problem, "move them apart"));
             }
         }
     }
@@ -133,9 +130,9 @@ fn overlap(scene: &Scene, first: &Shape, second: &Shape) -> bool {
     })
 }
 
-fn spacing(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    let spacing = scene.pack.spacing;
-    let place = root.nearest("pack.spacing");
+fn spacing(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
+    let spacing = scene.spacing;
+    let key = "pack.spacing";
     for body in &scene.bodies {
         let (low, high) = body.shape.bounds(&scene.domain, scene.dimension);
         let axes = scene.dimension.axes();
@@ -144,7 +141,7 @@ fn spacing(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
             .any(|&axis| high[axis] - low[axis] < 1.9 * spacing)
         {
             let problem = format!("leaves fewer than 2 particles across body `{}`", body.name);
-            return Err(place.fault(&problem, "make it smaller"));
+            return Err(tree.fault(key, &problem, "make it smaller"));
         }
     }
     let periodic: Vec<f64> = periodic_axes(scene)
@@ -158,17 +155,16 @@ fn spacing(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     };
     if !divides(spacing) {
         let remedy = divisors(spacing, &periodic, divides);
-        return Err(place.fault("does not divide every periodic side of the box", &remedy));
+        let problem = "does not divide every periodic side of the box";
+        return Err(tree.fault(key, problem, &remedy));
     }
     let total: f64 = (0..scene.bodies.len())
         .map(|body| numbers::count(scene, body) as f64)
         .sum();
     if total > PARTICLES {
         let problem = format!("asks for {total:.2e} particles");
-        return Err(place.fault(
-            &problem,
-            &format!("at most {PARTICLES:.0e} can be numbered"),
-        ));
+        let remedy = format!("at most {PARTICLES:.0e} can be numbered");
+        return Err(tree.fault(key, &problem, &remedy));
     }
     Ok(())
 }
@@ -208,7 +204,7 @@ fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// A particle must not see itself, nor one neighbour twice, through periodic sides.
-fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+fn periodic_reach(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let reach = scene.widest();
     for axis in periodic_axes(scene) {
         if scene.domain.size[axis] < 2.0 * reach {
@@ -218,7 +214,7 @@ fn periodic_reach(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
                 widened(scene)
             );
             let remedy = at_least(scene, 2.0 * reach);
-            return Err(root.nearest("box.size").fault(&problem, &remedy));
+            return Err(tree.fault("box.size", &problem, &remedy));
         }
     }
     Ok(())
@@ -261,52 +257,51 @@ fn at_least(scene: &Scene, length: f64) -> String {
 }
 
 /// An image must not be near the next plane, and nothing may break the symmetry.
-fn mirrors(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+fn mirrors(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let reach = scene.widest();
     for &axis in scene.dimension.axes() {
         if scene.domain.fold(axis).is_none() {
             continue;
         }
         let name = AXES[axis];
-        let place = root.nearest(&format!("box.{name}"));
         if let Some((what, remedy)) = super::symmetry::crosswise(scene, axis) {
-            return Err(place.fault(&format!("has a mirror, but {what}"), &remedy));
+            let problem = format!("has a mirror, but {what}");
+            return Err(tree.fault(&format!("box.{name}"), &problem, &remedy));
         }
         if scene.domain.size[axis] < MIRRORED * reach {
             let widened = widened(scene);
             let problem =
                 format!("has mirrors in {name}, over less than {MIRRORED} kernels{widened}");
             let remedy = at_least(scene, MIRRORED * reach);
-            return Err(root.nearest("box.size").fault(&problem, &remedy));
+            return Err(tree.fault("box.size", &problem, &remedy));
         }
     }
     Ok(())
 }
 
-fn vortices(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+fn vortices(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     for body in &scene.bodies {
         let Motion::TaylorGreen { .. } = body.motion else {
             continue;
         };
-        let place = root.nearest(&format!("body.{}.taylor_green", body.name));
+        let key = format!("body.{}.taylor_green", body.name);
         let size = scene.domain.size;
         let sides = [0, 2].map(|axis| scene.domain.boundary[axis][0]);
         if sides != [Side::Periodic; 2] || size[0] != size[2] {
             let remedy = "make the box periodic in x and z, and as high as wide";
-            return Err(place.fault("needs a periodic square in x and z", remedy));
+            return Err(tree.fault(&key, "needs a periodic square in x and z", remedy));
         }
     }
     Ok(())
 }
 
-fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    let interval = root.nearest("frames.interval");
+fn times(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     if scene.impact.end / scene.frames.interval > FRAMES {
         let problem = format!("makes more than {FRAMES:.0e} frames until `impact.end`");
-        return Err(interval.fault(&problem, "make it longer"));
+        return Err(tree.fault("frames.interval", &problem, "make it longer"));
     }
     if let Some(settings) = scene.method.projection() {
-        return steps(scene.method.name(), settings, root);
+        return steps(scene.method.name(), settings, tree);
     }
     let Method::Wcsph(settings) = &scene.method else {
         return Ok(());
@@ -323,30 +318,29 @@ fn times(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
             human(rounded(limit), Unit::Time)
         );
         let remedy = format!("set `{key}` lower, or `adaptive` in place of `fixed`");
-        return Err(root.nearest(key).fault(&problem, &remedy));
+        return Err(tree.fault(key, &problem, &remedy));
     }
     Ok(())
 }
 
-fn steps(method: &str, settings: &Projection, root: &Cursor<'_>) -> Result<(), SceneError> {
+fn steps(method: &str, settings: &Projection, tree: &Tree<'_>) -> Result<(), SceneError> {
     if settings.shortest <= settings.longest {
         return Ok(());
     }
     let longest = human(settings.longest, Unit::Time);
-    let place = root.nearest(&format!("method.{method}.shortest"));
     let problem = format!("is above the longest step of {longest}");
-    Err(place.fault(&problem, "make it shorter"))
+    let key = format!("method.{method}.shortest");
+    Err(tree.fault(&key, &problem, "make it shorter"))
 }
 
-fn references(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), SceneError> {
-    let items = root.nearest("post.references").items();
-    for (reference, item) in scene.post.references.iter().zip(items) {
-        let place = item.nearest("path");
+fn references(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneError> {
+    for (index, reference) in scene.post.references.iter().enumerate() {
+        let key = format!("post.references[{index}].path");
         let path = folder.join(&reference.path);
         let remedy = "give a CSV file, relative to the scene file";
         let content = crate::file::read(&path, LONGEST_REFERENCE).map_err(|error| {
             match error.is_not_found() {
-                true => place.fault(&error.to_string(), remedy),
+                true => tree.fault(&key, &error.to_string(), remedy),
                 false => error.into(),
             }
         })?;
@@ -360,7 +354,7 @@ fn references(scene: &Scene, root: &Cursor<'_>, folder: &Path) -> Result<(), Sce
         if !head.split(',').any(is_time) {
             let path = path.display();
             let problem = format!("{path} has no column `{}`", clocks.join("` or `"));
-            return Err(place.fault(&problem, "name its columns as in measures.csv"));
+            return Err(tree.fault(&key, &problem, "name its columns as in measures.csv"));
         }
     }
     Ok(())

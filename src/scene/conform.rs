@@ -1,384 +1,434 @@
-//! Holds a tree against the format: unknown keys, missing keys, wrong types, units and ranges.
+//! Holds a scene file against the schema: unknown keys, missing keys, wrong types, units, ranges.
+
+use serde_json::Value as Schema;
+use toml::de::DeValue;
 
 use super::error::{Mistakes, SceneError};
-use super::format::{self, FILE, Field, Kind, Need};
-use super::quantity;
+use super::quantity::{self, Unit};
+use super::schema::NAME;
 use super::spelling::{ALIKE, beside, is_printable, nearest, printable};
-use super::tree::{Entry, Node, Value};
+use super::tree::{Table, Tree, Value, dotted, kind, number};
 
 /// All mistakes of the whole file.
-pub fn check(root: &Node) -> Mistakes {
-    let mut found = Mistakes::default();
-    table(root, "", FILE, &[], &mut found);
-    found
-}
-
-/// `parent.key`, or `key` at the root.
-pub fn dotted(parent: &str, key: &str) -> String {
-    if parent.is_empty() {
-        key.to_string()
-    } else {
-        format!("{parent}.{key}")
-    }
-}
-
-fn table(node: &Node, path: &str, fields: &[Field], one_of: &[&str], found: &mut Mistakes) {
-    let Value::Table(entries) = &node.value else {
-        return found.add(unfit(node, path, "a table"));
+pub fn check(tree: &Tree<'_>, schema: &Schema) -> Mistakes {
+    let mut check = Check {
+        tree,
+        found: Mistakes::default(),
     };
-    let mut meant = Vec::new();
-    for entry in entries {
-        match fields.iter().find(|field| field.name == entry.key) {
-            Some(field) => value(&entry.node, &dotted(path, &entry.key), &field.kind, found),
-            None => {
-                let (mistake, nearest) = unknown(entry, path, fields);
-                meant.extend(nearest);
-                found.add(mistake);
+    check.value(&tree.root, "", schema);
+    check.found
+}
+
+struct Check<'a> {
+    tree: &'a Tree<'a>,
+    found: Mistakes,
+}
+
+impl Check<'_> {
+    fn value(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
+        if words(schema).is_some() {
+            return self.word(value, key, schema);
+        }
+        if let Some(unit) = unit_of(schema) {
+            return self.quantity(value, key, schema, unit);
+        }
+        if let Some(kinds) = alternatives(schema) {
+            return self.either(value, key, &kinds);
+        }
+        match schema["type"].as_str() {
+            Some("object") => self.table(value, key, schema),
+            Some("array") => self.list(value, key, schema),
+            Some("string") => self.text(value, key, schema),
+            Some("integer") => self.count(value, key, schema),
+            _ => match number(value.get_ref()) {
+                Some(given) => self.within(value, key, schema, given),
+                None => self.unfit(value, key, "a number without a unit"),
+            },
+        }
+    }
+
+    fn fault(&mut self, value: &Value<'_>, key: &str, problem: &str, remedy: &str) {
+        let fault = self.tree.fault_of(value, key, problem, remedy);
+        self.found.add(fault);
+    }
+
+    fn unfit(&mut self, value: &Value<'_>, key: &str, wanted: &str) {
+        let problem = format!("is {}", kind(value.get_ref()));
+        self.fault(value, key, &problem, &format!("write {wanted}"));
+    }
+
+    fn table(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
+        let Some(table) = value.get_ref().as_table() else {
+            return self.unfit(value, key, "a table");
+        };
+        if let Some(each) = schema["patternProperties"].get(NAME) {
+            return self.named(value, table, key, each);
+        }
+        let known = keys(schema);
+        let mut meant = Vec::new();
+        for (name, inner) in table {
+            let path = dotted(key, name.get_ref());
+            match schema["properties"].get(name.get_ref().as_ref()) {
+                Some(schema) => self.value(inner, &path, schema),
+                None => {
+                    let place = self.tree.place(name.span().start);
+                    let name = name.get_ref();
+                    let guess = guess(name, key, &known);
+                    let question = guess.as_ref().map(|key| format!("did you mean `{key}`? "));
+                    let question = question.unwrap_or_default();
+                    self.found.add(SceneError::UnknownKey {
+                        place,
+                        key: dotted(key, &printable(name)),
+                        remedy: format!("{question}known here: {}", known.join(", ")),
+                        nearest: guess.clone(),
+                    });
+                    meant.extend(guess);
+                }
+            }
+        }
+        // What is spelled wrong is not missing too.
+        let is_meant = |name: &str| meant.contains(&dotted(key, name));
+        let is_there = |name: &str| table.keys().any(|given| given.get_ref() == name);
+        for name in required(schema) {
+            if !is_there(name) && !is_meant(name) {
+                let property = &schema["properties"][name];
+                let about = property["description"].as_str().unwrap_or("");
+                let about = about.replace('\n', " ");
+                let remedy = format!("{about} Write {}", example(name, property));
+                self.found.add(SceneError::Missing {
+                    place: self.tree.place(value.span().start),
+                    key: dotted(key, name),
+                    remedy,
+                });
+            }
+        }
+        let choice = choice(schema);
+        if !choice.iter().any(|name| is_meant(name)) {
+            self.exactly_one(value, table, key, &choice);
+        }
+    }
+
+    fn exactly_one(&mut self, value: &Value<'_>, table: &Table<'_>, key: &str, choice: &[&str]) {
+        if choice.is_empty() {
+            return;
+        }
+        let is_one = |name: &str| choice.contains(&name);
+        let mut given = table.iter().filter(|(name, _)| is_one(name.get_ref()));
+        let remedy = format!("give exactly one of {}", choice.join(", "));
+        match (given.next(), given.next()) {
+            (Some(_), None) => {}
+            (None, _) => self.found.add(SceneError::Missing {
+                place: self.tree.place(value.span().start),
+                key: dotted(key, choice[0]),
+                remedy,
+            }),
+            (Some((first, _)), Some((second, inner))) => {
+                let path = dotted(key, second.get_ref());
+                let problem = format!("`{}` is given already", first.get_ref());
+                self.fault(inner, &path, &problem, &remedy);
             }
         }
     }
-    // What is spelled wrong is not missing too.
-    let is_meant = |key: &str| meant.contains(&dotted(path, key));
-    let absent = |field: &&Field| field.need == Need::Required && node.get(field.name).is_none();
-    for field in fields.iter().filter(absent).filter(|f| !is_meant(f.name)) {
-        found.add(SceneError::Missing {
-            place: node.place.clone(),
-            key: dotted(path, field.name),
-            remedy: format!("{} Write {}", field.about, example(field)),
-        });
-    }
-    if !one_of.iter().any(|key| is_meant(key)) {
-        found.take(exactly_one(node, path, entries, one_of));
-    }
-}
 
-fn exactly_one(
-    node: &Node,
-    path: &str,
-    entries: &[Entry],
-    one_of: &[&str],
-) -> Result<(), SceneError> {
-    if one_of.is_empty() {
-        return Ok(());
-    }
-    let mut given = entries
-        .iter()
-        .filter(|entry| one_of.contains(&entry.key.as_str()));
-    let choice = format!("give exactly one of {}", one_of.join(", "));
-    match (given.next(), given.next()) {
-        (Some(_), None) => Ok(()),
-        (None, _) => Err(SceneError::Missing {
-            place: node.place.clone(),
-            key: dotted(path, one_of[0]),
-            remedy: choice,
-        }),
-        (Some(first), Some(second)) => Err(SceneError::Value {
-            place: second.place.clone(),
-            key: dotted(path, &second.key),
-            value: second.node.inline(),
-            problem: format!("`{}` is given already", first.key),
-            remedy: choice,
-        }),
-    }
-}
-
-fn value(node: &Node, path: &str, kind: &Kind, found: &mut Mistakes) {
-    match kind {
-        Kind::List(item, least, most) => list(node, path, item, (*least, *most), found),
-        Kind::Table(fields, one_of) => table(node, path, fields, one_of, found),
-        Kind::Named(fields, one_of) => named(node, path, fields, one_of, found),
-        Kind::Either(kinds) => either(node, path, kinds, found),
-        _ => {
-            found.take(single(node, path, kind));
+    fn named(&mut self, value: &Value<'_>, table: &Table<'_>, key: &str, each: &Schema) {
+        if table.is_empty() {
+            let remedy = "add a table [body.NAME] for each";
+            self.fault(value, key, "has 0 bodies", remedy);
+        }
+        for (name, inner) in table {
+            let text = name.get_ref();
+            let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c);
+            if text.chars().all(letter) && text.starts_with(|c: char| c.is_ascii_lowercase()) {
+                self.value(inner, &dotted(key, text), each);
+                continue;
+            }
+            self.found.add(SceneError::Value {
+                place: self.tree.place(name.span().start),
+                key: dotted(key, &printable(text)),
+                value: toml::Value::String(printable(text)).to_string(),
+                problem: "is not a name".to_string(),
+                remedy: "use lower-case letters, digits, - and _, a letter first".to_string(),
+            });
         }
     }
-}
 
-/// A value without parts.
-fn single(node: &Node, path: &str, kind: &Kind) -> Result<(), SceneError> {
-    match kind {
-        Kind::Text => text(node, path).map(|_| ()),
-        Kind::Colour => colour(node, path).map(|_| ()),
-        Kind::Word(words) => word(node, path, words),
-        Kind::Quantity(unit, range) => {
-            let value = quantity_of(node, path, *unit)?;
-            within(node, path, *range, value)
+    fn list(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
+        let Some(items) = value.get_ref().as_array() else {
+            return self.unfit(value, key, "an array");
+        };
+        let bound = |word: &str| schema[word].as_u64();
+        let count = items.len() as u64;
+        let (least, most) = (bound("minItems"), bound("maxItems"));
+        if least.is_some_and(|least| count < least) || most.is_some_and(|most| count > most) {
+            let remedy = match (least, most) {
+                (Some(least), Some(most)) if least == most => format!("give {least}"),
+                (Some(least), Some(most)) => {
+                    format!("give {least} to {most}, one for each dimension")
+                }
+                _ => "give fewer".to_string(),
+            };
+            self.fault(value, key, &format!("has {count} entries"), &remedy);
         }
-        Kind::Number(range) => match node.value {
-            Value::Float(value) => within(node, path, *range, value),
-            Value::Integer(value) => within(node, path, *range, value as f64),
-            _ => Err(unfit(node, path, "a number without a unit")),
-        },
-        Kind::Count(least) => match node.value {
-            Value::Integer(value) if value >= *least => Ok(()),
-            _ => Err(unfit(
-                node,
-                path,
-                &format!("a whole number of at least {least}"),
-            )),
-        },
-        Kind::List(..) | Kind::Table(..) | Kind::Named(..) | Kind::Either(_) => Ok(()),
+        for (index, item) in items.iter().enumerate() {
+            self.value(item, &format!("{key}[{index}]"), &schema["items"]);
+        }
     }
-}
 
-/// The text of a node: one line that can be printed.
-pub fn text<'a>(node: &'a Node, path: &str) -> Result<&'a str, SceneError> {
-    match &node.value {
-        Value::Text(text) if text.chars().all(is_printable) => Ok(text),
-        Value::Text(_) => {
+    fn text(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
+        let Some(text) = value.get_ref().as_str() else {
+            return self.unfit(value, key, "a string");
+        };
+        if !text.chars().all(is_printable) {
             let problem = "has a control character, which terminals and tables would act on";
-            Err(fault(
-                node,
-                path,
-                problem,
-                "leave it out; a text is one line",
-            ))
+            return self.fault(value, key, problem, "leave it out; a text is one line");
         }
-        _ => Err(unfit(node, path, "a string")),
+        // The only pattern without a unit is that of a colour.
+        if schema["pattern"].is_string() {
+            let digits = text.strip_prefix('#').unwrap_or("");
+            if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+                let remedy = "write red, green, blue as \"#1f77b4\"";
+                self.fault(value, key, "is not a colour", remedy);
+            }
+        }
     }
-}
 
-/// Red, green and blue of `"#rrggbb"`.
-pub fn colour(node: &Node, path: &str) -> Result<[u8; 3], SceneError> {
-    let wrong = || {
-        fault(
-            node,
-            path,
-            "is no colour",
-            "write red, green, blue as \"#1f77b4\"",
-        )
-    };
-    let digits = text(node, path)?.strip_prefix('#').ok_or_else(wrong)?;
-    if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
-        return Err(wrong());
+    fn count(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
+        let least = schema["minimum"].as_f64().unwrap_or(0.0);
+        let most = schema["maximum"].as_f64().unwrap_or(f64::INFINITY);
+        let given = match value.get_ref() {
+            DeValue::Integer(_) => number(value.get_ref()),
+            _ => None,
+        };
+        if !given.is_some_and(|given| given >= least && given <= most.min(i64::MAX as f64)) {
+            self.unfit(value, key, &format!("a whole number of at least {least}"));
+        }
     }
-    let code = u32::from_str_radix(digits, 16).map_err(|_| wrong())?;
-    let [_, red, green, blue] = code.to_be_bytes();
-    Ok([red, green, blue])
-}
 
-/// The SI value of a number or of a text with a unit.
-pub fn quantity_of(node: &Node, path: &str, unit: quantity::Unit) -> Result<f64, SceneError> {
-    let remedy = || {
+    fn quantity(&mut self, value: &Value<'_>, key: &str, schema: &Schema, unit: Unit) {
+        let problem = match value.get_ref() {
+            DeValue::String(text) => match quantity::parse(text, unit) {
+                Ok(given) => return self.within(value, key, schema, given),
+                Err(error) => error.to_string(),
+            },
+            other => match number(other) {
+                Some(given) => return self.within(value, key, schema, given),
+                None => format!("is {} where {} is wanted", kind(other), unit.name()),
+            },
+        };
         let names: Vec<&str> = unit.spellings().iter().map(|(name, _)| *name).collect();
-        format!(
+        let remedy = format!(
             "write for example {}; units: {}",
             unit.example(),
             names.join(", ")
-        )
-    };
-    let problem = match &node.value {
-        Value::Float(value) => return Ok(*value),
-        Value::Integer(value) => return Ok(*value as f64),
-        Value::Text(text) => match quantity::parse(text, unit) {
-            Ok(value) => return Ok(value),
-            Err(error) => error.to_string(),
-        },
-        _ => format!("is {} where {} is wanted", node.kind(), unit.name()),
-    };
-    Err(fault(node, path, &problem, &remedy()))
-}
-
-fn within(node: &Node, path: &str, range: format::Range, value: f64) -> Result<(), SceneError> {
-    if range.holds(value) {
-        return Ok(());
-    }
-    let remedy = format!("it must be {}", range.wording());
-    Err(fault(node, path, "is out of range", &remedy))
-}
-
-fn word(node: &Node, path: &str, words: &[&str]) -> Result<(), SceneError> {
-    let given = match &node.value {
-        Value::Text(text) => text.as_str(),
-        _ => {
-            return Err(unfit(
-                node,
-                path,
-                &format!("one of \"{}\"", words.join("\", \"")),
-            ));
-        }
-    };
-    if words.contains(&given) {
-        return Ok(());
-    }
-    let guess = nearest(given, words.iter().copied())
-        .filter(|(_, likeness)| *likeness >= ALIKE)
-        .map(|(word, _)| format!("did you mean \"{word}\"? "))
-        .unwrap_or_default();
-    let remedy = format!("{guess}known are \"{}\"", words.join("\", \""));
-    Err(fault(node, path, "is not known", &remedy))
-}
-
-fn list(node: &Node, path: &str, item: &Kind, (least, most): (usize, usize), found: &mut Mistakes) {
-    let Value::List(items) = &node.value else {
-        return found.add(unfit(node, path, "an array"));
-    };
-    if items.len() < least || items.len() > most {
-        let problem = format!("has {} entries", items.len());
-        let remedy = if least == most {
-            format!("give {least}")
-        } else {
-            format!("give {least} to {most}, one for each dimension")
-        };
-        found.add(fault(node, path, &problem, &remedy));
-    }
-    for (index, entry) in items.iter().enumerate() {
-        value(entry, &format!("{path}[{index}]"), item, found);
-    }
-}
-
-fn named(node: &Node, path: &str, fields: &[Field], one_of: &[&str], found: &mut Mistakes) {
-    let Value::Table(entries) = &node.value else {
-        return found.add(unfit(node, path, "a table of named tables"));
-    };
-    for entry in entries {
-        let letter = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit();
-        let whole = entry
-            .key
-            .chars()
-            .all(|each| letter(each) || "_-".contains(each));
-        if !whole
-            || !entry
-                .key
-                .starts_with(|first: char| first.is_ascii_lowercase())
-        {
-            found.add(SceneError::Value {
-                place: entry.place.clone(),
-                key: dotted(path, &printable(&entry.key)),
-                value: toml::Value::String(printable(&entry.key)).to_string(),
-                problem: "is no name".to_string(),
-                remedy: "use lower-case letters, digits, - and _, a letter first".to_string(),
-            });
-            continue;
-        }
-        table(
-            &entry.node,
-            &dotted(path, &entry.key),
-            fields,
-            one_of,
-            found,
         );
+        self.fault(value, key, &problem, &remedy);
+    }
+
+    fn within(&mut self, value: &Value<'_>, key: &str, schema: &Schema, given: f64) {
+        let bound = |word: &str| schema[word].as_f64();
+        let (low, high) = (bound("minimum"), bound("maximum"));
+        let above = bound("exclusiveMinimum");
+        let holds = given.is_finite()
+            && above.is_none_or(|above| given > above)
+            && low.is_none_or(|low| given >= low)
+            && high.is_none_or(|high| given <= high);
+        if holds {
+            return;
+        }
+        let wording = match (above, low, high) {
+            (Some(_), ..) => "above zero".to_string(),
+            (_, Some(low), Some(high)) => format!("between {low} and {high}"),
+            (_, Some(_), None) => "zero or above".to_string(),
+            _ => "finite".to_string(),
+        };
+        let remedy = format!("it must be {wording}");
+        self.fault(value, key, "is out of range", &remedy);
+    }
+
+    fn word(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
+        let known = words(schema).unwrap_or_default();
+        let quoted: Vec<String> = known.iter().map(|word| format!("{word}")).collect();
+        let quoted = quoted.join(", ");
+        if let Some(Schema::Number(_)) = known.first() {
+            let given = number(value.get_ref());
+            if !known.iter().any(|word| word.as_f64() == given) {
+                let remedy = format!("write {}", quoted.replace(", ", " or "));
+                self.fault(value, key, "is not known", &remedy);
+            }
+            return;
+        }
+        let Some(given) = value.get_ref().as_str() else {
+            return self.unfit(value, key, &format!("one of {quoted}"));
+        };
+        let known: Vec<&str> = known.iter().filter_map(|word| word.as_str()).collect();
+        if known.contains(&given) {
+            return;
+        }
+        let guess = nearest(given, known.into_iter()).filter(|(_, likeness)| *likeness >= ALIKE);
+        let guess = guess.map(|(word, _)| format!("did you mean \"{word}\"? "));
+        let remedy = format!("{}known are {quoted}", guess.unwrap_or_default());
+        self.fault(value, key, "is not known", &remedy);
+    }
+
+    /// The mistakes are those of the alternative whose TOML type fits, if there is one.
+    fn either(&mut self, value: &Value<'_>, key: &str, kinds: &[Schema]) {
+        let mut fitting = None;
+        for schema in kinds {
+            let mut own = Check {
+                tree: self.tree,
+                found: Mistakes::default(),
+            };
+            own.value(value, key, schema);
+            match own.found.told() {
+                Ok(()) => return,
+                Err(mistake) if same_type(value, schema) => fitting = Some(mistake),
+                Err(_) => {}
+            }
+        }
+        match fitting {
+            Some(mistake) => self.found.add(mistake),
+            None => {
+                let wanted: Vec<String> = kinds.iter().map(wording).collect();
+                self.unfit(value, key, &wanted.join(", or "));
+            }
+        }
     }
 }
 
-/// The mistakes are those of the alternative whose TOML type fits, if there is one.
-fn either(node: &Node, path: &str, kinds: &[Kind], found: &mut Mistakes) {
-    let mut fitting = None;
-    for kind in kinds {
-        let mut own = Mistakes::default();
-        value(node, path, kind, &mut own);
-        match own.told() {
-            Ok(()) => return,
-            Err(mistake) if same_type(node, kind) => fitting = Some(mistake),
-            Err(_) => {}
-        }
+/// Keys of the tables of a schema, in its order.
+fn keys(schema: &Schema) -> Vec<&str> {
+    let properties = schema["properties"].as_object();
+    properties.map_or(Vec::new(), |all| all.keys().map(String::as_str).collect())
+}
+
+fn required(schema: &Schema) -> Vec<&str> {
+    let keys = schema["required"].as_array().into_iter().flatten();
+    keys.filter_map(Schema::as_str).collect()
+}
+
+/// Keys of which exactly one must be there.
+fn choice(schema: &Schema) -> Vec<&str> {
+    let kinds = schema["oneOf"].as_array().into_iter().flatten();
+    kinds.flat_map(required).collect()
+}
+
+fn unit_of(schema: &Schema) -> Option<Unit> {
+    Unit::called(schema["x-unit"].as_str()?)
+}
+
+/// The words of a schema that allows nothing else.
+fn words(schema: &Schema) -> Option<Vec<Schema>> {
+    if let Some(words) = schema["enum"].as_array() {
+        return Some(words.clone());
     }
-    let wanted: Vec<String> = kinds.iter().map(wording).collect();
-    found.add(fitting.unwrap_or_else(|| unfit(node, path, &wanted.join(", or "))));
+    if let Some(word) = schema.get("const") {
+        return Some(vec![word.clone()]);
+    }
+    if schema["type"] == "object" {
+        return None;
+    }
+    let kinds = schema["oneOf"].as_array().or(schema["anyOf"].as_array())?;
+    let words: Option<Vec<Vec<Schema>>> = kinds.iter().map(words).collect();
+    words.map(|words| words.concat())
 }
 
-fn same_type(node: &Node, kind: &Kind) -> bool {
-    matches!(
-        (&node.value, kind),
-        (
-            Value::Text(_),
-            Kind::Text | Kind::Colour | Kind::Word(_) | Kind::Quantity(..)
-        ) | (
-            Value::Float(_) | Value::Integer(_),
-            Kind::Quantity(..) | Kind::Number(_)
-        ) | (Value::List(_), Kind::List(..))
-            | (Value::Table(_), Kind::Table(..) | Kind::Named(..))
-    )
-}
-
-fn wording(kind: &Kind) -> String {
-    match kind {
-        Kind::Text => "a string".to_string(),
-        Kind::Colour => "a colour such as \"#1f77b4\"".to_string(),
-        Kind::Word(words) => format!("one of \"{}\"", words.join("\", \"")),
-        Kind::Quantity(unit, _) => format!("{} such as {}", unit.name(), unit.example()),
-        Kind::Number(_) => "a number".to_string(),
-        Kind::Count(_) => "a whole number".to_string(),
-        Kind::List(item, ..) => format!("an array of {}", wording(item)),
-        Kind::Table(fields, _) | Kind::Named(fields, _) => {
-            let names: Vec<&str> = fields.iter().map(|field| field.name).collect();
-            format!("a table with {}", names.join(", "))
+/// Alternatives of different types: words in one, tables of one key each in one.
+fn alternatives(schema: &Schema) -> Option<Vec<Schema>> {
+    if schema["type"] == "object" {
+        return None;
+    }
+    let kinds = schema["oneOf"].as_array().or(schema["anyOf"].as_array())?;
+    let known: Vec<Schema> = kinds.iter().filter_map(words).flatten().collect();
+    let mut merged = Vec::new();
+    if !known.is_empty() {
+        merged.push(serde_json::json!({ "enum": known }));
+    }
+    let (tables, rest): (Vec<&Schema>, Vec<&Schema>) = kinds
+        .iter()
+        .filter(|kind| words(kind).is_none())
+        .partition(|kind| kind["type"] == "object");
+    if !tables.is_empty() {
+        let properties = tables
+            .iter()
+            .filter_map(|table| table["properties"].as_object());
+        let properties = properties.flat_map(|all| all.clone());
+        let choice = tables.iter().flat_map(|table| required(table));
+        let choice = choice.map(|key| serde_json::json!({ "required": [key] }));
+        merged.push(serde_json::json!({
+            "type": "object",
+            "properties": properties.collect::<serde_json::Map<_, _>>(),
+            "oneOf": choice.collect::<Vec<_>>(),
+        }));
+    }
+    for kind in rest {
+        let mut kind = kind.clone();
+        // A range that stands beside the alternatives is that of the one with numbers.
+        for word in ["minimum", "maximum", "exclusiveMinimum"] {
+            if let (Some(bound), Some(object)) = (schema.get(word), kind.as_object_mut()) {
+                object.entry(word).or_insert(bound.clone());
+            }
         }
-        Kind::Either(kinds) => kinds.iter().map(wording).collect::<Vec<_>>().join(", or "),
+        merged.push(kind);
+    }
+    Some(merged)
+}
+
+fn same_type(value: &Value<'_>, schema: &Schema) -> bool {
+    let is_quantity = unit_of(schema).is_some();
+    match value.get_ref() {
+        DeValue::String(_) => is_quantity || words(schema).is_some() || schema["type"] == "string",
+        DeValue::Float(_) | DeValue::Integer(_) => is_quantity || schema["type"] == "number",
+        DeValue::Array(_) => schema["type"] == "array",
+        DeValue::Table(_) => schema["type"] == "object",
+        _ => false,
     }
 }
 
-fn example(field: &Field) -> String {
-    let value = match &field.kind {
-        Kind::Quantity(unit, _) => unit.example().to_string(),
-        Kind::List(Kind::Quantity(unit, _), ..) => {
-            format!("[{0}, {0}, {0}]", unit.example())
+/// As in "write ...".
+fn wording(schema: &Schema) -> String {
+    if let Some(words) = words(schema) {
+        let words: Vec<String> = words.iter().map(|word| word.to_string()).collect();
+        return format!("one of {}", words.join(", "));
+    }
+    if let Some(unit) = unit_of(schema) {
+        return format!("{} such as {}", unit.name(), unit.example());
+    }
+    match schema["type"].as_str() {
+        Some("object") => format!("a table with {}", keys(schema).join(", ")),
+        Some("array") => format!("an array of {}", wording(&schema["items"])),
+        Some("string") => "a string".to_string(),
+        Some("integer") => "a whole number".to_string(),
+        _ => "a number".to_string(),
+    }
+}
+
+/// How a key might be written.
+fn example(name: &str, schema: &Schema) -> String {
+    let item = unit_of(&schema["items"]);
+    let value = match (unit_of(schema), item, words(schema)) {
+        (Some(unit), ..) => unit.example().to_string(),
+        (_, Some(unit), _) => format!("[{0}, {0}, {0}]", unit.example()),
+        (_, _, Some(words)) => words.first().map_or(String::new(), Schema::to_string),
+        _ if schema.get("patternProperties").is_some() => {
+            return format!("a table [{name}.NAME] for each");
         }
-        Kind::Word(words) => format!("\"{}\"", words[0]),
-        Kind::Table(fields, _) => {
-            let needed = fields.iter().filter(|inner| inner.need == Need::Required);
-            let items: Vec<String> = needed.map(example).collect();
-            return format!("{} = {{ {} }}", field.name, items.join(", "));
-        }
-        Kind::Named(..) => {
-            return format!("a table [{}.NAME] for each", field.name);
+        _ if schema["type"] == "object" => {
+            let needed = required(schema).into_iter();
+            let items: Vec<String> = needed
+                .map(|key| example(key, &schema["properties"][key]))
+                .collect();
+            format!("{{ {} }}", items.join(", "))
         }
         _ => "...".to_string(),
     };
-    format!("{} = {value}", field.name)
+    format!("{name} = {value}")
 }
 
-/// The mistake, and the known key that is meant, if one is near.
-fn unknown(entry: &Entry, path: &str, fields: &[Field]) -> (SceneError, Option<String>) {
-    let here = nearest(&entry.key, fields.iter().map(|field| field.name));
-    let here = here.map(|(name, likeness)| (dotted(path, name), likeness));
-    let guess = match here {
-        Some((_, likeness)) if likeness >= ALIKE => here,
-        _ => beside(&entry.key, path),
-    };
-    let known: Vec<&str> = fields.iter().map(|field| field.name).collect();
-    let nearest = guess.map(|(key, _)| key);
-    let question = nearest
-        .as_ref()
-        .map(|key| format!("did you mean `{key}`? "));
-    let mistake = SceneError::UnknownKey {
-        place: entry.place.clone(),
-        key: dotted(path, &printable(&entry.key)),
-        remedy: format!(
-            "{}known here: {}",
-            question.unwrap_or_default(),
-            known.join(", ")
-        ),
-        nearest: nearest.clone(),
-    };
-    (mistake, nearest)
-}
-
-fn unfit(node: &Node, path: &str, wanted: &str) -> SceneError {
-    let problem = format!("is {}", node.kind());
-    fault(node, path, &problem, &format!("write {wanted}"))
-}
-
-/// An error about the value of a node.
-pub fn fault(node: &Node, path: &str, problem: &str, remedy: &str) -> SceneError {
-    SceneError::Value {
-        place: node.place.clone(),
-        key: if path.is_empty() {
-            "(the file)".to_string()
-        } else {
-            path.to_string()
-        },
-        value: shortened(printable(&node.inline())),
-        problem: problem.to_string(),
-        remedy: remedy.to_string(),
-    }
-}
-
-/// Long values in messages are cut.
-fn shortened(text: String) -> String {
-    const LONGEST: usize = 80;
-    match text.char_indices().nth(LONGEST) {
-        Some((at, _)) => format!("{} ...", &text[..at]),
-        None => text,
+/// The known key that an unknown one means, if one is near.
+fn guess(given: &str, table: &str, known: &[&str]) -> Option<String> {
+    let here = nearest(given, known.iter().copied());
+    match here {
+        Some((name, likeness)) if likeness >= ALIKE => Some(dotted(table, name)),
+        _ => beside(given, table).map(|(key, _)| key),
     }
 }

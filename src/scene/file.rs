@@ -2,15 +2,71 @@
 
 use std::path::{Path, PathBuf};
 
-use super::cursor::{self, Cursor};
-use super::error::SceneError;
-use super::{Scene, body, check, conform, resolve, tree};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::body::{self, BodyTables};
+use super::domain::BoxTable;
+use super::effects::EffectTables;
+use super::error::{Mistakes, SceneError};
+use super::method::{Method, MethodTable};
+use super::schema::{self, named, positive};
+use super::stage::{Frames, Impact, Pack, Post, Relax};
+use super::tree::{Sources, Tree};
+use super::unit::Density;
+use super::{Dimension, Problem, Scene, check, conform, preset, symmetry};
 
 /// No scene file is longer, bytes.
 const LONGEST: u64 = 16 << 20;
 
 /// No reference curve is longer, bytes.
 pub const LONGEST_REFERENCE: u64 = 256 << 20;
+
+/// The scene file, with its preset and defaults.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Document {
+    /// What the run is about; stands on the report.
+    #[serde(default)]
+    pub title: String,
+    /// 3, or 2 for the x-z plane.
+    #[serde(default)]
+    pub dimension: Dimension,
+    /// The box [0, size] in which everything happens.
+    #[serde(rename = "box")]
+    pub domain: BoxTable,
+    /// The liquid of all bodies.
+    pub liquid: Liquid,
+    /// What acts: a table each; absent is off.
+    #[serde(default)]
+    pub effects: EffectTables,
+    /// Bodies of liquid, by name.
+    #[schemars(transform = named)]
+    pub body: BodyTables,
+    /// How the particles of a body are placed.
+    pub pack: Pack,
+    /// Run at rest before the impact; absent is none.
+    #[serde(default)]
+    pub relax: Option<Relax>,
+    /// The simulation proper.
+    pub impact: Impact,
+    /// What is recorded for viewers and measures.
+    pub frames: Frames,
+    /// What is drawn and compared.
+    #[serde(default)]
+    pub post: Post,
+    /// Which solver, with which settings.
+    #[serde(default)]
+    pub method: MethodTable,
+}
+
+/// The liquid of all bodies.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Liquid {
+    /// Density at rest.
+    #[serde(with = "Density")]
+    #[schemars(transform = positive)]
+    pub density: f64,
+}
 
 /// A scene with the text that it came from.
 #[derive(Clone, Debug)]
@@ -40,31 +96,79 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
 /// # Errors
 /// As [`load`].
 pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
-    let mut root = tree::parse(text, path)?;
-    for set in sets {
-        tree::set(&mut root, set)?;
-    }
-    let mut found = conform::check(&root);
+    let sources = Sources::new(text, path, sets);
+    let tree = Tree::parse(&sources)?;
+    let mut found = conform::check(&tree, &schema::SCENE);
     if !found.is_empty() {
-        body::supports(&root, &mut found);
+        body::supports(&tree, &mut found);
     }
     found.told()?;
-    let full = cursor::with_defaults(&root)?;
-    let cursor = Cursor::root(&full);
+    let document: Document = preset::laid_under(&tree).read()?;
     let name = path
         .file_stem()
         .map_or("scene".into(), |stem| stem.to_string_lossy());
-    let scene = resolve::scene(&cursor, &name)?;
+    let scene = document.scene(&name, &tree)?;
     let folder = path.parent().unwrap_or(Path::new("."));
-    check::scene(&scene, &cursor, folder)?;
-    let text = if sets.is_empty() {
-        text.to_string()
-    } else {
-        tree::write(&root)
+    check::scene(&scene, &tree, folder)?;
+    let text = match sets.is_empty() {
+        true => text.to_string(),
+        false => tree.text(),
     };
     Ok(Loaded {
         scene,
         text,
         path: path.to_path_buf(),
     })
+}
+
+impl Document {
+    /// The scene, in SI units.
+    ///
+    /// # Errors
+    /// The first mistake of each part, at its place in `tree`.
+    fn scene(self, name: &str, tree: &Tree<'_>) -> Result<Scene, SceneError> {
+        let dimension = self.dimension;
+        let domain = self.domain.domain(dimension, tree)?;
+        let mut found = Mistakes::default();
+        let bodies = found.take(body::all(&self.body, dimension, &domain, tree));
+        let effects = found.take(self.effects.effects(dimension, tree));
+        let method = found.take(self.method(tree));
+        found.told()?;
+        let known = "told otherwise";
+        let mut scene = Scene {
+            name: name.to_string(),
+            title: self.title,
+            problem: Problem {
+                dimension,
+                domain,
+                density: self.liquid.density,
+                spacing: self.pack.spacing,
+                effects: effects.expect(known),
+                bodies: bodies.expect(known),
+                method: method.expect(known),
+                pairs: self.method.pairs,
+            },
+            pack: self.pack.packing,
+            relax: self.relax,
+            impact: self.impact,
+            frames: self.frames,
+            post: self.post,
+        };
+        if let Some(symmetry) = self.domain.symmetry {
+            symmetry::cut(&mut scene, symmetry, tree)?;
+        }
+        Ok(scene)
+    }
+
+    fn method(&self, tree: &Tree<'_>) -> Result<Method, SceneError> {
+        let method = self.method.method();
+        if let Some(Method::Mps(_)) = method
+            && tree.get("effects.viscosity.form").is_some()
+        {
+            let problem = "is not read by mps, which has Eq. 9";
+            return Err(tree.fault("effects.viscosity.form", problem, "remove it"));
+        }
+        let absent = || tree.fault("method", "has no settings", "give a preset");
+        method.ok_or_else(absent)
+    }
 }

@@ -6,8 +6,8 @@ use std::fmt;
 use super::quantity::{Unit, human};
 use super::shape::lattice;
 use super::{
-    Arrangement, Density, Method, Motion, Pressure, Scene, Shape, Side, SoundSpeed, TimeStepping,
-    Wcsph,
+    Arrangement, Density, Method, Motion, Pressure, Problem, Scene, Shape, Side, SoundSpeed,
+    SpeedOf, TimeStepping, Wcsph,
 };
 
 /// A number with its name and definition.
@@ -80,7 +80,7 @@ const IDLE: f64 = 0.1;
 const REST_STIFFNESS: f64 = 31.6;
 
 /// Settings of the method in which sound has a speed.
-fn wcsph(scene: &Scene) -> Option<&Wcsph> {
+fn wcsph(scene: &Problem) -> Option<&Wcsph> {
     match &scene.method {
         Method::Wcsph(settings) => Some(settings),
         Method::Isph(_) | Method::Mps(_) => None,
@@ -88,12 +88,12 @@ fn wcsph(scene: &Scene) -> Option<&Wcsph> {
 }
 
 /// Smoothing length h, m.
-pub fn smoothing_length(scene: &Scene) -> f64 {
-    scene.method.sph().smoothing * scene.pack.spacing
+pub fn smoothing_length(scene: &Problem) -> f64 {
+    scene.method.sph().smoothing * scene.spacing
 }
 
 /// Largest initial speed of a body, or of a body towards another, m/s.
-pub fn impact_speed(scene: &Scene) -> f64 {
+pub fn impact_speed(scene: &Problem) -> f64 {
     let uniform = |motion: &Motion| match motion {
         Motion::Uniform(velocity) => *velocity,
         _ => [0.0; 3],
@@ -122,13 +122,15 @@ pub fn length(vector: [f64; 3]) -> f64 {
 /// The speed V of Nishio et al. 2010, Eq. 8, m/s: as set, or the largest of the impact speed, the
 /// speed of a fall through the liquid's height sqrt(2 g T), the speed sqrt(8 sigma / (rho R)) at
 /// which the smallest drop swings, and the speed of a sliding wall.
-pub fn reference_speed(scene: &Scene) -> f64 {
-    let set = wcsph(scene).and_then(|settings| settings.reference_speed);
-    set.unwrap_or_else(|| impact_speed(scene).max(standing_speed(scene)))
+pub fn reference_speed(scene: &Problem) -> f64 {
+    match wcsph(scene).map(|settings| settings.reference_speed) {
+        Some(SpeedOf::Given(speed)) => speed,
+        _ => impact_speed(scene).max(standing_speed(scene)),
+    }
 }
 
 /// [`reference_speed`] without the impact, m/s: what is there even when nothing moves.
-fn standing_speed(scene: &Scene) -> f64 {
+fn standing_speed(scene: &Problem) -> f64 {
     let walls = scene.domain.wall_velocity.iter().flatten();
     let sliding = walls.fold(0.0, |speed: f64, wall| speed.max(length(*wall)));
     let shapes = scene.bodies.iter().map(|body| &body.shape);
@@ -140,7 +142,7 @@ fn standing_speed(scene: &Scene) -> f64 {
 }
 
 /// Least and largest speed of sound in the impact, m/s.
-pub fn sound_speeds(scene: &Scene) -> [f64; 2] {
+pub fn sound_speeds(scene: &Problem) -> [f64; 2] {
     let most = sound_speed(scene);
     let Some(settings) = wcsph(scene) else {
         return [most; 2];
@@ -154,7 +156,7 @@ pub fn sound_speeds(scene: &Scene) -> [f64; 2] {
 }
 
 /// Speed of sound, m/s: factor x reference speed; infinite in an incompressible liquid.
-pub fn sound_speed(scene: &Scene) -> f64 {
+pub fn sound_speed(scene: &Problem) -> f64 {
     wcsph(scene).map_or(f64::INFINITY, |settings| {
         settings.sound_speed_factor * reference_speed(scene)
     })
@@ -163,8 +165,8 @@ pub fn sound_speed(scene: &Scene) -> f64 {
 /// Speed of sound for the relaxation of one body at rest, m/s. It depends neither on the impact
 /// speed nor on the stiffness of the impact, nor on other bodies, and for a body that hangs free
 /// not on gravity, so a relaxed body serves every impact that starts from it.
-pub fn rest_sound_speed(scene: &Scene, body: usize) -> f64 {
-    let shape = &scene.bodies[body].shape;
+pub fn rest_sound_speed(scene: &Problem) -> f64 {
+    let shape = &scene.bodies[0].shape;
     let fall = if shape.is_free() {
         0.0
     } else {
@@ -176,7 +178,7 @@ pub fn rest_sound_speed(scene: &Scene, body: usize) -> f64 {
 
 /// sqrt(2 g T), T from the downhill side of the box to the far end of the shape. An axis that is
 /// periodic has no downhill side.
-fn fall_speed(scene: &Scene, shape: &Shape) -> f64 {
+fn fall_speed(scene: &Problem, shape: &Shape) -> f64 {
     let Some(gravity) = scene.effects.gravity else {
         return 0.0;
     };
@@ -198,8 +200,8 @@ fn fall_speed(scene: &Scene, shape: &Shape) -> f64 {
 const RIPPLE: f64 = 2.0;
 
 /// sqrt(2 sigma / (rho R)), m/s: the speed whose rho v^2 is the pressure in a drop.
-fn capillary_speed(scene: &Scene, shape: &Shape) -> f64 {
-    match (scene.effects.tension, shape) {
+fn capillary_speed(scene: &Problem, shape: &Shape) -> f64 {
+    match (scene.effects.sigma(), shape) {
         (None, _) | (_, Shape::Layer { .. }) => 0.0,
         (Some(tension), _) => {
             let radius = shape.equivalent_radius(&scene.domain, scene.dimension);
@@ -218,7 +220,7 @@ fn moving(speed: f64) -> f64 {
 /// particle.
 pub fn count(scene: &Scene, body: usize) -> u64 {
     let shape = &scene.bodies[body].shape;
-    let spacing = scene.pack.spacing;
+    let spacing = scene.spacing;
     if scene.pack.arrangement == Arrangement::Poisson {
         let cell = spacing.powi(scene.dimension.count() as i32);
         let volume = shape.volume(&scene.domain, scene.dimension);
@@ -243,12 +245,12 @@ pub fn count(scene: &Scene, body: usize) -> u64 {
 ///
 /// Acoustic and viscous: Monaghan 1992, Morris, Fox & Zhu 1997; capillary: Morris 2000; force:
 /// Monaghan 1992.
-pub fn limits(scene: &Scene) -> Vec<Row> {
+pub fn limits(scene: &Problem) -> Vec<Row> {
     let h = smoothing_length(scene);
     let speed = reference_speed(scene);
     let sound = sound_speed(scene);
     let limit = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
-    let cross = scene.pack.spacing / speed;
+    let cross = scene.spacing / speed;
     let mut limits = match scene.method.projection() {
         None => vec![
             limit("acoustic", 0.25 * h / (sound + speed), "0.25 h / (c + V)"),
@@ -259,11 +261,11 @@ pub fn limits(scene: &Scene) -> Vec<Row> {
             vec![limit("advective", value, "courant s0 / V")]
         }
     };
-    if let Some(viscosity) = scene.effects.viscosity {
+    if let Some(viscosity) = scene.effects.mu() {
         let value = 0.125 * h * h * scene.density / viscosity;
         limits.push(limit("viscous", value, "0.125 h^2 / nu"));
     }
-    if let Some(tension) = scene.effects.tension {
+    if let Some(tension) = scene.effects.sigma() {
         let square = scene.density * h.powi(3) / (2.0 * std::f64::consts::PI * tension);
         let definition = "0.25 sqrt(rho h^3 / (2 pi sigma))";
         limits.push(limit("capillary", 0.25 * square.sqrt(), definition));
@@ -277,12 +279,12 @@ pub fn limits(scene: &Scene) -> Vec<Row> {
 }
 
 /// Above this fixed step, s, the largest published acoustic constant is passed: 0.6 h / (c + V).
-pub fn unstable_step(scene: &Scene) -> f64 {
+pub fn unstable_step(scene: &Problem) -> f64 {
     0.6 * smoothing_length(scene) / (sound_speed(scene) + reference_speed(scene))
 }
 
 /// The drop: the fastest body that hangs free. Diameter of equal volume, m.
-pub fn drop_diameter(scene: &Scene) -> Option<f64> {
+pub fn drop_diameter(scene: &Problem) -> Option<f64> {
     let speed = |motion: &Motion| match motion {
         Motion::Uniform(velocity) => length(*velocity),
         _ => 0.0,
@@ -297,7 +299,7 @@ pub fn drop_diameter(scene: &Scene) -> Option<f64> {
 }
 
 /// Depth T of the deepest layer, m.
-fn pool_depth(scene: &Scene) -> Option<f64> {
+fn pool_depth(scene: &Problem) -> Option<f64> {
     let depths = scene.bodies.iter().filter_map(|body| match body.shape {
         Shape::Layer { depth } => Some(depth),
         _ => None,
@@ -322,13 +324,13 @@ fn dimensionless(scene: &Scene) -> (String, Vec<Row>) {
         });
     };
     let gravity = scene.effects.gravity.map(length);
-    if let (Some(sigma), true) = (scene.effects.tension, moving) {
+    if let (Some(sigma), true) = (scene.effects.sigma(), moving) {
         push("We", rho * u * u * d / sigma, "rho U^2 d / sigma");
     }
-    if let (Some(mu), true) = (scene.effects.viscosity, moving) {
+    if let (Some(mu), true) = (scene.effects.mu(), moving) {
         push("Re", rho * u * d / mu, "rho U d / mu");
     }
-    if let (Some(mu), Some(sigma)) = (scene.effects.viscosity, scene.effects.tension) {
+    if let (Some(mu), Some(sigma)) = (scene.effects.mu(), scene.effects.sigma()) {
         push(
             "Oh",
             mu / (rho * sigma * d).sqrt(),
@@ -338,13 +340,13 @@ fn dimensionless(scene: &Scene) -> (String, Vec<Row>) {
     if let (Some(g), true) = (gravity, moving) {
         push("Fr", u * u / (g * d), "U^2 / (g d)");
     }
-    if let (Some(g), Some(sigma)) = (gravity, scene.effects.tension) {
+    if let (Some(g), Some(sigma)) = (gravity, scene.effects.sigma()) {
         push("Bo", rho * g * d * d / 4.0 / sigma, "rho g (d/2)^2 / sigma");
     }
     if let Some(depth) = pool_depth(scene) {
         push("T/d", depth / d, "depth of the layer / d");
     }
-    push("d/s0", d / scene.pack.spacing, "particles across the drop");
+    push("d/s0", d / scene.spacing, "particles across the drop");
     let title = format!(
         "Dimensionless numbers (d = {}, U = {})",
         short(d, Unit::Length),
@@ -363,10 +365,7 @@ fn particles(scene: &Scene) -> (String, Vec<Row>) {
             definition: String::new(),
         }
     });
-    let title = format!(
-        "Particles (s0 = {})",
-        short(scene.pack.spacing, Unit::Length)
-    );
+    let title = format!("Particles (s0 = {})", short(scene.spacing, Unit::Length));
     (title, rows.collect())
 }
 

@@ -125,8 +125,13 @@ impl Unit {
         }
     }
 
+    /// The unit with this [`Unit::noun`].
+    pub fn called(noun: &str) -> Option<Unit> {
+        ALL.into_iter().find(|unit| unit.noun() == noun)
+    }
+
     /// As in "a unit of length".
-    fn noun(self) -> &'static str {
+    pub fn noun(self) -> &'static str {
         let name = self.name();
         name.split_once(' ').map_or(name, |(_, noun)| noun)
     }

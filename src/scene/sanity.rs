@@ -13,8 +13,7 @@ use serde::Serialize;
 use super::lamella::Thickness;
 use super::numbers;
 use super::quantity::{Unit, human};
-use super::resolve::AXES;
-use super::{Body, Dimension, Motion, Scene, Shape, Side, TensionForm};
+use super::{AXES, Body, Dimension, Motion, Scene, Shape, Side, TensionForm};
 use course::Course;
 
 /// Densities of liquids, kg/m^3: hydrogen at 20 K has 71, osmium at 3300 K 20,000 (Lide, CRC
@@ -90,13 +89,13 @@ fn liquid(scene: &Scene) -> Vec<Warning> {
         ),
         (
             "effects.tension.coefficient",
-            scene.effects.tension,
+            scene.effects.sigma(),
             Unit::Tension,
             TENSIONS,
         ),
         (
             "effects.viscosity.dynamic",
-            scene.effects.viscosity,
+            scene.effects.mu(),
             Unit::Viscosity,
             VISCOSITIES,
         ),
@@ -269,7 +268,7 @@ fn frames(scene: &Scene) -> Option<Warning> {
 
 /// Bodies that are thinner than a few particles.
 fn thin(scene: &Scene) -> Vec<Warning> {
-    let spacing = scene.pack.spacing;
+    let spacing = scene.spacing;
     let across = |body: &Body| {
         let (low, high) = body.shape.bounds(&scene.domain, scene.dimension);
         let axes = scene.dimension.axes().iter();
@@ -298,7 +297,7 @@ fn thin(scene: &Scene) -> Vec<Warning> {
 
 /// Advice for liquid that is `thickness` m thick.
 fn finer(scene: &Scene, why: &str, thickness: f64) -> Warning {
-    let value = human(scene.pack.spacing, Unit::Length);
+    let value = human(scene.spacing, Unit::Length);
     let enough = numbers::short(thickness / THIN, Unit::Length);
     let remedy = format!("make it {enough} or less");
     Warning::new("pack.spacing", value, why, &remedy)
@@ -321,7 +320,7 @@ fn lamella(scene: &Scene) -> Option<Warning> {
         .wetting
         .map_or(NEUTRAL, |wetting| wetting.advancing());
     let thickness = Thickness::new(scene.dimension, weber, reynolds, angle).corrected * diameter;
-    let count = thickness / scene.pack.spacing;
+    let count = thickness / scene.spacing;
     (count < THIN).then(|| {
         let why = format!(
             "by the estimate of Roisman et al. (2002) the drop spreads to a lamella of {}, \
@@ -334,14 +333,14 @@ fn lamella(scene: &Scene) -> Option<Warning> {
 
 /// Walls that meet a free surface with tension, and no contact angle.
 fn dry_walls(scene: &Scene) -> Option<Warning> {
-    let tension = scene.effects.tension?;
+    let tension = scene.effects.sigma()?;
     if scene.effects.wetting.is_some() || is_full(scene) {
         return None;
     }
     let falls = scene.effects.gravity.is_some_and(|g| g[2] < 0.0);
     let meets = |axis: usize, end: usize| {
         let size = scene.domain.size[axis];
-        let near = scene.pack.spacing;
+        let near = scene.spacing;
         scene.bodies.iter().any(|body| {
             let (low, high) = body.shape.bounds(&scene.domain, scene.dimension);
             let sinks = matches!(body.motion, Motion::Uniform(v) if v[2] < 0.0) || falls;
@@ -360,7 +359,7 @@ fn dry_walls(scene: &Scene) -> Option<Warning> {
     let axis = axes.find(|axis| (0..2).any(|end| is_line(**axis, end)))?;
     let value = human(tension, Unit::Tension);
     let axis = AXES[*axis];
-    let neutral = scene.method.sph().tension_form == TensionForm::SurfaceEnergy;
+    let neutral = scene.effects.has_tension(TensionForm::SurfaceEnergy);
     let why = match neutral {
         true => {
             format!("the surface meets walls in {axis}, no contact angle is set: it takes 90 deg")

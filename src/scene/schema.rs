@@ -1,124 +1,190 @@
-//! The JSON schema of a scene file, from the same tables as the parser: editors complete keys and
-//! underline what is wrong.
+//! The JSON schema of scene files, from the types that read them, and what it says beside them.
+//!
+//! The schema is data for the search for mistakes ([`super::conform`]), for the laying of presets
+//! ([`super::preset`]) and for editors, which complete keys and underline what is wrong. Two words
+//! of its own: `x-unit` names the unit of a quantity, `x-preset` marks a key that a preset gives.
 
+use std::sync::LazyLock;
+
+use schemars::generate::SchemaSettings;
+use schemars::transform::{RecursiveTransform, Transform};
+use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
-use super::format::{FILE, Field, Kind, Need, Range};
-use super::quantity::Unit;
+use super::file::Document;
 
-/// JSON Schema 2020-12 of the scene file, as shipped in `docs/pipeline.schema.json`.
+/// Names of bodies.
+pub const NAME: &str = "^[a-z][a-z0-9_-]*$";
+
+/// The schema of a scene file.
+pub static SCENE: LazyLock<Value> = LazyLock::new(|| {
+    let mut schema = of::<Document>("Coronet scene");
+    schema.remove("description");
+    schema.to_value()
+});
+
+/// The schema of the scene file as text, as shipped in `docs/pipeline.schema.json`.
 pub fn json() -> String {
-    let mut schema = table(FILE, &[]);
-    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
-    schema["title"] = json!("Coronet scene");
-    // `{:#}` of a JSON value is pretty-printed, keys sorted.
-    format!("{schema:#}\n")
+    // `{:#}` of a JSON value is pretty-printed.
+    format!("{:#}\n", *SCENE)
 }
 
-fn table(fields: &[Field], one_of: &[&str]) -> Value {
-    let properties: Map<String, Value> = fields
-        .iter()
-        .map(|field| (field.name.to_string(), property(field)))
-        .collect();
-    let is_required = |field: &&Field| field.need == Need::Required;
-    let required: Vec<&str> = fields
-        .iter()
-        .filter(is_required)
-        .map(|field| field.name)
-        .collect();
-    let mut schema = json!({
-        "type": "object",
-        "additionalProperties": false,
-        "properties": properties,
-    });
-    if !required.is_empty() {
-        schema["required"] = json!(required);
-    }
-    if !one_of.is_empty() {
-        let choice = one_of.iter().map(|key| json!({ "required": [key] }));
-        schema["oneOf"] = Value::Array(choice.collect());
-    }
+/// JSON Schema 2020-12 of TOML files that `T` reads: no null, no key but those that are named.
+pub fn of<T: JsonSchema>(title: &str) -> Schema {
+    let settings =
+        SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+    let mut schema = settings.into_generator().into_root_schema_for::<T>();
+    RecursiveTransform(without_null).transform(&mut schema);
+    RecursiveTransform(closed).transform(&mut schema);
+    schema.insert("title".to_string(), title.into());
     schema
 }
 
-fn property(field: &Field) -> Value {
-    let mut schema = kind(&field.kind);
-    schema["description"] = json!(field.about);
-    if let Need::Default(text) = field.need
-        && let Some(value) = default_value(text)
-    {
-        schema["default"] = value;
+/// TOML has no null: what is optional is left out.
+fn without_null(schema: &mut Schema) {
+    let Some(object) = schema.as_object_mut() else {
+        return;
+    };
+    let is_null = |value: &Value| value.is_null() || *value == json!({ "type": "null" });
+    if object.get("default").is_some_and(Value::is_null) {
+        object.remove("default");
     }
-    schema
-}
-
-/// A default is written in TOML.
-fn default_value(text: &str) -> Option<Value> {
-    let table: toml::Table = format!("value = {text}").parse().ok()?;
-    serde_json::to_value(table.get("value")?).ok()
-}
-
-fn kind(kind_of: &Kind) -> Value {
-    match kind_of {
-        Kind::Text => json!({ "type": "string" }),
-        Kind::Colour => json!({ "type": "string", "pattern": "^#[0-9A-Fa-f]{6}$" }),
-        Kind::Word(words) => json!({ "enum": words }),
-        Kind::Quantity(unit, range) => {
-            json!({ "anyOf": [number(*range), { "type": "string", "pattern": pattern(*unit) }] })
+    if let Some(default) = object.get_mut("default") {
+        drop_nulls(default);
+    }
+    if let Some(Value::Array(types)) = object.get_mut("type") {
+        types.retain(|word| word != "null");
+        if let [one] = types.as_slice() {
+            object["type"] = one.clone();
         }
-        Kind::Number(range) => number(*range),
-        Kind::Count(least) => json!({ "type": "integer", "minimum": least }),
-        Kind::List(item, least, most) => {
-            let mut schema = json!({ "type": "array", "items": kind(item), "minItems": least });
-            if *most < usize::MAX {
-                schema["maxItems"] = json!(most);
+    }
+    if let Some(Value::Array(words)) = object.get_mut("enum") {
+        words.retain(|word| !is_null(word));
+    }
+    if let Some(Value::Array(kinds)) = object.get_mut("anyOf") {
+        kinds.retain(|kind| !is_null(kind));
+        if let [Value::Object(only)] = kinds.as_slice() {
+            let only = only.clone();
+            object.remove("anyOf");
+            for (key, value) in only {
+                object.entry(key).or_insert(value);
             }
-            schema
         }
-        Kind::Table(fields, one_of) => table(fields, one_of),
-        Kind::Named(fields, one_of) => json!({
-            "type": "object",
-            "minProperties": 1,
-            "additionalProperties": false,
-            "patternProperties": { "^[a-z][a-z0-9_-]*$": table(fields, one_of) },
-        }),
-        Kind::Either(kinds) => {
-            json!({ "anyOf": kinds.iter().map(kind).collect::<Vec<_>>() })
+    }
+    object.remove("format");
+}
+
+fn drop_nulls(value: &mut Value) {
+    if let Value::Object(object) = value {
+        object.retain(|_, value| !value.is_null());
+        object.values_mut().for_each(drop_nulls);
+    }
+}
+
+/// No keys but those that are named; what a preset gives may be left out.
+fn closed(schema: &mut Schema) {
+    let Some(object) = schema.as_object_mut() else {
+        return;
+    };
+    let Some(Value::Object(properties)) = object.get("properties") else {
+        return;
+    };
+    let is_given = |key: &Value| properties[key.as_str().unwrap_or("")]["x-preset"] == true;
+    let required: Vec<Value> = match object.get("required") {
+        Some(Value::Array(keys)) => keys.iter().filter(|key| !is_given(key)).cloned().collect(),
+        _ => Vec::new(),
+    };
+    match required.is_empty() {
+        true => object.remove("required"),
+        false => object.insert("required".to_string(), required.into()),
+    };
+    object.insert("additionalProperties".to_string(), false.into());
+}
+
+/// Where a range of a schema belongs: on its items, if it has some.
+fn ranged(schema: &mut Schema) -> Option<&mut Map<String, Value>> {
+    let object = schema.as_object_mut()?;
+    match object.contains_key("items") {
+        true => object.get_mut("items")?.as_object_mut(),
+        false => Some(object),
+    }
+}
+
+/// Above zero; each item of a list.
+pub fn positive(schema: &mut Schema) {
+    if let Some(object) = ranged(schema) {
+        object.insert("exclusiveMinimum".to_string(), 0.into());
+    }
+}
+
+/// Zero or above; each item of a list.
+pub fn not_negative(schema: &mut Schema) {
+    if let Some(object) = ranged(schema) {
+        object.insert("minimum".to_string(), 0.into());
+    }
+}
+
+/// Given by a preset where a scene leaves it out.
+pub fn by_preset(schema: &mut Schema) {
+    schema.insert("x-preset".to_string(), true.into());
+}
+
+/// All keys of a table [`by_preset`].
+pub fn by_preset_all(schema: &mut Schema) {
+    if let Some(Value::Object(properties)) = schema.get_mut("properties") {
+        for property in properties.values_mut().filter_map(Value::as_object_mut) {
+            property.insert("x-preset".to_string(), true.into());
         }
     }
 }
 
-fn number(range: Range) -> Value {
-    match range {
-        Range::Any => json!({ "type": "number" }),
-        Range::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
-        Range::NotNegative => json!({ "type": "number", "minimum": 0 }),
-        Range::Between(low, high) => {
-            json!({ "type": "number", "minimum": low, "maximum": high })
-        }
-    }
+/// A table of named tables, of which there is at least one.
+pub fn named(schema: &mut Schema) {
+    let Some(object) = schema.as_object_mut() else {
+        return;
+    };
+    let each = object.insert("additionalProperties".to_string(), false.into());
+    let each = each.unwrap_or_default();
+    object.insert("patternProperties".to_string(), json!({ NAME: each }));
+    object.insert("minProperties".to_string(), 1.into());
 }
 
-/// A number and a unit as `quantity::parse` reads them; micro and products have several spellings.
-fn pattern(unit: Unit) -> String {
-    let spellings = unit.spellings().iter().map(|(name, _)| {
-        let escaped: String = name
-            .chars()
-            .map(|letter| match letter {
-                '^' | '(' | ')' => format!("\\{letter}"),
-                ' ' => "[ \u{b7}*\u{22c5}]+".to_string(),
-                other => other.to_string(),
-            })
-            .collect();
-        let powers = escaped
-            .replace("\\^2", "(\\^2|\u{b2})")
-            .replace("\\^3", "(\\^3|\u{b3})");
-        match powers.strip_prefix('u') {
-            Some(rest) => format!("[u\u{b5}\u{3bc}]{rest}"),
-            None => powers,
-        }
-    });
-    let units: Vec<String> = spellings.collect();
-    let number = "[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?";
-    format!("^\\s*{number}\\s*({})\\s*$", units.join("|"))
+/// The schema of a key of a table, which may be one of several alternatives.
+pub fn property<'a>(schema: &'a Value, key: &str) -> Option<&'a Value> {
+    let alternatives = ["anyOf", "oneOf"]
+        .iter()
+        .filter_map(|word| schema[word].as_array());
+    let direct = schema["properties"].get(key);
+    let named = || schema["patternProperties"].get(NAME);
+    direct
+        .or_else(named)
+        .or_else(|| alternatives.flatten().find_map(|one| property(one, key)))
+}
+
+/// Every key of a schema, dotted; a body's name stands as NAME.
+pub fn keys(schema: &Value) -> Vec<String> {
+    let mut found = Vec::new();
+    collect(schema, "", &mut found);
+    found
+}
+
+fn collect(schema: &Value, path: &str, found: &mut Vec<String>) {
+    for (key, inner) in schema["properties"].as_object().into_iter().flatten() {
+        let key = super::tree::dotted(path, key);
+        collect(inner, &key, found);
+        found.push(key);
+    }
+    for each in schema["patternProperties"]
+        .as_object()
+        .into_iter()
+        .flatten()
+    {
+        collect(each.1, &format!("{path}.NAME"), found);
+    }
+    let alternatives = ["anyOf", "oneOf"]
+        .iter()
+        .filter_map(|word| schema[word].as_array());
+    for inner in alternatives.flatten().chain(schema.get("items")) {
+        collect(inner, path, found);
+    }
 }

@@ -86,16 +86,6 @@ impl Shape {
     }
 }
 
-impl Dimension {
-    /// Axes that exist: x and z, or x, y and z.
-    pub fn axes(self) -> &'static [usize] {
-        match self {
-            Dimension::Two => &[0, 2],
-            Dimension::Three => &[0, 1, 2],
-        }
-    }
-}
-
 /// Points of the unit lattice about the origin inside an ellipsoid, its surface included; along
 /// axes that are cut the lattice stands half a cell from the plane, and one side counts.
 pub(super) fn lattice(dimension: Dimension, semi_axes: [f64; 3], is_cut: [bool; 2]) -> u64 {

@@ -1,6 +1,6 @@
 //! Words as users type them: what was meant, and what can be printed.
 
-use super::format;
+use super::schema;
 
 /// From which likeness (1 is equal) on a word may be meant: one letter in three is wrong.
 pub(super) const ALIKE: f64 = 0.6;
@@ -36,8 +36,7 @@ pub(super) fn beside(given: &str, path: &str) -> Option<(String, f64)> {
             .map_or(String::new(), |(table, _)| table.into())
     };
     let above = table(&general);
-    let mut keys = Vec::new();
-    format::collect(&mut keys);
+    let keys = schema::keys(&schema::SCENE);
     let is_near = |key: &&String| {
         let own = table(key);
         own == above || table(&own) == above || table(&own) == general

@@ -11,10 +11,10 @@
 //! side of the box it is removed, as at the periodic sides of the whole.
 //! Tests: tests/engine/scene_symmetry.rs, tests/engine/method_mirror.rs.
 
-use super::cursor::Cursor;
+use super::domain::Symmetry;
 use super::error::SceneError;
-use super::resolve::AXES;
-use super::{Body, Dimension, Domain, Motion, Scene, Shape, Side};
+use super::tree::Tree;
+use super::{AXES, Body, Dimension, Domain, Motion, Problem, Scene, Shape, Side};
 
 /// Lengths that differ by less than this part of the box are equal.
 const EQUAL: f64 = 1e-9;
@@ -166,19 +166,21 @@ fn unfold(body: &mut Body, domain: &Domain, axis: usize, fold: usize) {
 ///
 /// # Errors
 /// [`SceneError`] if the scene is not symmetric about its middle.
-pub(super) fn cut(scene: &mut Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    let Some(key) = root.need("box")?.get("symmetry") else {
-        return Ok(());
-    };
-    let axes = match (key.text()?, scene.dimension) {
-        ("half", _) => 0..1,
-        (_, Dimension::Three) => 0..2,
-        _ => return Err(key.fault("is for three dimensions", "write \"half\"")),
+pub(super) fn cut(
+    scene: &mut Problem,
+    symmetry: Symmetry,
+    tree: &Tree<'_>,
+) -> Result<(), SceneError> {
+    let key = "box.symmetry";
+    let axes = match (symmetry, scene.dimension) {
+        (Symmetry::Half, _) => 0..1,
+        (Symmetry::Quarter, Dimension::Three) => 0..2,
+        _ => return Err(tree.fault(key, "is for three dimensions", "write \"half\"")),
     };
     for axis in axes {
         if let Some((what, remedy)) = lopsided(scene, axis) {
             let problem = format!("needs a scene that is symmetric in {}: {what}", AXES[axis]);
-            return Err(key.fault(&problem, &format!("{remedy}, or leave `box.symmetry` out")));
+            return Err(tree.fault(key, &problem, &format!("{remedy}, or leave `{key}` out")));
         }
         halve(scene, axis);
     }
@@ -186,7 +188,7 @@ pub(super) fn cut(scene: &mut Scene, root: &Cursor<'_>) -> Result<(), SceneError
 }
 
 /// What is not symmetric about the middle of an axis, and what would be.
-fn lopsided(scene: &Scene, axis: usize) -> Option<(String, String)> {
+fn lopsided(scene: &Problem, axis: usize) -> Option<(String, String)> {
     let (domain, name) = (&scene.domain, AXES[axis]);
     let [low, high] = domain.boundary[axis];
     if low != high || low == Side::Mirror {
@@ -210,7 +212,7 @@ fn lopsided(scene: &Scene, axis: usize) -> Option<(String, String)> {
 }
 
 /// What moves or pulls across the planes of an axis, and what would not.
-pub(super) fn crosswise(scene: &Scene, axis: usize) -> Option<(String, String)> {
+pub(super) fn crosswise(scene: &Problem, axis: usize) -> Option<(String, String)> {
     let name = AXES[axis];
     let domain = &scene.domain;
     if scene.effects.gravity.is_some_and(|g| g[axis] != 0.0) {
@@ -242,7 +244,7 @@ pub(super) fn crosswise(scene: &Scene, axis: usize) -> Option<(String, String)> 
 }
 
 /// Keeps the high half along `axis`.
-fn halve(scene: &mut Scene, axis: usize) {
+fn halve(scene: &mut Problem, axis: usize) {
     let domain = &mut scene.domain;
     let half = 0.5 * domain.size[axis];
     domain.size[axis] = half;

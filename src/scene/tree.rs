@@ -1,303 +1,326 @@
-//! A TOML file as a tree that remembers where each value was written, with `--set` laid over it.
+//! A scene file as TOML that remembers where each value was written, with `--set` laid over it.
 
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
-use toml::de::{DeTable, DeValue};
+use serde::Deserialize;
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue, ValueDeserializer};
 
 use super::error::{Place, SceneError};
+use super::spelling::printable;
 
-/// A value and the place where it was written.
-#[derive(Clone, Debug)]
-pub struct Node {
-    pub place: Place,
-    pub value: Value,
+/// A table of the file.
+pub type Table<'a> = DeTable<'a>;
+/// A value of the file.
+pub type Value<'a> = Spanned<DeValue<'a>>;
+
+/// The texts that a tree is read from.
+#[derive(Debug)]
+pub struct Sources {
+    path: PathBuf,
+    text: String,
+    /// Each `key.key=value`.
+    arguments: Vec<String>,
 }
 
-/// A TOML value. Dates are kept as text: no setting takes one.
-#[derive(Clone, Debug)]
-pub enum Value {
-    Text(String),
-    Integer(i64),
-    Float(f64),
-    Truth(bool),
-    Date(String),
-    List(Vec<Node>),
-    Table(Vec<Entry>),
-}
-
-/// A key of a table, in file order.
-#[derive(Clone, Debug)]
-pub struct Entry {
-    pub key: String,
-    /// Of the key; the node has its own.
-    pub place: Place,
-    pub node: Node,
-}
-
-impl Node {
-    /// The entries, if this is a table.
-    pub fn entries(&self) -> &[Entry] {
-        match &self.value {
-            Value::Table(entries) => entries,
-            _ => &[],
+impl Sources {
+    /// `path` only names the text in errors.
+    pub fn new(text: &str, path: &Path, arguments: &[String]) -> Self {
+        Sources {
+            path: path.to_path_buf(),
+            text: text.to_string(),
+            arguments: arguments.to_vec(),
         }
     }
 
-    /// The value of `key`, if this is a table that has it.
-    pub fn get(&self, key: &str) -> Option<&Node> {
-        let found = self.entries().iter().find(|entry| entry.key == key);
-        found.map(|entry| &entry.node)
-    }
-
-    /// As in "an array where a string is wanted".
-    pub fn kind(&self) -> &'static str {
-        match self.value {
-            Value::Text(_) => "a string",
-            Value::Integer(_) => "an integer",
-            Value::Float(_) => "a number",
-            Value::Truth(_) => "true or false",
-            Value::Date(_) => "a date",
-            Value::List(_) => "an array",
-            Value::Table(_) => "a table",
-        }
-    }
-
-    /// The value as it would be written in one line of TOML.
-    pub fn inline(&self) -> String {
-        match &self.value {
-            Value::Text(text) => toml::Value::String(text.clone()).to_string(),
-            Value::Integer(value) => value.to_string(),
-            Value::Float(value) => toml::Value::Float(*value).to_string(),
-            Value::Truth(value) => value.to_string(),
-            Value::Date(text) => text.clone(),
-            Value::List(items) => {
-                let items: Vec<String> = items.iter().map(Node::inline).collect();
-                format!("[{}]", items.join(", "))
-            }
-            Value::Table(entries) => {
-                let item = |entry: &Entry| format!("{} = {}", entry.key, entry.node.inline());
-                let items: Vec<String> = entries.iter().map(item).collect();
-                format!("{{ {} }}", items.join(", "))
-            }
-        }
-    }
-}
-
-/// Parses the text of a scene file. `path` only names it in places.
-pub fn parse(text: &str, path: &Path) -> Result<Node, SceneError> {
-    let lines = Lines::new(text, path);
-    match DeTable::parse(text) {
-        Ok(table) => Ok(lines.table(table.span().start, table.get_ref())),
-        Err(error) => Err(SceneError::Syntax {
-            place: lines.place(error.span().map_or(0, |span| span.start)),
-            message: error.message().replace('\n', ", "),
-        }),
-    }
-}
-
-/// Lays `key.key=value` over the tree. The value is TOML if it parses as such, else a string.
-pub fn set(root: &mut Node, argument: &str) -> Result<(), SceneError> {
-    let wrong = |problem: &str| SceneError::Argument {
-        argument: argument.to_string(),
-        problem: problem.to_string(),
-    };
-    let (path, text) = argument
-        .split_once('=')
-        .ok_or_else(|| wrong("has no `=`"))?;
-    let keys: Vec<&str> = path.split('.').map(str::trim).collect();
-    if keys.iter().any(|key| key.is_empty()) {
-        return Err(wrong("names an empty key"));
-    }
-    let place = Place::Argument(argument.to_string());
-    let value = argument_value(text.trim(), &place);
-    let mut node = root;
-    let (last, tables) = keys.split_last().ok_or_else(|| wrong("names no key"))?;
-    for key in tables {
-        node = child(node, key, &place)
-            .ok_or_else(|| wrong(&format!("`{key}` is inside a value that is no table")))?;
-    }
-    let slot = child(node, last, &place)
-        .ok_or_else(|| wrong(&format!("`{last}` is inside a value that is no table")))?;
-    *slot = value;
-    Ok(())
-}
-
-/// The tree as TOML text that parses into the same values.
-pub fn write(root: &Node) -> String {
-    let mut text = String::new();
-    write_table(root, "", &mut text);
-    text
-}
-
-/// Scalars first, then tables under their headers, so that no key falls under a foreign header.
-fn write_table(node: &Node, path: &str, text: &mut String) {
-    for entry in node
-        .entries()
-        .iter()
-        .filter(|entry| !is_section(&entry.node, path))
-    {
-        text.push_str(&format!("{} = {}\n", entry.key, entry.node.inline()));
-    }
-    for entry in node
-        .entries()
-        .iter()
-        .filter(|entry| is_section(&entry.node, path))
-    {
-        let path = match path {
-            "" => entry.key.clone(),
-            _ => format!("{path}.{}", entry.key),
-        };
-        let only_sections = !entry.node.entries().is_empty()
-            && entry
-                .node
-                .entries()
-                .iter()
-                .all(|inner| is_section(&inner.node, &path));
-        if !only_sections {
-            text.push_str(&format!("\n[{path}]\n"));
-        }
-        write_table(&entry.node, &path, text);
-    }
-}
-
-/// Tables down to the second level get a header, deeper ones stay in a line.
-fn is_section(node: &Node, path: &str) -> bool {
-    matches!(node.value, Value::Table(_)) && !path.contains('.')
-}
-
-/// The child of a table, made empty if absent; `None` if `node` is no table.
-fn child<'a>(node: &'a mut Node, key: &str, place: &Place) -> Option<&'a mut Node> {
-    let Value::Table(entries) = &mut node.value else {
-        return None;
-    };
-    let at = entries
-        .iter()
-        .position(|entry| entry.key == key)
-        .unwrap_or_else(|| {
-            let value = Value::Table(Vec::new());
-            entries.push(Entry {
-                key: key.to_string(),
-                place: place.clone(),
-                node: Node {
-                    place: place.clone(),
-                    value,
-                },
-            });
-            entries.len() - 1
-        });
-    Some(&mut entries[at].node)
-}
-
-fn argument_value(text: &str, place: &Place) -> Node {
-    let line = format!("value = {text}");
-    let parsed = DeTable::parse(&line)
-        .ok()
-        .filter(|table| table.get_ref().len() == 1);
-    let mut node = match parsed {
-        Some(table) => {
-            let lines = Lines::new(&line, Path::new(""));
-            let root = lines.table(0, table.get_ref());
-            root.get("value").cloned().unwrap_or(root)
-        }
-        None => Node {
-            place: place.clone(),
-            value: Value::Text(text.to_string()),
-        },
-    };
-    relocate(&mut node, place);
-    node
-}
-
-fn relocate(node: &mut Node, place: &Place) {
-    node.place = place.clone();
-    match &mut node.value {
-        Value::List(items) => items.iter_mut().for_each(|item| relocate(item, place)),
-        Value::Table(entries) => {
-            for entry in entries {
-                entry.place = place.clone();
-                relocate(&mut entry.node, place);
-            }
-        }
-        _ => {}
-    }
-}
-
-/// Turns byte offsets into lines and columns while the tree is built.
-struct Lines<'a> {
-    text: &'a str,
-    path: &'a Path,
-    /// Offset of the first byte of each line.
-    starts: Vec<usize>,
-}
-
-impl<'a> Lines<'a> {
-    fn new(text: &'a str, path: &'a Path) -> Self {
-        let after = text.match_indices('\n').map(|(at, _)| at + 1);
-        let starts = std::iter::once(0).chain(after).collect();
-        Lines { text, path, starts }
-    }
-
+    /// Where a byte of the sources, one after the other, is.
     fn place(&self, offset: usize) -> Place {
-        let line = self.starts.partition_point(|start| *start <= offset);
-        let start = self.starts[line - 1];
-        let column = self
-            .text
-            .get(start..offset)
-            .map_or(1, |part| part.chars().count() + 1);
-        Place::File {
-            path: self.path.to_path_buf(),
-            line,
-            column,
+        let mut end = self.text.len();
+        if offset <= end {
+            let before = self.text.get(..offset).unwrap_or("");
+            let line = before.rsplit('\n').next().unwrap_or("");
+            return Place::File {
+                path: self.path.clone(),
+                line: before.matches('\n').count() + 1,
+                column: line.chars().count() + 1,
+            };
         }
+        let argument = self.arguments.iter().find(|argument| {
+            end += argument.len();
+            offset <= end
+        });
+        Place::Argument(argument.cloned().unwrap_or_default())
+    }
+}
+
+/// The file with the arguments laid over it. Spans count bytes of all sources.
+#[derive(Clone, Debug)]
+pub struct Tree<'a> {
+    pub root: Value<'a>,
+    sources: &'a Sources,
+}
+
+impl<'a> Tree<'a> {
+    /// # Errors
+    /// [`SceneError::Syntax`], [`SceneError::Argument`].
+    pub fn parse(sources: &'a Sources) -> Result<Self, SceneError> {
+        let text = &sources.text;
+        let parsed = DeTable::parse(text).map_err(|error| SceneError::Syntax {
+            place: sources.place(error.span().map_or(0, |span| span.start)),
+            message: error.message().replace('\n', ", "),
+        })?;
+        let root = DeValue::Table(parsed.into_inner());
+        let root = Spanned::new(0..text.len(), root);
+        let mut tree = Tree { root, sources };
+        let mut start = text.len();
+        for argument in &sources.arguments {
+            let end = start + argument.len();
+            tree.set(argument, start + 1..end)?;
+            start = end;
+        }
+        Ok(tree)
     }
 
-    fn node(&self, start: usize, value: &DeValue<'_>) -> Node {
-        let value = match value {
-            DeValue::String(text) => Value::Text(text.to_string()),
-            DeValue::Integer(number) => integer(number.as_str(), number.radix()),
-            DeValue::Float(number) => Value::Float(number.as_str().parse().unwrap_or(f64::NAN)),
-            DeValue::Boolean(truth) => Value::Truth(*truth),
-            DeValue::Datetime(date) => Value::Date(date.to_string()),
-            DeValue::Array(items) => Value::List(
-                items
-                    .iter()
-                    .map(|item| self.node(item.span().start, item.get_ref()))
-                    .collect(),
-            ),
-            DeValue::Table(table) => return self.table(start, table),
+    /// Lays `key.key=value` over the file. The value is TOML if it parses as such, else a string.
+    fn set(&mut self, argument: &'a str, span: Range<usize>) -> Result<(), SceneError> {
+        let wrong = |problem: &str| SceneError::Argument {
+            argument: argument.to_string(),
+            problem: problem.to_string(),
         };
-        Node {
-            place: self.place(start),
-            value,
+        let (path, text) = argument
+            .split_once('=')
+            .ok_or_else(|| wrong("has no `=`"))?;
+        let keys: Vec<&str> = path.split('.').map(str::trim).collect();
+        if keys.iter().any(|key| key.is_empty()) {
+            return Err(wrong("names an empty key"));
+        }
+        let text = text.trim();
+        let value = match DeValue::parse(text) {
+            Ok(parsed) => relocated(parsed.into_inner(), &span),
+            Err(_) => DeValue::String(text.into()),
+        };
+        let mut slot = &mut self.root;
+        for key in keys {
+            let DeValue::Table(table) = slot.get_mut() else {
+                return Err(wrong(&format!(
+                    "`{key}` is inside a value that is not a table"
+                )));
+            };
+            slot = child(table, key, &span);
+        }
+        *slot = Spanned::new(span, value);
+        Ok(())
+    }
+
+    /// TOML of the tree.
+    pub fn text(&self) -> String {
+        toml::to_string(&plain(self.root.get_ref())).unwrap_or_default()
+    }
+
+    /// The type that reads the whole.
+    ///
+    /// # Errors
+    /// [`SceneError::Value`] for what the schema does not refuse and the type does.
+    pub fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T, SceneError> {
+        let from = ValueDeserializer::from(self.root.clone());
+        T::deserialize(from).map_err(|error| SceneError::Syntax {
+            place: self.place(error.span().map_or(0, |span| span.start)),
+            message: error.message().to_string(),
+        })
+    }
+
+    /// Where a byte of the sources is.
+    pub fn place(&self, offset: usize) -> Place {
+        self.sources.place(offset)
+    }
+
+    /// The value at a dotted key, `name[0]` for an item, or the value above it that is nearest,
+    /// with its own key.
+    fn nearest<'k>(&self, key: &'k str) -> (&Value<'a>, &'k str) {
+        let mut found = (&self.root, "");
+        let ends = key.char_indices().filter(|(_, c)| ['.', '['].contains(c));
+        let ends = ends.map(|(at, _)| at).chain([key.len()]);
+        for end in ends {
+            let path = &key[..end];
+            let step = key[found.1.len()..end].trim_start_matches('.');
+            let next = match step.strip_prefix('[') {
+                Some(index) => {
+                    let index = index.trim_end_matches(']').parse::<usize>();
+                    let items = found.0.get_ref().as_array();
+                    items
+                        .zip(index.ok())
+                        .and_then(|(items, index)| items.get(index))
+                }
+                None => get(found.0, step),
+            };
+            match next {
+                Some(next) => found = (next, path),
+                None => break,
+            }
+        }
+        found
+    }
+
+    /// The value at a dotted key, if it is there.
+    pub fn get(&self, key: &str) -> Option<&Value<'a>> {
+        let (value, found) = self.nearest(key);
+        (found == key).then_some(value)
+    }
+
+    /// A text at a dotted key.
+    pub fn text_at(&self, key: &str) -> Option<&str> {
+        self.get(key)?.get_ref().as_str()
+    }
+
+    /// Keys of the table at a dotted key, in the order of the file.
+    pub fn keys(&self, key: &str) -> Vec<&str> {
+        let table = self.get(key).and_then(|value| value.get_ref().as_table());
+        let keys = table.into_iter().flat_map(Table::keys);
+        keys.map(|key| key.get_ref().as_ref()).collect()
+    }
+
+    /// An error about the value at a dotted key, or about the value above it that is nearest.
+    pub fn fault(&self, key: &str, problem: &str, remedy: &str) -> SceneError {
+        let (value, found) = self.nearest(key);
+        self.fault_of(value, found, problem, remedy)
+    }
+
+    /// An error about a value.
+    pub fn fault_of(
+        &self,
+        value: &Value<'_>,
+        key: &str,
+        problem: &str,
+        remedy: &str,
+    ) -> SceneError {
+        let key = if key.is_empty() { "(the file)" } else { key };
+        SceneError::Value {
+            place: self.place(value.span().start),
+            key: key.to_string(),
+            value: shortened(printable(&inline(value.get_ref()))),
+            problem: problem.to_string(),
+            remedy: remedy.to_string(),
         }
     }
 
-    fn table(&self, start: usize, table: &DeTable<'_>) -> Node {
-        let mut entries: Vec<(usize, Entry)> = table
-            .iter()
-            .map(|(key, value)| {
-                let offset = key.span().start;
-                let entry = Entry {
-                    key: key.get_ref().to_string(),
-                    place: self.place(offset),
-                    node: self.node(value.span().start, value.get_ref()),
-                };
-                (offset, entry)
-            })
-            .collect();
-        entries.sort_by_key(|(offset, _)| *offset);
-        let entries = entries.into_iter().map(|(_, entry)| entry).collect();
-        Node {
-            place: self.place(start),
-            value: Value::Table(entries),
+    /// An error about a key that the table at a dotted key lacks.
+    pub fn missing(&self, table: &str, key: &str, remedy: &str) -> SceneError {
+        let (value, found) = self.nearest(table);
+        SceneError::Missing {
+            place: self.place(value.span().start),
+            key: dotted(found, key),
+            remedy: remedy.to_string(),
         }
     }
 }
 
-/// An integer that fits, else the nearest number.
-fn integer(digits: &str, radix: u32) -> Value {
-    match i64::from_str_radix(digits, radix) {
-        Ok(value) => Value::Integer(value),
-        Err(_) => Value::Float(digits.parse().unwrap_or(f64::NAN)),
+/// `parent.key`, or `key` at the root.
+pub fn dotted(parent: &str, key: &str) -> String {
+    match parent.is_empty() {
+        true => key.to_string(),
+        false => format!("{parent}.{key}"),
+    }
+}
+
+/// The value of a key of a table.
+pub fn get<'t, 'a>(table: &'t Value<'a>, key: &str) -> Option<&'t Value<'a>> {
+    let mut entries = table.get_ref().as_table()?.iter();
+    entries.find_map(|(name, value)| (name.get_ref() == key).then_some(value))
+}
+
+/// The value of a key, an empty table if it is absent.
+pub fn child<'t, 'a>(
+    table: &'t mut Table<'a>,
+    key: &'a str,
+    span: &Range<usize>,
+) -> &'t mut Value<'a> {
+    let name: Spanned<DeString<'a>> = Spanned::new(span.clone(), key.into());
+    let empty = || Spanned::new(span.clone(), DeValue::Table(Table::new()));
+    table.entry(name).or_insert_with(empty)
+}
+
+/// As in "an array where a string is wanted".
+pub fn kind(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) => "an integer",
+        DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "an array",
+        DeValue::Table(_) => "a table",
+    }
+}
+
+/// A number of either kind.
+pub fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Integer(number) => {
+            let whole = i64::from_str_radix(number.as_str(), number.radix());
+            whole
+                .map(|value| value as f64)
+                .ok()
+                .or_else(|| number.as_str().parse().ok())
+        }
+        DeValue::Float(number) => number.as_str().parse().ok(),
+        _ => None,
+    }
+}
+
+/// The value as it would be written in one line of TOML.
+fn inline(value: &DeValue<'_>) -> String {
+    plain(value).to_string()
+}
+
+/// The value without places.
+fn plain(value: &DeValue<'_>) -> toml::Value {
+    match value {
+        DeValue::String(text) => toml::Value::String(text.to_string()),
+        DeValue::Integer(number) => match i64::from_str_radix(number.as_str(), number.radix()) {
+            Ok(value) => toml::Value::Integer(value),
+            Err(_) => toml::Value::Float(number.as_str().parse().unwrap_or(f64::NAN)),
+        },
+        DeValue::Float(number) => toml::Value::Float(number.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(truth) => toml::Value::Boolean(*truth),
+        DeValue::Datetime(date) => toml::Value::Datetime(*date),
+        DeValue::Array(items) => {
+            toml::Value::Array(items.iter().map(|item| plain(item.get_ref())).collect())
+        }
+        DeValue::Table(table) => {
+            let entries = table.iter();
+            let entry = |(key, value): (&Spanned<DeString<'_>>, &Value<'_>)| {
+                (key.get_ref().to_string(), plain(value.get_ref()))
+            };
+            toml::Value::Table(entries.map(entry).collect())
+        }
+    }
+}
+
+/// A value that stands at a span, with all that is in it.
+fn relocated<'a>(value: DeValue<'a>, span: &Range<usize>) -> DeValue<'a> {
+    let moved = |item: Value<'a>| {
+        let value = relocated(item.into_inner(), span);
+        Spanned::new(span.clone(), value)
+    };
+    match value {
+        DeValue::Array(items) => DeValue::Array(items.into_iter().map(moved).collect()),
+        DeValue::Table(table) => {
+            let entries = table.into_iter();
+            let entry = |(key, item): (Spanned<DeString<'a>>, Value<'a>)| {
+                (Spanned::new(span.clone(), key.into_inner()), moved(item))
+            };
+            DeValue::Table(entries.map(entry).collect())
+        }
+        other => other,
+    }
+}
+
+/// Long values in messages are cut.
+fn shortened(text: String) -> String {
+    const LONGEST: usize = 80;
+    match text.char_indices().nth(LONGEST) {
+        Some((at, _)) => format!("{} ...", &text[..at]),
+        None => text,
     }
 }

@@ -1,14 +1,5 @@
 //! Contact angle on walls.
 
-/// How a wall gives a contact angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum WettingForm {
-    /// The liquid goes on into the wall at the angle, and Young's force acts on the line.
-    Young,
-    /// Xie Eq. 18, four types of particles: L1, L2 and L3 in spacings.
-    ParticleTypes([f64; 3]),
-}
-
 /// Degrees; the cosine of zero is 3 % more.
 const FLATTEST: f64 = 15.0;
 
@@ -19,23 +10,28 @@ pub struct Wetting {
     pub angle: f64,
     /// Advancing and receding angle, degrees: between them a contact line rests.
     pub hysteresis: Option<[f64; 2]>,
+    /// L1, L2 and L3 of the four types of particles of Xie Eq. 18, in spacings; `None`: Young's
+    /// force.
+    pub layers: Option<[f64; 3]>,
 }
 
 impl Wetting {
-    /// The same angle whichever way the contact line goes, degrees.
+    /// One angle in both directions of the contact line, degrees, by Young's force.
     pub fn of(angle: f64) -> Self {
         Wetting {
             angle,
             hysteresis: None,
+            layers: None,
         }
     }
 
-    /// Advancing and receding angle, degrees.
+    /// Advancing and receding angle, degrees, by Young's force.
     pub fn between(angles: [f64; 2]) -> Self {
         let [advancing, receding] = cosines(angles);
         Wetting {
             angle: (0.5 * (advancing + receding)).acos().to_degrees(),
             hysteresis: Some(angles),
+            layers: None,
         }
     }
 

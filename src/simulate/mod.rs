@@ -39,6 +39,7 @@ use crate::method::{self, Diverged, MethodError, Phase, Solver};
 use crate::particle::pack::{self, PackError};
 use crate::particle::{Frame, Particles, State};
 use crate::scene::error::SceneError;
+use crate::scene::key::RelaxInput;
 use crate::scene::{Scene, file};
 
 /// Why a scene cannot be simulated.
@@ -85,7 +86,9 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene, Error> {
 /// # Errors
 /// [`Error::Pack`] if it is too small or too large for the spacing, or does not fit its box.
 pub fn pack(scene: &Scene, index: usize) -> Result<Particles, Error> {
-    let (body, _) = pack::pack(scene, index, &mut |_| ControlFlow::Continue(()))?;
+    let input = scene.pack_input(index);
+    let (mut body, _) = pack::pack(&input, &mut |_| ControlFlow::Continue(()))?;
+    body.body.fill(index as u8);
     Ok(body)
 }
 
@@ -94,19 +97,22 @@ pub fn pack(scene: &Scene, index: usize) -> Result<Particles, Error> {
 /// # Errors
 /// [`Error::Method`], [`Error::Diverged`].
 pub fn relax(scene: &Scene, packed: Particles) -> Result<Particles, Error> {
-    let Some(relax) = &scene.relax else {
+    let index = packed.body.first().copied().unwrap_or(0);
+    let Some(RelaxInput { problem, relax }) = scene.relax_input(index as usize) else {
         return Ok(packed);
     };
     let phase = Phase::Relax {
         damping: relax.damping,
     };
     let mass = packed.mass;
-    let mut solver = method::build(scene, method::resting(scene, &packed), phase, None)?;
+    let mut solver = method::build(&problem, method::resting(&problem, &packed), phase, None)?;
     let mut rest = Rest::default();
-    while !rest.look(solver.as_ref(), mass, relax).1 {
+    while !rest.look(solver.as_ref(), mass, &relax).1 {
         solver.advance(&mut |_| ())?;
     }
-    Ok(method::relaxed(scene, &solver.state()))
+    let mut body = method::relaxed(&problem, &solver.state());
+    body.body.fill(index);
+    Ok(body)
 }
 
 /// An impact under way.
@@ -129,12 +135,14 @@ impl Simulation {
         let packed = packed?;
         let relaxed: Result<Vec<_>, _> = packed.iter().map(|b| relax(scene, b.clone())).collect();
         let relaxed = relaxed?;
-        let strength = match crate::scene::key::is_calibrated(scene) {
-            true if method::is_of_packing(scene) => Some(method::calibrate(scene, &packed)?),
-            true => Some(method::calibrate(scene, &relaxed)?),
-            false => None,
+        let bodies = match method::is_of_packing(scene) {
+            true => &packed,
+            false => &relaxed,
         };
-        let state = method::initial(scene, &relaxed);
+        let input = scene.calibrate_input();
+        let strength = input.map(|input| method::calibrate(&input.bodies, bodies));
+        let strength = strength.transpose()?;
+        let state = method::initial(&scene.impact_input(), &relaxed);
         Simulation::of(scene, state, strength.map(|s| s.strength))
     }
 

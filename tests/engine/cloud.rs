@@ -122,7 +122,12 @@ impl Cloud {
             p.body.push(0);
         }
         let walls = if sides.concat().contains(&Side::Wall) {
-            wall::build_layers(&scene, (2.0 * h).ceil() as usize)
+            wall::build_layers(
+                &scene.domain,
+                scene.dimension,
+                scene.spacing,
+                (2.0 * h).ceil() as usize,
+            )
         } else {
             Wall::default()
         };

@@ -115,7 +115,9 @@ impl Scene {
             DENSITY,
         );
         if let Some(cosine) = self.cosine {
-            let mut domain = scene(self.dimension, self.cells, Shape::Layer { depth: S0 }).domain;
+            let mut domain = scene(self.dimension, self.cells, Shape::Layer { depth: S0 })
+                .problem
+                .domain;
             domain.boundary = self.sides;
             domain.boundary[1] = [Side::Periodic; 2];
             tension.energy.carried = 1.0;

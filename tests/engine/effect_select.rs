@@ -4,7 +4,7 @@ use super::method_scene::{EFFECTS, drop_scene};
 use coronet::effect::select::{Visitor, pair, tension};
 use coronet::effect::viscosity::PairViscosity;
 use coronet::kernel::Kernel;
-use coronet::scene::{Effects, KernelName, Sph, ViscosityForm};
+use coronet::scene::{Effects, KernelName, Sph, SurfaceTension, Viscosity, ViscosityForm};
 use coronet::space::lane::{Lanes, Portable};
 
 const H: f64 = 0.5e-3;
@@ -31,12 +31,12 @@ impl Visitor for Probe {
 }
 
 fn settings() -> Sph {
-    *drop_scene("modern", 3, EFFECTS).method.sph()
+    drop_scene("modern", 3, EFFECTS).method.sph()
 }
 
-fn effects(viscosity: Option<f64>) -> Effects {
+fn effects(form: Option<ViscosityForm>) -> Effects {
     Effects {
-        viscosity,
+        viscosity: form.map(|form| Viscosity { dynamic: MU, form }),
         ..Effects::default()
     }
 }
@@ -72,9 +72,7 @@ fn each_word_becomes_its_viscosity() {
                 0.48 / 1.01 * (n + 2.0) / (n + 3.0),
             ),
         ] {
-            let mut settings = settings();
-            settings.viscosity_form = form;
-            let (_, present, force) = pair(&effects(Some(MU)), &settings, d, H, Probe);
+            let (_, present, force) = pair(&effects(Some(form)), &settings(), d, H, Probe);
             assert!(present);
             close(force, [whole * x, 0.0, whole * z]);
         }
@@ -98,7 +96,7 @@ fn each_word_becomes_its_kernel() {
         (KernelName::CubicSpline, cubic),
         (KernelName::WendlandC2, wendland),
     ] {
-        for viscosity in [None, Some(MU)] {
+        for viscosity in [None, Some(ViscosityForm::Morris)] {
             let mut settings = settings();
             settings.kernel = kernel;
             let (found, ..) = pair(&effects(viscosity), &settings, 3, H, Probe);
@@ -109,19 +107,19 @@ fn each_word_becomes_its_kernel() {
 
 #[test]
 fn tension_is_built_only_where_the_scene_has_it() {
-    let mut settings = settings();
-    settings.tension_smoothing = 1.7;
+    let settings = settings();
     assert!(tension(&effects(None), &settings, 3, H, 1100.0, 2.0).is_none());
+    let asked = SurfaceTension {
+        smoothing: 1.7,
+        ..super::pack_scene::tension(0.067)
+    };
     let with = Effects {
-        tension: Some(0.067),
+        tension: Some(asked),
         ..Effects::default()
     };
     let built = tension(&with, &settings, 3, H, 1100.0, 2.0).unwrap();
     assert_eq!((built.coefficient, built.strength), (0.067, 2.0));
     assert_eq!(built.length, 1.7 * H);
     assert_eq!(built.support(), 2.0 * built.length);
-    assert_eq!(
-        (built.form, built.kernel),
-        (settings.tension_form, settings.kernel)
-    );
+    assert_eq!((built.form, built.kernel), (asked.form, settings.kernel));
 }

@@ -244,9 +244,9 @@ fn at_rest(method: &str, viscosity: &str, wetting: &str) -> impl Fn(&str) -> f64
     let scene = file::read(&text, Path::new("drop.toml"), &sets)
         .unwrap()
         .scene;
-    let body = pack(&scene, 0, &mut |_| Continue(())).unwrap().0;
-    let strength = method::calibrate(&scene, std::slice::from_ref(&body)).unwrap();
-    let state = method::initial(&scene, &[body]);
+    let body = pack(&scene.pack_input(0), &mut |_| Continue(())).unwrap().0;
+    let strength = method::calibrate(&[scene.calm(0)], std::slice::from_ref(&body)).unwrap();
+    let state = method::initial(&scene.impact_input(), &[body]);
     let built = method::build(&scene, state, Phase::Impact, Some(strength.strength));
     let mut solver = built.unwrap();
     while solver.time() < scene.impact.end {

@@ -9,7 +9,7 @@ const VISCOSITY: &str = "[effects.viscosity]\ndynamic = '20 mPa s'\n";
 fn no_particle_stays_behind_the_first_layer_of_a_wall() {
     for method in ["wcsph modern", "wcsph corrected", "isph modern"] {
         let scene = splash_scene(method, 2, VISCOSITY);
-        let (spacing, width) = (scene.pack.spacing, scene.domain.size[0]);
+        let (spacing, width) = (scene.spacing, scene.domain.size[0]);
         let mut state = disturbed(&scene, 0.0);
         // The first two of the pool: one below the floor, one beyond the right wall.
         let p = &mut state.particles;

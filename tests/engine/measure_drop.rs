@@ -60,7 +60,7 @@ fn the_pressure_in_the_core_is_that_within_0_6_radii() {
         let [x, y, z] = [0, 1, 2].map(|a| 1e3 * at(&frame, i, a));
         frame.pressure[i] = if apart(x, y, z) < 1.21 { 30.0 } else { -500.0 };
     }
-    scene.effects.tension = Some(0.067);
+    scene.effects.tension = Some(crate::pack_scene::tension(0.067));
     let row = Gauge::new(&scene).measure(&frame);
     assert!((value(&row, "core_pressure_Pa") - 30.0).abs() < 1e-9);
     scene.effects.tension = None;
@@ -147,7 +147,7 @@ fn the_surface_area_is_that_of_the_body() {
     let mut scene = pool_scene(Dimension::Three, 0.4);
     let area = |scene: &Scene, holds: &dyn Fn(f64, f64, f64) -> bool| {
         let frame = lattice(scene, holds);
-        let spacing = scene.pack.spacing;
+        let spacing = scene.spacing;
         Raster::new(scene.dimension, &scene.domain, spacing, &frame.position).surface_area() * 1e6
     };
     let flat = area(&scene, &|_, _, z| z < 10.0);
@@ -191,7 +191,7 @@ fn the_scene_decides_what_is_measured() {
 #[test]
 fn energies_that_the_solver_does_not_give_follow_from_the_particles() {
     let mut scene = without_pool(Dimension::Two, 0.5);
-    scene.effects.tension = Some(0.067);
+    scene.effects.tension = Some(crate::pack_scene::tension(0.067));
     let mut frame = lattice(&scene, |x, _, z| (x - 12.0).hypot(z - 12.0) < 5.0);
     frame.velocity[2].fill(-2.0);
     let row = Gauge::new(&scene).measure(&frame);
@@ -222,8 +222,10 @@ fn energies_that_the_solver_does_not_give_follow_from_the_particles() {
 fn falling() -> Scene {
     let mut scene = without_pool(Dimension::Three, 0.5);
     scene.effects.wetting = Some(Wetting::of(90.0));
-    scene.effects.tension = Some(0.07);
-    scene.effects.viscosity = Some(1e-3);
+    scene.effects.tension = Some(crate::pack_scene::tension(0.07));
+    let form = ViscosityForm::Morris;
+    let dynamic = 1e-3;
+    scene.effects.viscosity = Some(Viscosity { dynamic, form });
     scene
 }
 
@@ -238,8 +240,11 @@ fn a_lamella_and_a_rebound_need_a_drop_that_falls_on_a_wall() {
         assert_eq!(Lamella::of(&scene), None);
     };
     no(&|scene| scene.domain.boundary[2][0] = Side::Open);
-    no(&|scene| scene.bodies = pool_scene(Dimension::Three, 0.5).bodies);
-    no(&|scene| scene.bodies.push(scene.bodies[0].clone()));
+    no(&|scene| scene.bodies = pool_scene(Dimension::Three, 0.5).problem.bodies);
+    no(&|scene| {
+        let first = scene.bodies[0].clone();
+        scene.bodies.push(first);
+    });
     // At rest on the wall.
     no(&|scene| {
         scene.bodies[0].motion = Motion::Uniform([0.0; 3]);

@@ -50,7 +50,7 @@ pub fn pool_scene(dimension: Dimension, spacing: f64) -> Scene {
     ];
     let mut scene = pack_scene::scene(dimension, [1.0; 3], Shape::Layer { depth: DEPTH * mm });
     scene.domain.size = [SIDE * mm, if flat { 0.0 } else { SIDE * mm }, 30.0 * mm];
-    scene.pack.spacing = spacing * mm;
+    scene.spacing = spacing * mm;
     scene.effects.gravity = Some([0.0, 0.0, -9.81]);
     scene.bodies[0].name = "pool".into();
     scene.bodies[0].colour = [70, 140, 200];
@@ -68,7 +68,7 @@ pub fn pool_scene(dimension: Dimension, spacing: f64) -> Scene {
 
 /// Particles on a lattice wherever `holds(x, y, z)` (mm) says liquid.
 pub fn lattice(scene: &Scene, holds: impl Fn(f64, f64, f64) -> bool) -> Frame {
-    let s = scene.pack.spacing * 1e3;
+    let s = scene.spacing * 1e3;
     let size = scene
         .domain
         .size

@@ -6,7 +6,7 @@ use super::method_scene::{
 };
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
-use coronet::scene::Scene;
+use coronet::scene::{Problem, Scene};
 use std::ops::ControlFlow::Continue;
 
 /// Not "isph paper": its tension reaches across the small box; tests/engine/projection_flow.rs runs
@@ -110,7 +110,7 @@ fn advance(solver: &mut dyn Solver, count: usize) -> usize {
 }
 
 /// A restart from any state between two advances goes on bit for bit.
-fn restarts(what: &str, scene: &Scene, state: State, phase: Phase) {
+fn restarts(what: &str, scene: &Problem, state: State, phase: Phase) {
     let mut whole = method::build(scene, state, phase, Some(3.0)).unwrap();
     for _ in 0..2 {
         advance(whole.as_mut(), 1);
@@ -140,17 +140,18 @@ fn a_restored_state_goes_on_bit_for_bit() {
             let scene = splash_scene(preset, dimension, &effects);
             let name = format!("{preset} {dimension}-D");
             restarts(&name, &scene, disturbed(&scene, 0.1), Phase::Impact);
-            let pool = method::resting(&scene, &body(&scene, 0));
-            let drop = method::resting(&scene, &body(&scene, 1));
             let relax = Phase::Relax { damping: 300.0 };
-            restarts(&format!("{name}, pool at rest"), &scene, pool, relax);
-            restarts(&format!("{name}, drop at rest"), &scene, drop, relax);
+            for (index, what) in ["pool", "drop"].into_iter().enumerate() {
+                let problem = scene.resting(index);
+                let state = method::resting(&problem, &body(&scene, index));
+                restarts(&format!("{name}, {what} at rest"), &problem, state, relax);
+            }
         }
     }
 }
 
 fn body(scene: &Scene, body: usize) -> coronet::particle::Particles {
-    coronet::particle::pack::pack(scene, body, &mut |_| Continue(()))
+    coronet::particle::pack::pack(&scene.pack_input(body), &mut |_| Continue(()))
         .unwrap()
         .0
 }

@@ -2,7 +2,7 @@
 
 use super::method_scene::{EFFECTS, GRAVITY, disturbed, drop_scene, splash_scene, words};
 use coronet::method::{self, Phase, Solver};
-use coronet::scene::{Method, Scene, TimeStepping};
+use coronet::scene::{Method, Scene, TensionIn, TimeStepping};
 
 /// Acoustic steps ten times and advective ones five times too long.
 const DUAL: TimeStepping = TimeStepping::Dual {
@@ -13,7 +13,7 @@ const DUAL: TimeStepping = TimeStepping::Dual {
 /// One rate, ten times too long.
 const ADAPTIVE: TimeStepping = TimeStepping::Adaptive {
     safety: 10.0,
-    holds: false,
+    tension: TensionIn::Each,
 };
 
 /// A splash with such steps.
@@ -94,8 +94,9 @@ fn a_restart_amid_shorter_steps_goes_on_bit_for_bit() {
 /// With one rate, too, at steps of which none is rejected.
 #[test]
 fn a_restart_with_one_rate_goes_on_bit_for_bit() {
-    for holds in [false, true] {
-        let scene = hasty(TimeStepping::Adaptive { safety: 1.0, holds });
+    for tension in [TensionIn::Each, TensionIn::Held] {
+        let safety = 1.0;
+        let scene = hasty(TimeStepping::Adaptive { safety, tension });
         let mut whole = start(&scene);
         (0..5).for_each(|_| whole.advance(&mut |_| ()).unwrap());
         restart(&scene, whole);
@@ -105,10 +106,11 @@ fn a_restart_with_one_rate_goes_on_bit_for_bit() {
 /// Tension that is held while rows last moves a drop as tension that is found in each step.
 #[test]
 fn held_tension_moves_a_drop_as_that_of_each_step() {
-    let [mut each, mut held] = [false, true].map(|holds| {
+    let [mut each, mut held] = [TensionIn::Each, TensionIn::Held].map(|tension| {
         let mut scene = drop_scene("corrected", 2, EFFECTS);
         if let Method::Wcsph(settings) = &mut scene.method {
-            settings.time_stepping = TimeStepping::Adaptive { safety: 1.0, holds };
+            let safety = 1.0;
+            settings.time_stepping = TimeStepping::Adaptive { safety, tension };
         }
         start(&scene)
     });

@@ -83,7 +83,7 @@ fn a_close_pair_is_not_thrown() {
         let normal = x.map(|x| x / length);
         let ids = [p.id[top], p.id[next]];
         for (n, a) in normal.into_iter().zip([0, 2]) {
-            p.position[a][top] += (length - 0.5 * scene.pack.spacing) * n;
+            p.position[a][top] += (length - 0.5 * scene.spacing) * n;
             p.velocity[a][top] = 0.5 * SPEED * n;
             p.velocity[a][next] = -0.5 * SPEED * n;
         }
@@ -95,7 +95,7 @@ fn a_close_pair_is_not_thrown() {
         let apart = |a: usize| p.velocity[a][next] - p.velocity[a][top];
         (apart(0) * normal[0] + apart(2) * normal[1]) / SPEED
     };
-    let Method::Mps(modern) = drop_scene("mps modern", 2, "").method else {
+    let Method::Mps(modern) = drop_scene("mps modern", 2, "").problem.method else {
         panic!("not MPS");
     };
     let [held, thrown] = [modern.core, 0.0].map(returned);

@@ -98,7 +98,7 @@ fn agree(part: &Scene, steps: usize, tolerance: f64, what: &str) {
             let half = part.domain.fold(c).map_or(0.0, |_| part.domain.size[c]);
             let away = (a[c] + half - b[c]).abs();
             // Across a periodic side of the whole.
-            far = far.max(away.min((away - 2.0 * half).abs()) / part.pack.spacing);
+            far = far.max(away.min((away - 2.0 * half).abs()) / part.spacing);
             fast = fast.max((a[c + 3] - b[c + 3]).abs());
             assert!(away.is_finite(), "{what}: {a:?} {b:?}");
         }
@@ -239,7 +239,7 @@ fn a_part_restarts_bit_for_bit_and_keeps_its_mass() {
         }
         assert_eq!(whole.len(), count, "{preset}");
         for x in &whole.state().particles.position[0] {
-            assert!(*x > -0.2 * part.pack.spacing, "{preset}: {x:e}");
+            assert!(*x > -0.2 * part.spacing, "{preset}: {x:e}");
         }
     }
 }

@@ -3,19 +3,20 @@
 use super::method_scene::{EFFECTS, GRAVITY, disturbed, drop_scene, splash_scene};
 use coronet::method::{self, Phase};
 use coronet::particle::pack::{mass, pack};
-use coronet::scene::{Scene, numbers};
+use coronet::scene::{Scene, SpeedOf, numbers};
 use std::ops::ControlFlow::Continue;
 
 /// Speed of sound of the solver that is built, m/s.
 fn sound_speed(scene: &Scene, phase: Phase) -> f64 {
-    let state = match phase {
-        Phase::Impact => disturbed(scene, 0.0),
+    let resting = scene.resting(0);
+    let (problem, state) = match phase {
+        Phase::Impact => (&scene.problem, disturbed(scene, 0.0)),
         Phase::Relax { .. } => {
-            let body = pack(scene, 0, &mut |_| Continue(())).unwrap().0;
-            method::resting(scene, &body)
+            let body = pack(&scene.pack_input(0), &mut |_| Continue(())).unwrap().0;
+            (&resting, method::resting(&resting, &body))
         }
     };
-    let state = method::build(scene, state, phase, Some(3.0))
+    let state = method::build(problem, state, phase, Some(3.0))
         .unwrap()
         .state();
     let found = state.scalars.iter().find(|s| s.0 == "sound_speed_m_s");
@@ -35,7 +36,7 @@ fn sound_is_as_fast_as_the_plan_says() {
                 assert_eq!(impact, numbers::sound_speed(&scene));
                 assert_eq!(
                     sound_speed(&scene, REST),
-                    numbers::rest_sound_speed(&scene, 0)
+                    numbers::rest_sound_speed(&scene.resting(0))
                 );
                 // A later end continues an earlier one: nothing of the motion may depend on it.
                 let mut longer = scene.clone();
@@ -55,7 +56,7 @@ fn a_relaxation_does_not_read_what_sets_the_impact() {
         coronet::scene::Method::Wcsph(settings) => settings,
         method => panic!("{}", method.name()),
     };
-    settings.reference_speed = Some(9.0);
+    settings.reference_speed = SpeedOf::Given(9.0);
     settings.sound_speed_factor = 20.0;
     assert_eq!(sound_speed(&other, REST), rest);
     assert_eq!(sound_speed(&other, Phase::Impact), 180.0);
@@ -65,13 +66,14 @@ fn a_relaxation_does_not_read_what_sets_the_impact() {
 fn particles_keep_the_mass_of_their_packing() {
     for preset in ["paper", "corrected", "modern"] {
         let scene = splash_scene(preset, 3, "");
-        let body = pack(&scene, 0, &mut |_| Continue(())).unwrap().0;
-        assert_eq!(body.mass, mass(&scene), "{preset}");
-        assert_eq!(method::resting(&scene, &body).particles.mass, body.mass);
-        assert_eq!(
-            method::initial(&scene, &[body]).particles.mass,
-            mass(&scene)
-        );
+        let body = pack(&scene.pack_input(0), &mut |_| Continue(())).unwrap().0;
+        let sph = scene.method.sph();
+        let wanted = mass(scene.dimension, scene.density, scene.spacing, sph);
+        assert_eq!(body.mass, wanted, "{preset}");
+        let resting = method::resting(&scene.resting(0), &body);
+        assert_eq!(resting.particles.mass, wanted);
+        let start = method::initial(&scene.impact_input(), &[body]);
+        assert_eq!(start.particles.mass, wanted);
     }
 }
 

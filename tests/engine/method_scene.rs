@@ -78,13 +78,17 @@ pub fn drop_scene(preset: &str, dimension: usize, effects: &str) -> Scene {
 pub fn disturbed(scene: &Scene, speed: f64) -> State {
     let mut random = Random(3);
     let bodies: Vec<_> = (0..scene.bodies.len())
-        .map(|body| pack(scene, body, &mut |_| Continue(())).unwrap().0)
+        .map(|body| {
+            pack(&scene.pack_input(body), &mut |_| Continue(()))
+                .unwrap()
+                .0
+        })
         .collect();
-    let mut state = method::initial(scene, &bodies);
+    let mut state = method::initial(&scene.impact_input(), &bodies);
     let p = &mut state.particles;
     for a in (0..3).filter(|&a| scene.domain.size[a] > 0.0) {
         for (x, v) in p.position[a].iter_mut().zip(&mut p.velocity[a]) {
-            *x += 0.1 * scene.pack.spacing * random.signed();
+            *x += 0.1 * scene.spacing * random.signed();
             *v += speed * random.signed();
         }
     }

@@ -10,7 +10,8 @@ use coronet::scene::*;
 const H: f64 = 1.3;
 
 fn region(dimension: Dimension, shape: Shape) -> Region {
-    Region::new(&scene(dimension, [60.0, 60.0, 60.0], shape), 0).scaled(1.0 / S0)
+    let scene = scene(dimension, [60.0, 60.0, 60.0], shape);
+    Region::new(&scene.pack_input(0)).scaled(1.0 / S0)
 }
 
 /// Share of the kernel about `x` outside `region`, by brute force.

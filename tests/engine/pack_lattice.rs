@@ -14,7 +14,7 @@ fn sphere(radius: f64) -> Shape {
 
 fn count(dimension: Dimension, size: [f64; 3], shape: Shape) -> usize {
     let scene = scene(dimension, size, shape);
-    lattice::fill(&Region::new(&scene, 0), S0)[0].len()
+    lattice::fill(&Region::new(&scene.pack_input(0)), S0)[0].len()
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn published_drop_has_1791_particles() {
 #[test]
 fn lattice_drop_hangs_nowhere() {
     let scene = scene(Dimension::Three, [160.0, 160.0, 80.0], sphere(1.875e-3));
-    let position = lattice::fill(&Region::new(&scene, 0), S0);
+    let position = lattice::fill(&Region::new(&scene.pack_input(0)), S0);
     for x in position {
         assert!(x.iter().sum::<f64>().abs() < 1e-12);
         assert!(x.iter().all(|x| x.abs() <= 1.875e-3 * (1.0 + 1e-12)));
@@ -53,7 +53,7 @@ fn layer_fills_the_box_cell_by_cell() {
         [10.3, 0.0, 20.0],
         Shape::Layer { depth: 4.0 * S0 },
     );
-    let position = lattice::fill(&Region::new(&stretched, 0), S0);
+    let position = lattice::fill(&Region::new(&stretched.pack_input(0)), S0);
     assert_eq!(position[0].len(), 40);
     assert!((position[0][0] - 0.5 * 1.03 * S0).abs() < 1e-12);
     assert!((position[0][1] - position[0][0] - 1.03 * S0).abs() < 1e-12);
@@ -84,7 +84,7 @@ fn floor_is_four_layers_under_the_tension_kernel() {
         Shape::Layer { depth: S0 },
     );
     assert_eq!(wall::layers(&scene), 3);
-    scene.effects.tension = Some(0.067);
+    scene.effects.tension = Some(crate::pack_scene::tension(0.067));
     assert_eq!(wall::layers(&scene), 4);
     let floor = wall::build(&scene);
     assert_eq!(floor.position[0].len(), 10 * 8 * 4);
@@ -101,7 +101,7 @@ fn closed_box_is_a_full_shell_with_corners() {
     );
     scene.domain.boundary = [[Side::Wall; 2]; 3];
     scene.domain.wall_velocity[2][1] = [1.0, 0.0, 0.0];
-    let shell = wall::build_layers(&scene, 3);
+    let shell = wall::build_layers(&scene.domain, scene.dimension, scene.spacing, 3);
     assert_eq!(shell.position[0].len(), 16 * 14 * 12 - 10 * 8 * 6);
     for i in 0..shell.position[0].len() {
         let [x, y, z] = [0, 1, 2].map(|k| shell.position[k][i] / S0);
@@ -118,7 +118,7 @@ fn closed_box_is_a_full_shell_with_corners() {
 fn floor_goes_on_beyond_an_open_side() {
     let mut scene = scene(Dimension::Two, [10.0, 0.0, 6.0], Shape::Layer { depth: S0 });
     scene.domain.boundary[0] = [Side::Open, Side::Wall];
-    let wall = wall::build_layers(&scene, 3);
+    let wall = wall::build_layers(&scene.domain, scene.dimension, scene.spacing, 3);
     // Three rows under the box and both margins, then the right wall up to the margin above the
     // box.
     assert_eq!(wall.position[0].len(), 3 * 16 + 3 * 9);

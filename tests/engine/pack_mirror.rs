@@ -15,20 +15,20 @@ fn scene(sets: &[&str]) -> Scene {
 }
 
 fn packed(scene: &Scene, body: usize) -> Particles {
-    let done = pack(scene, body, &mut |_| Continue(()));
+    let done = pack(&scene.pack_input(body), &mut |_| Continue(()));
     done.unwrap_or_else(|error| panic!("{error}")).0
 }
 
 /// Where along an axis, in spacings.
 fn places<'a>(body: &'a Particles, a: usize, scene: &'a Scene) -> impl Iterator<Item = f64> + 'a {
-    body.position[a].iter().map(|x| x / scene.pack.spacing)
+    body.position[a].iter().map(|x| x / scene.spacing)
 }
 
 #[test]
 fn nobody_is_near_its_own_image() {
     let part = scene(&["box.symmetry='quarter'"]);
     for body in [0, 1] {
-        let (packed, size) = (packed(&part, body), part.domain.size[0] / part.pack.spacing);
+        let (packed, size) = (packed(&part, body), part.domain.size[0] / part.spacing);
         for a in [0, 1] {
             let least = places(&packed, a, &part).fold(f64::INFINITY, f64::min);
             let most = places(&packed, a, &part).fold(0.0, f64::max);
@@ -48,7 +48,7 @@ fn a_packing_is_as_dense_at_a_plane_as_elsewhere() {
         "box.size=['16 mm', '16 mm', '9 mm']",
     ]);
     let pool = packed(&part, 0);
-    let size = part.domain.size[0] / part.pack.spacing;
+    let size = part.domain.size[0] / part.spacing;
     let within = |range: std::ops::Range<f64>| {
         let count = places(&pool, 0, &part)
             .filter(|x| range.contains(x))
@@ -66,7 +66,8 @@ fn a_packing_is_as_dense_at_a_plane_as_elsewhere() {
 fn tension_is_calibrated_as_on_the_whole() {
     let strength = |scene: &Scene| {
         let bodies = [packed(scene, 0), packed(scene, 1)];
-        method::calibrate(scene, &bodies).unwrap().strength
+        let input = scene.calibrate_input().unwrap();
+        method::calibrate(&input.bodies, &bodies).unwrap().strength
     };
     let (part, whole) = (scene(&["box.symmetry='quarter'"]), scene(&[]));
     let (part, whole) = (strength(&part), strength(&whole));

@@ -8,7 +8,7 @@ use coronet::scene::*;
 use std::ops::ControlFlow::{Break, Continue};
 
 fn packed(scene: &Scene) -> (Particles, PackReport) {
-    let (particles, report) = pack(scene, 0, &mut |_| Continue(())).unwrap();
+    let (particles, report) = pack(&scene.pack_input(0), &mut |_| Continue(())).unwrap();
     assert_eq!(particles.len(), report.count);
     assert!(report.spread <= scene.pack.tolerance, "{report:?}");
     assert!(report.nearest.least >= 0.7, "{report:?}");
@@ -61,7 +61,7 @@ fn summed_density_is_what_the_report_says() {
     let scene = scene(Dimension::Three, [12.0, 10.0, 20.0], layer);
     let (particles, report) = packed(&scene);
     assert_eq!(report.count, 12 * 10 * 9);
-    let floor = wall::build_layers(&scene, 3);
+    let floor = wall::build_layers(&scene.domain, scene.dimension, scene.spacing, 3);
     let size = scene.domain.size;
     let h = 1.3 * S0;
     let (mut count, mut sum) = (0usize, 0.0);
@@ -191,13 +191,13 @@ fn where_a_drop_hangs_does_not_matter() {
 fn what_cannot_be_packed_is_named() {
     let mut impatient = scene(Dimension::Three, [40.0; 3], drop(6.0));
     impatient.pack.iterations = 1;
-    let error = pack(&impatient, 0, &mut |_| Continue(())).unwrap_err();
+    let error = pack(&impatient.pack_input(0), &mut |_| Continue(())).unwrap_err();
     assert!(
         matches!(error, PackError::NotReached { iterations: 1, .. }),
         "{error}"
     );
     let crumb = scene(Dimension::Three, [40.0; 3], drop(0.6));
-    let error = pack(&crumb, 0, &mut |_| Continue(())).unwrap_err();
+    let error = pack(&crumb.pack_input(0), &mut |_| Continue(())).unwrap_err();
     assert!(
         matches!(error, PackError::TooFew { count: 1, .. }),
         "{error}"
@@ -207,7 +207,7 @@ fn what_cannot_be_packed_is_named() {
         [4.0, 0.0, 40.0],
         Shape::Layer { depth: 9.0 * S0 },
     );
-    let error = pack(&narrow, 0, &mut |_| Continue(())).unwrap_err();
+    let error = pack(&narrow.pack_input(0), &mut |_| Continue(())).unwrap_err();
     assert!(matches!(error, PackError::Box { .. }), "{error}");
 }
 
@@ -220,7 +220,7 @@ fn packing_stops_when_told_to() {
     );
     for task in ["sample", "repel", "optimise"] {
         let mut seen = Vec::new();
-        let stopped = pack(&scene, 0, &mut |progress| {
+        let stopped = pack(&scene.pack_input(0), &mut |progress| {
             seen.push(progress.task);
             if progress.task == task {
                 Break(())

@@ -15,22 +15,26 @@ pub fn scene(dimension: Dimension, size: [f64; 3], shape: Shape) -> Scene {
     Scene {
         name: "test".into(),
         title: String::new(),
-        dimension,
-        domain: Domain {
-            size: size.map(|cells| cells * S0),
-            boundary: sides,
-            wall_velocity: [[[0.0; 3]; 2]; 3],
-        },
-        density: 1100.0,
-        effects: Effects::default(),
-        bodies: vec![Body {
-            name: "liquid".into(),
-            shape,
-            motion: Motion::Uniform([0.0; 3]),
-            colour: [0; 3],
-        }],
-        pack: Pack {
+        problem: Problem {
+            dimension,
+            domain: Domain {
+                size: size.map(|cells| cells * S0),
+                boundary: sides,
+                wall_velocity: [[[0.0; 3]; 2]; 3],
+            },
+            density: 1100.0,
             spacing: S0,
+            effects: Effects::default(),
+            bodies: vec![Body {
+                name: "liquid".into(),
+                shape,
+                motion: Motion::Uniform([0.0; 3]),
+                colour: [0; 3],
+            }],
+            pairs: Default::default(),
+            method: Method::Wcsph(wcsph()),
+        },
+        pack: Packing {
             arrangement: Arrangement::Poisson,
             tolerance: 0.1,
             seed: 1,
@@ -44,15 +48,13 @@ pub fn scene(dimension: Dimension, size: [f64; 3], shape: Shape) -> Scene {
         frames: Frames {
             interval: 1e-3,
             time_scale: 1.0,
-            colour: Colour::Body,
+            colour: Colouring::Body,
         },
         post: Post {
             panels: vec![],
             fields: vec![],
             references: vec![],
         },
-        pairs: Default::default(),
-        method: Method::Wcsph(wcsph()),
     }
 }
 
@@ -62,21 +64,26 @@ fn wcsph() -> Wcsph {
             kernel: KernelName::CubicSpline,
             smoothing: 1.3,
             mass: Mass::Nominal,
-            viscosity_form: ViscosityForm::TwoTerm,
-            tension_form: TensionForm::NormalisedColour,
-            tension_strength: TensionStrength::Fixed(4.5),
-            tension_smoothing: 1.5,
-            tension_level: TensionLevel::Inside,
-            wetting_form: coronet::scene::WettingForm::Young,
         },
         density: Density::Summation,
         pressure: Pressure::Clipped,
         exponent: 7.0,
         sound_speed_factor: 10.0,
         sound_speed: SoundSpeed::Constant,
-        reference_speed: None,
+        reference_speed: SpeedOf::Scene,
         wall_pressure: WallPressure::Summation,
         shifting: 0.0,
         time_stepping: TimeStepping::Fixed { step: 1e-6 },
+    }
+}
+
+/// The tension of Nishio et al. with this coefficient, N/m.
+pub fn tension(coefficient: f64) -> SurfaceTension {
+    SurfaceTension {
+        coefficient,
+        form: TensionForm::NormalisedColour,
+        strength: TensionStrength::Fixed(4.5),
+        smoothing: 1.5,
+        level: TensionLevel::Inside,
     }
 }

@@ -18,9 +18,13 @@ const PRESETS: [&str; 6] = [
 /// The lattice at t = 0, of which only the particles that `keep` wants (by place, m) are left.
 fn solver(scene: &Scene, keep: impl Fn([f64; 3]) -> bool) -> Box<dyn Solver> {
     let bodies: Vec<_> = (0..scene.bodies.len())
-        .map(|body| pack(scene, body, &mut |_| Continue(())).unwrap().0)
+        .map(|body| {
+            pack(&scene.pack_input(body), &mut |_| Continue(()))
+                .unwrap()
+                .0
+        })
         .collect();
-    let mut state = method::initial(scene, &bodies);
+    let mut state = method::initial(&scene.impact_input(), &bodies);
     let p = &mut state.particles;
     let kept: Vec<usize> = (0..p.len())
         .filter(|&i| keep([p.position[0][i], p.position[1][i], p.position[2][i]]))
@@ -303,8 +307,8 @@ fn the_theta_method_keeps_kinetic_energy() {
             panic!("another method");
         };
         settings.projection.theta = theta;
-        let disc = pack(&scene, 0, &mut |_| Continue(())).unwrap().0;
-        let mut state = method::initial(&scene, &[disc]);
+        let disc = pack(&scene.pack_input(0), &mut |_| Continue(())).unwrap().0;
+        let mut state = method::initial(&scene.impact_input(), &[disc]);
         let p = &mut state.particles;
         for (a, rate) in [(0, -500.0), (2, 500.0)] {
             let v = p.position[a].iter().map(|x| rate * (x - 2.4e-3)).collect();

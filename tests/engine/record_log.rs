@@ -9,7 +9,7 @@ use coronet::record::log::{
     LogBody, LogError, LogSetup, LogWriter, Segment, content_digest, info, merge, read_frames,
     recover, segments,
 };
-use coronet::scene::{Colour, Dimension};
+use coronet::scene::{Colouring, Dimension};
 use foxglove::messages::PointCloud;
 use prost::Message as _;
 
@@ -30,7 +30,7 @@ pub fn setup() -> LogSetup {
         spacing: 0.25e-3,
         dimension: Dimension::Three,
         time_scale: 2.0,
-        colour: Colour::Body,
+        colour: Colouring::Body,
         speed_scale: 3.0,
         pressure_scale: 1000.0,
         scene_text: "[liquid]\n# ψ\n".into(),
@@ -126,9 +126,9 @@ fn frames_come_back_bit_for_bit() {
 fn messages_have_the_topics_times_and_colours_that_viewers_expect() {
     let folder = tempfile::tempdir().unwrap();
     for (colour, expected) in [
-        (Colour::Body, [200, 30, 40, 255]),
-        (Colour::Speed, [253, 231, 37, 255]),
-        (Colour::Pressure, [33, 144, 141, 255]),
+        (Colouring::Body, [200, 30, 40, 255]),
+        (Colouring::Speed, [253, 231, 37, 255]),
+        (Colouring::Pressure, [33, 144, 141, 255]),
     ] {
         let mut one = frame(2);
         one.velocity[2][0] = 10.0;

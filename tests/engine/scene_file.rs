@@ -2,8 +2,8 @@
 
 use coronet::scene::file::{self, Loaded};
 use coronet::scene::{
-    Arrangement, Density, Dimension, Effects, KernelName, Mass, Method, Motion, Shape, Side,
-    TensionStrength, TimeStepping, ViscosityForm, Wcsph, numbers, preset,
+    Arrangement, Dimension, Effects, Method, Motion, Shape, Side, Sph, TensionForm, TensionIn,
+    TimeStepping, Wcsph, key, numbers, schema,
 };
 use std::path::{Path, PathBuf};
 
@@ -76,11 +76,12 @@ fn values_arrive_in_si_with_defaults() {
     assert_eq!(scene.domain.boundary[2], [Side::Wall, Side::Open]);
     let effects = Effects {
         gravity: Some([0.0, 0.0, -9.81]),
-        viscosity: Some(0.0035),
-        tension: Some(0.067),
-        wetting: None,
+        ..scene.effects.clone()
     };
     assert_eq!(scene.effects, effects);
+    assert_eq!(scene.effects.mu(), Some(0.0035));
+    assert_eq!(scene.effects.sigma(), Some(0.067));
+    assert_eq!(scene.effects.wetting, None);
     assert_eq!(scene.bodies[0].name, "pool");
     assert_eq!(scene.bodies[0].shape, Shape::Layer { depth: 0.002 });
     assert_eq!(scene.bodies[1].motion, Motion::Uniform([0.0, 0.0, -1.5]));
@@ -94,7 +95,7 @@ fn values_arrive_in_si_with_defaults() {
     let relax = scene.relax.as_ref().unwrap();
     assert_eq!((relax.time, relax.damping), (0.02, 500.0));
     assert_eq!(scene.frames.time_scale, 1.0);
-    assert_eq!(settings(&loaded), preset::wcsph_modern());
+    assert_eq!(settings(&loaded).shifting, 4.0);
 }
 
 #[test]
@@ -112,139 +113,159 @@ fn overrides_replace_what_the_file_says() {
     ]);
     let scene = &loaded.scene;
     assert_eq!(scene.bodies[1].motion, Motion::Uniform([0.0, 0.0, -2.42]));
-    assert_eq!(scene.pack.spacing, 0.0005);
+    assert_eq!(scene.spacing, 0.0005);
     assert_eq!(scene.pack.arrangement, Arrangement::Lattice);
     assert_eq!(scene.impact.end, 0.01);
     assert_eq!(scene.post.panels, [0.001, 0.002]);
-    let mut expected = preset::wcsph_paper();
-    expected.sph.smoothing = 1.2;
-    expected.time_stepping = TimeStepping::Adaptive {
-        safety: 0.5,
-        holds: false,
+    let expected = Wcsph {
+        sph: Sph {
+            smoothing: 1.2,
+            ..settings(&small(&["method.preset=paper"])).sph
+        },
+        time_stepping: TimeStepping::Adaptive {
+            safety: 0.5,
+            tension: TensionIn::Each,
+        },
+        ..settings(&small(&["method.preset=paper"]))
     };
     assert_eq!(settings(&loaded), expected);
     let again = file::read(&loaded.text, Path::new("small.toml"), &[]).unwrap();
     assert_eq!(again.scene, *scene, "{}", loaded.text);
 }
 
-#[test]
-fn every_setting_of_the_method_can_be_overridden() {
-    let word = |set: &str| settings(&small(&[set]));
-    let flow = |set: &str| word(&format!("method.wcsph.{set}"));
-    assert_eq!(
-        flow("kernel=cubic-spline").sph.kernel,
-        KernelName::CubicSpline
-    );
-    assert_eq!(flow("density=summation").density, Density::Summation);
-    let continuity = flow("density={ continuity = { diffusion = 0.2 } }").density;
-    let wanted = |diffusion, compaction| Density::Continuity {
-        diffusion,
-        compaction,
-    };
-    assert_eq!(continuity, wanted(0.2, 1.1));
-    let unseen = flow("density={ continuity = { compaction = \"none\" } }").density;
-    assert_eq!(unseen, wanted(0.1, f64::INFINITY));
-    assert_eq!(
-        flow("pressure=clipped").pressure,
-        coronet::scene::Pressure::Clipped
-    );
-    assert_eq!(flow("exponent=7").exponent, 7.0);
-    assert_eq!(flow("sound_speed_factor=20").sound_speed_factor, 20.0);
-    assert_eq!(flow("reference_speed=2 m/s").reference_speed, Some(2.0));
-    assert_eq!(flow("reference_speed=scene").reference_speed, None);
-    assert_eq!(flow("mass=lattice-sum").sph.mass, Mass::LatticeSum);
-    let walls = flow("wall_pressure=summation").wall_pressure;
-    assert_eq!(walls, coronet::scene::WallPressure::Summation);
-    assert_eq!(flow("shifting=0.5").shifting, 0.5);
-    let fixed = flow("time_stepping={ fixed = { step = \"1 us\" } }").time_stepping;
-    assert_eq!(fixed, TimeStepping::Fixed { step: 1e-6 });
-    let form = word("effects.viscosity.form=two-term").sph.viscosity_form;
-    assert_eq!(form, ViscosityForm::TwoTerm);
-    let tension = word("effects.tension.form=normalised-colour")
-        .sph
-        .tension_form;
-    assert_eq!(tension, coronet::scene::TensionForm::NormalisedColour);
-    let strength = word("effects.tension.strength=4.5").sph.tension_strength;
-    assert_eq!(strength, TensionStrength::Fixed(4.5));
-    assert_eq!(
-        word("effects.tension.smoothing=1.7").sph.tension_smoothing,
-        1.7
-    );
+/// Settings as keys name them: name and value.
+fn named(sets: &[&str]) -> Vec<(String, String)> {
+    let scene = small(sets).scene;
+    let list = key::settings(&scene.impact_input(), &scene).unwrap();
+    list.into_iter()
+        .map(|setting| (setting.name, setting.value))
+        .collect()
 }
 
-/// What ISPH and MPS share; `flow`: the settings with one of them set.
-fn every_setting_of_the_projection(flow: impl Fn(&str) -> coronet::scene::Projection) {
-    use coronet::scene::{PoissonSource, Preconditioner};
-    assert_eq!(flow("source=density").source, PoissonSource::Density);
-    let divergence = flow("source={ divergence = { density = 0.2 } }").source;
-    assert_eq!(divergence, PoissonSource::Divergence { density: 0.2 });
-    let ssor = flow("preconditioner=ssor").preconditioner;
-    assert_eq!(ssor, Preconditioner::Ssor);
-    assert_eq!(flow("tolerance=1e-4").tolerance, 1e-4);
-    assert_eq!(flow("iterations=7").iterations, 7);
-    assert_eq!(flow("shifting=0").shifting, 0.0);
-    assert_eq!(flow("courant=0.2").courant, 0.2);
-    assert_eq!(flow("shortest=1 us").shortest, 1e-6);
-    assert_eq!(flow("longest=1 ms").longest, 1e-3);
-    assert_eq!(flow("cohesion=0.5").cohesion, 0.5);
-}
-
+/// Every key of a method and of the effects' forms, with every word that the schema knows for it,
+/// arrives in the input of the impact.
 #[test]
-fn every_setting_of_isph_can_be_overridden() {
-    use coronet::scene::{Closure, Gradient, Isph};
-    let with = |set: &str| -> Isph {
-        let sets = ["method.name=isph", "method.preset=modern", set];
-        match small(&sets).scene.method {
-            Method::Isph(settings) => settings,
-            other => panic!("{}", other.name()),
+fn every_setting_of_every_method_can_be_overridden() {
+    let mut tried = 0;
+    for method in ["wcsph", "isph", "mps"] {
+        let table = ["properties", "method", "properties", method, "properties"];
+        let keys = table.iter().fold(&*schema::SCENE, |at, key| &at[key]);
+        for (key, rule) in keys.as_object().unwrap() {
+            let words = ["oneOf", "anyOf"].map(|word| rule[word].as_array());
+            let words = words.into_iter().flatten().flatten();
+            let words = words.flat_map(|one| match one["enum"].as_array() {
+                Some(words) => words.clone(),
+                None => vec![one["const"].clone()],
+            });
+            let bounds = ["minimum", "maximum"].map(|bound| rule[bound].clone());
+            for value in words.chain(bounds).filter(|value| !value.is_null()) {
+                let name = format!("method.{method}.{key}");
+                let method = format!("method.name={method}");
+                let sets = [&method[..], &format!("{name}={value}")];
+                let Ok(list) = std::panic::catch_unwind(|| named(&sets)) else {
+                    continue; // what one setting needs of another: its own tests
+                };
+                let value = value.to_string().replace('"', "");
+                let is_it = |(is, has): &(String, String)| *is == name && same(has, &value);
+                let is_there = list.iter().any(is_it);
+                let is_unread = ["beta", "wall_pressure"].contains(&key.as_str());
+                assert!(is_there || is_unread, "{name} = {value}: {list:?}");
+                tried += 1;
+            }
         }
-    };
-    let flow = |set: &str| with(&format!("method.isph.{set}"));
-    assert_eq!(with("impact.end=1"), preset::isph_modern());
-    let same = with("method.preset=modern").sph;
-    assert_eq!(
-        same.kernel,
-        preset::wcsph_modern().sph.kernel,
-        "they share what they pack"
-    );
-    assert_eq!(flow("smoothing=1.4").sph.smoothing, 1.4);
-    assert_eq!(flow("closure=mirrored").closure, Closure::Mirrored);
-    assert_eq!(flow("gradient=symmetric").gradient, Gradient::Symmetric);
-    every_setting_of_the_projection(|set| flow(set).projection);
-    let form = with("effects.viscosity.form=cleary").sph.viscosity_form;
-    assert_eq!(form, coronet::scene::ViscosityForm::Cleary);
-    let form = with("effects.tension.form=cahn-hilliard").sph.tension_form;
-    assert_eq!(form, coronet::scene::TensionForm::CahnHilliard);
-    let strength = with("effects.tension.strength=flat").sph.tension_strength;
-    assert_eq!(strength, TensionStrength::Flat);
+    }
+    assert!(tried > 40, "{tried} tried");
 }
 
-#[test]
-fn every_setting_of_mps_can_be_overridden() {
-    use coronet::scene::{Mps, MpsClosure, MpsGradient, Pressure};
-    let with = |set: &str| -> Mps {
-        let sets = ["method.name=mps", "method.preset=modern", set];
-        match small(&sets).scene.method {
-            Method::Mps(settings) => settings,
-            other => panic!("{}", other.name()),
-        }
+/// Whether a value is the one that was given, units apart.
+fn same(has: &str, given: &str) -> bool {
+    let number = |text: &str| {
+        text.split(' ')
+            .next()
+            .and_then(|text| text.parse::<f64>().ok())
     };
-    let flow = |set: &str| with(&format!("method.mps.{set}"));
-    assert_eq!(with("impact.end=1"), preset::mps_modern());
-    // h is half the largest radius.
-    assert_eq!(flow("radius=2.5").radius, 2.5);
-    assert_eq!(flow("radius=4").sph.smoothing, 2.0);
-    assert_eq!(flow("laplacian_radius=4").sph.smoothing, 2.0);
-    assert_eq!(flow("core=0.5").core, 0.5);
-    assert_eq!(flow("beta=0.95").beta, 0.95);
-    assert_eq!(flow("closure=threshold").closure, MpsClosure::Threshold);
-    assert_eq!(flow("gradient=minimum").gradient, MpsGradient::Minimum);
-    assert_eq!(flow("gradient=symmetric").gradient, MpsGradient::Symmetric);
-    assert_eq!(flow("gradient=blended").gradient, MpsGradient::Blended);
-    assert_eq!(flow("pressure=clipped").pressure, Pressure::Clipped);
-    every_setting_of_the_projection(|set| flow(set).projection);
-    let strength = with("effects.tension.strength=flat").sph.tension_strength;
-    assert_eq!(strength, TensionStrength::Flat);
+    has == given || (number(has).is_some() && number(has) == number(given))
+}
+
+/// A preset gives every setting that its method has, with the forms of the effects.
+#[test]
+fn presets_are_complete() {
+    for (method, preset, expected) in [
+        (
+            "wcsph",
+            "paper",
+            ["cubic-spline", "two-term", "normalised-colour"],
+        ),
+        (
+            "wcsph",
+            "corrected",
+            ["cubic-spline", "two-term-exact", "normalised-colour"],
+        ),
+        (
+            "wcsph",
+            "modern",
+            ["wendland-c2", "morris", "surface-energy"],
+        ),
+        ("isph", "paper", ["cubic-spline", "cleary", "cahn-hilliard"]),
+        (
+            "isph",
+            "corrected",
+            ["cubic-spline", "cleary", "cahn-hilliard"],
+        ),
+        ("isph", "modern", ["wendland-c2", "morris", "raw-colour"]),
+        ("mps", "paper", ["", "", "number-density"]),
+        ("mps", "corrected", ["", "", "number-density-exact"]),
+        ("mps", "modern", ["", "", "raw-colour"]),
+    ] {
+        let sets = [
+            format!("method.name={method}"),
+            format!("method.preset={preset}"),
+        ];
+        let list = named(&sets.each_ref().map(String::as_str));
+        let value = |name: &str| {
+            let found = list.iter().find(|(is, _)| is == name);
+            found.map_or("", |(_, value)| value.as_str())
+        };
+        let kernel = format!("method.{method}.kernel");
+        let found = [&kernel, "effects.viscosity.form", "effects.tension.form"].map(value);
+        assert_eq!(found, expected, "{method} {preset}");
+    }
+}
+
+/// Where the energy of the surface is not served, `modern` has the stress; angles of MPS too.
+#[test]
+fn presets_follow_what_the_scene_says() {
+    let form = |sets: &[&str]| small(sets).scene.effects.tension.unwrap().form;
+    assert_eq!(form(&[]), TensionForm::SurfaceEnergy);
+    for set in [
+        "method.wcsph.kernel=cubic-spline",
+        "method.wcsph.time_stepping={ adaptive = {} }",
+    ] {
+        assert_eq!(form(&[set]), TensionForm::RawColour, "{set}");
+    }
+    let energy = "effects.tension.form=surface-energy";
+    let Method::Isph(isph) = small(&["method.name=isph", energy]).scene.problem.method else {
+        panic!("not ISPH");
+    };
+    assert_eq!(isph.gradient, coronet::scene::Gradient::Symmetric);
+    let corrected = ["method.name=mps", "method.preset=corrected"];
+    let wets = [&corrected[..], &["effects.wetting.angle=60 deg"]].concat();
+    assert_eq!(form(&corrected), TensionForm::NumberDensityExact);
+    assert_eq!(form(&wets), TensionForm::RawColour);
+}
+
+/// h of MPS is half the largest radius.
+#[test]
+fn the_support_of_mps_covers_both_radii() {
+    let smoothing = |set: &str| {
+        small(&["method.name=mps", set])
+            .scene
+            .method
+            .sph()
+            .smoothing
+    };
+    assert_eq!(smoothing("method.mps.radius=4"), 2.0);
+    assert_eq!(smoothing("method.mps.laplacian_radius=4"), 2.0);
 }
 
 /// Both methods pack the same particles under the same key.
@@ -252,7 +273,7 @@ fn every_setting_of_mps_can_be_overridden() {
 fn methods_of_one_kernel_share_what_they_pack() {
     let key = |method: &str| {
         let scene = small(&[&format!("method.name={method}")]).scene;
-        let list = coronet::scene::key::pack(&scene, 0).unwrap();
+        let list = key::settings(&scene.pack_input(0), &scene.resting(0)).unwrap();
         list.into_iter()
             .map(|setting| setting.canonical)
             .collect::<Vec<_>>()
@@ -302,7 +323,10 @@ fn every_shipped_scene_loads_and_its_numbers_are_sane() {
             "{shown}: {lines}"
         );
         for body in 0..scene.bodies.len() {
-            assert!(numbers::rest_sound_speed(scene, body) > 0.0, "{shown}");
+            assert!(
+                numbers::rest_sound_speed(&scene.resting(body)) > 0.0,
+                "{shown}"
+            );
         }
     }
 }
@@ -311,8 +335,7 @@ fn every_shipped_scene_loads_and_its_numbers_are_sane() {
 fn the_reference_manual_shows_every_key() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("pipeline.toml")).unwrap();
-    let mut keys = Vec::new();
-    coronet::scene::format::collect(&mut keys);
+    let keys = schema::keys(&schema::SCENE);
     for key in keys.iter().filter_map(|key| key.rsplit('.').next()) {
         let key = key.split('_').next().unwrap();
         assert!(text.contains(key), "pipeline.toml does not mention `{key}`");

@@ -2,22 +2,22 @@
 
 use crate::scene_file::small;
 use coronet::scene::Scene;
-use coronet::scene::key::{self, KeyError, Role, Setting};
+use coronet::scene::key::{KeyError, Setting, settings as list};
 use std::path::Path;
 
 /// Lists of all stages by name; bodies are 0 (pool) and 1 (drop).
 fn lists(scene: &Scene) -> Vec<(&'static str, Vec<Setting>)> {
+    let pack = |body| list(&scene.pack_input(body), &scene.resting(body)).unwrap();
+    let relax = |body| list(&scene.relax_input(body), &scene.resting(body)).unwrap();
+    let post = scene.post_input(Path::new("")).unwrap();
     vec![
-        ("pack pool", key::pack(scene, 0).unwrap()),
-        ("pack drop", key::pack(scene, 1).unwrap()),
-        ("relax pool", key::relax(scene, 0).unwrap()),
-        ("relax drop", key::relax(scene, 1).unwrap()),
-        (
-            "calibrate",
-            key::calibrate(scene).unwrap().unwrap_or_default(),
-        ),
-        ("impact", key::impact(scene).unwrap()),
-        ("post", key::post(scene, Path::new("")).unwrap()),
+        ("pack pool", pack(0)),
+        ("pack drop", pack(1)),
+        ("relax pool", relax(0)),
+        ("relax drop", relax(1)),
+        ("calibrate", list(&scene.calibrate_input(), scene).unwrap()),
+        ("impact", list(&scene.impact_input(), scene).unwrap()),
+        ("post", list(&post, scene).unwrap()),
     ]
 }
 
@@ -58,20 +58,14 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
         ("body.drop.sphere.offset=[0.001, 0]", &motion),
         (
             "body.drop.sphere.diameter=2.4 mm",
-            &["pack drop", "relax drop", "impact", "post"],
+            &["pack drop", "relax drop", "calibrate", "impact", "post"],
         ),
         ("body.drop.colour=\"#123456\"", &motion),
-        (
-            "body.pool.layer.depth=2.4 mm",
-            &["pack pool", "relax pool", "impact", "post"],
-        ),
+        ("body.pool.layer.depth=2.4 mm", &pool),
         ("box.size=[\"8 mm\", \"8 mm\", \"12 mm\"]", &pool),
         ("box.z=\"wall\"", &pool),
         ("liquid.density=1000", &all),
-        (
-            "effects.gravity.acceleration=1.62 m/s^2",
-            &["relax pool", "impact", "post"],
-        ),
+        ("effects.gravity.acceleration=1.62 m/s^2", &pool[1..]),
         ("effects.viscosity.dynamic=1 mPa s", &run),
         ("effects.viscosity.form=two-term", &run),
         ("effects.tension.coefficient=72 mN/m", &all[2..]),
@@ -86,7 +80,7 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
         ("relax.damping=1 1/s", &["relax pool", "relax drop"]),
         ("impact.end=6 ms", &motion),
         ("impact.checkpoint_every=1 s", &[]),
-        ("frames.interval=1 ms", &["impact"]),
+        ("frames.interval=1 ms", &motion),
         ("frames.time_scale=10", &["impact"]),
         ("frames.colour=speed", &["impact"]),
         ("post.panels=[\"1 ms\"]", &["post"]),
@@ -95,14 +89,11 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
         ("method.precision=double", &all[2..]),
         ("method.slack=0.2", &all[2..]),
         ("method.wcsph.kernel=cubic-spline", &all),
-        ("method.wcsph.exponent=7", &run),
+        ("method.wcsph.exponent=7", &all[2..]),
         ("method.wcsph.sound_speed_factor=12", &motion),
         ("method.wcsph.reference_speed=2 m/s", &motion),
-        (
-            "method.wcsph.wall_pressure=summation",
-            &["relax pool", "impact", "post"],
-        ),
-        ("method.wcsph.shifting=0.5", &run),
+        ("method.wcsph.wall_pressure=summation", &pool[1..]),
+        ("method.wcsph.shifting=0.5", &all[2..]),
         ("method.wcsph.time_stepping={ adaptive = {} }", &all[2..]),
     ] {
         assert_eq!(changed(set), stages, "{set}");
@@ -111,7 +102,8 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
 
 #[test]
 fn reasons_show_names_as_in_the_file_and_values_with_units() {
-    let impact = key::impact(&small(&[]).scene).unwrap();
+    let scene = small(&[]).scene;
+    let impact = list(&scene.impact_input(), &scene).unwrap();
     let shown = |name: &str| {
         let setting = impact.iter().find(|setting| setting.name == name);
         setting.unwrap_or_else(|| panic!("{name}")).value.clone()
@@ -120,20 +112,11 @@ fn reasons_show_names_as_in_the_file_and_values_with_units() {
     assert_eq!(shown("body.drop.sphere.diameter"), "2 mm");
     assert_eq!(shown("body.pool.layer.depth"), "2 mm");
     assert_eq!(shown("box.size"), "[8 mm, 8 mm, 10 mm]");
-    assert_eq!(shown("box.z"), "wall, open");
+    assert_eq!(shown("box.z"), "[wall, open]");
     assert_eq!(shown("effects.gravity.acceleration"), "9.81 m/s^2");
     assert_eq!(shown("effects.tension.coefficient"), "67 mN/m");
     assert_eq!(shown("method.wcsph.density.continuity.diffusion"), "0.1");
     assert_eq!(shown("impact.end"), "5 ms");
-    let roles = |role: Role| impact.iter().filter(move |setting| setting.role == role);
-    assert_eq!(
-        roles(Role::End)
-            .map(|setting| setting.name.as_str())
-            .collect::<Vec<_>>(),
-        ["impact.end"]
-    );
-    assert!(roles(Role::Record).any(|setting| setting.name == "frames.interval"));
-    assert!(roles(Role::State).any(|setting| setting.name == "body.drop.velocity"));
 }
 
 #[test]
@@ -168,7 +151,7 @@ fn settings_of_absent_effects_are_in_no_list() {
         let set = format!("method.name={method}");
         let loaded = coronet::scene::file::read(&bare, Path::new("bare.toml"), &[set]);
         let scene = loaded.unwrap().scene;
-        assert_eq!(key::calibrate(&scene).unwrap(), None);
+        assert_eq!(scene.calibrate_input(), None);
         for (stage, settings) in lists(&scene) {
             let mut names = settings.iter().map(|setting| setting.name.as_str());
             let absent = |name: &&str| tables.iter().any(|(effect, _)| name.contains(effect));
@@ -217,8 +200,8 @@ fn what_is_not_a_number_is_refused() {
     let mut scene = small(&[]).scene;
     scene.density = f64::NAN;
     let fault = KeyError::NotANumber("liquid.density".to_string());
-    assert_eq!(key::pack(&scene, 0), Err(fault.clone()));
-    assert_eq!(key::impact(&scene), Err(fault));
+    assert_eq!(list(&scene.pack_input(0), &scene), Err(fault.clone()));
+    assert_eq!(list(&scene.impact_input(), &scene), Err(fault));
 }
 
 #[test]
@@ -226,16 +209,23 @@ fn reference_curves_count_by_content() {
     let folder = tempfile::tempdir().unwrap();
     let post = "[post]\nreferences = [{ label = \"a\", path = \"curve.csv\" }]\n";
     let text = format!("{}{post}", crate::scene_file::SMALL);
-    let list = |place: &Path, content: &str| {
+    let curve = |place: &Path, content: &str| {
         std::fs::create_dir_all(place).unwrap();
         std::fs::write(place.join("curve.csv"), content).unwrap();
         let loaded = coronet::scene::file::read(&text, &place.join("x.toml"), &[]).unwrap();
-        key::post(&loaded.scene, place).unwrap()
+        list(&loaded.scene.post_input(place).unwrap(), &loaded.scene).unwrap()
     };
-    let first = list(&folder.path().join("a"), "time_s\n0\n");
-    let moved = list(&folder.path().join("b"), "time_s\n0\n");
-    let other = list(&folder.path().join("b"), "time_s\n1\n");
+    let first = curve(&folder.path().join("a"), "time_s\n0\n");
+    let moved = curve(&folder.path().join("b"), "time_s\n0\n");
+    let other = curve(&folder.path().join("b"), "time_s\n1\n");
     assert_eq!(first, moved);
     assert_ne!(canonical(&first), canonical(&other));
-    assert_ne!(first.last().unwrap().value, other.last().unwrap().value);
+    let content = |list: &[Setting]| {
+        let mut all = list.iter();
+        all.find(|s| s.name == "post.references[0].content")
+            .unwrap()
+            .value
+            .clone()
+    };
+    assert_ne!(content(&first), content(&other));
 }

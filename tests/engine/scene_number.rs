@@ -93,7 +93,7 @@ fn relaxation_does_not_hear_the_impact_speed() {
     let slow = small(&["body.drop.velocity=1 m/s"]).scene;
     let fast = small(&["body.drop.velocity=4 m/s"]).scene;
     for body in 0..2 {
-        let speeds = [&slow, &fast].map(|scene| numbers::rest_sound_speed(scene, body));
+        let speeds = [&slow, &fast].map(|scene| numbers::rest_sound_speed(&scene.resting(body)));
         assert_eq!(speeds[0], speeds[1]);
     }
     assert!(numbers::sound_speed(&slow) < numbers::sound_speed(&fast));

@@ -35,7 +35,7 @@ fn a_quarter_is_a_quarter_and_its_whole_the_scene() {
     assert_eq!(part.whole(), full);
     assert_eq!(full.whole(), full);
     let speeds = |scene: &Scene| {
-        let rest = [0, 1].map(|body| numbers::rest_sound_speed(scene, body));
+        let rest = [0, 1].map(|body| numbers::rest_sound_speed(&scene.resting(body)));
         (numbers::sound_speeds(scene), rest)
     };
     assert_eq!(speeds(&part), speeds(&full));
@@ -68,10 +68,10 @@ fn the_same_part_has_the_same_keys_however_it_is_written() {
     ]);
     let keys = |scene: &Scene| {
         let all = [
-            key::pack(scene, 0),
-            key::pack(scene, 1),
-            key::relax(scene, 1),
-            key::impact(scene),
+            key::settings(&scene.pack_input(0), scene),
+            key::settings(&scene.pack_input(1), scene),
+            key::settings(&scene.relax_input(1), scene),
+            key::settings(&scene.impact_input(), scene),
         ];
         all.map(|settings| {
             let settings = settings.unwrap().into_iter();
@@ -130,9 +130,9 @@ fn what_is_not_symmetric_is_refused_with_a_remedy() {
 
 #[test]
 fn mist_is_kept_at_the_plane_of_unfolding_alone() {
-    let part = scene(&["box.symmetry='quarter'"]).domain;
+    let part = scene(&["box.symmetry='quarter'"]).problem.domain;
     assert!(!part.is_crossed(0, -1e-6) && part.is_crossed(0, 0.0201));
-    let full = scene(&[]).domain;
+    let full = scene(&[]).problem.domain;
     assert!(full.is_crossed(0, -1e-6) && full.is_crossed(0, 0.0401));
 }
 
@@ -141,11 +141,11 @@ fn a_lattice_is_counted_as_it_is_made() {
     let mut part = scene(&["box.symmetry='quarter'"]);
     part.pack.arrangement = Arrangement::Lattice;
     let mut watch = |_: &_| std::ops::ControlFlow::Continue(());
-    let (drop, _) = coronet::particle::pack::pack(&part, 1, &mut watch).unwrap();
+    let (drop, _) = coronet::particle::pack::pack(&part.pack_input(1), &mut watch).unwrap();
     assert_eq!(drop.len() as u64, numbers::count(&part, 1));
     for a in [0, 1] {
         let least = drop.position[a].iter().fold(1.0, |m: f64, x| m.min(*x));
-        assert!((least / part.pack.spacing - 0.5).abs() < 1e-9, "{least}");
+        assert!((least / part.spacing - 0.5).abs() < 1e-9, "{least}");
     }
 }
 

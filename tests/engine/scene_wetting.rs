@@ -1,7 +1,7 @@
 //! What a scene with a contact angle must have.
 
 use crate::scene_error::holds;
-use coronet::scene::{Scene, WettingForm, file};
+use coronet::scene::{Scene, file};
 use std::path::Path;
 
 #[test]
@@ -61,16 +61,11 @@ fn types_of_particles_are_for_two_dimensions_and_have_layers() {
         read.map_err(|error| error.to_string())
     };
     let paper = ["method.name=mps", "method.preset=paper"];
-    let form = |scene: Scene| scene.method.sph().wetting_form;
-    let layers = [2.1, 4.1, 4.1];
-    assert_eq!(
-        form(read(&paper).unwrap()),
-        WettingForm::ParticleTypes(layers)
-    );
+    let layers = |scene: Scene| scene.effects.wetting.unwrap().layers;
+    assert_eq!(layers(read(&paper).unwrap()), Some([2.1, 4.1, 4.1]));
     let set = "effects.wetting.layers=[1.1, 3.1, 3.1]";
-    let layers = [1.1, 3.1, 3.1];
     let scene = read(&[&paper[..], &[set]].concat()).unwrap();
-    assert_eq!(form(scene), WettingForm::ParticleTypes(layers));
+    assert_eq!(layers(scene), Some([1.1, 3.1, 3.1]));
     let no_use = ["effects.wetting.layers", "Young's force", "particle-types"];
     holds(&read(&[set]).unwrap_err(), &no_use);
     let types = "effects.wetting.form=particle-types";

@@ -5,7 +5,7 @@ use std::fs;
 use coronet::particle::Frame;
 use coronet::record::Checkpoint;
 use coronet::record::log::{LogBody, LogSetup, LogWriter};
-use coronet::scene::{Colour, Dimension};
+use coronet::scene::{Colouring, Dimension};
 use serde_json::json;
 
 use crate::program::Program;
@@ -22,7 +22,7 @@ fn write_log(program: &Program, number: u32, count: usize) -> Vec<u8> {
         spacing: 1e-3,
         dimension: Dimension::Three,
         time_scale: 1.0,
-        colour: Colour::Body,
+        colour: Colouring::Body,
         speed_scale: 1.0,
         pressure_scale: 1.0,
         scene_text: String::new(),

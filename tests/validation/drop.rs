@@ -74,12 +74,12 @@ pub fn rest(scene: &Scene, radius: f64) -> Result<Rest, Diverged> {
         round = deviation / mean;
     })?;
     let (pressure, scatter) = mean_and_deviation(&pressures);
-    let sigma = scene.effects.tension.unwrap();
+    let sigma = scene.effects.sigma().unwrap();
     Ok(Rest {
         pressure,
         scatter,
         radius: mean_and_deviation(&radii).0,
-        capillary: scene.effects.viscosity.unwrap_or(0.0) * speed / sigma,
+        capillary: scene.effects.mu().unwrap_or(0.0) * speed / sigma,
         net,
         lost,
         energy: energy[energy.len() - 1] / energy.iter().fold(0.0, |m: f64, e| m.max(*e)),
@@ -104,12 +104,12 @@ pub fn sphere(scene: &Scene) -> f64 {
 fn young_laplace(case: &str, preset: &str, sets: &[&str], target: f64) -> Result<bool, Diverged> {
     let scene = scene(case, preset, sets);
     let radius = sphere(&scene);
-    let theory = (scene.dimension.count() as f64 - 1.0) * scene.effects.tension.unwrap() / radius;
+    let theory = (scene.dimension.count() as f64 - 1.0) * scene.effects.sigma().unwrap() / radius;
     let rest = rest(&scene, radius)?;
     println!(
         "  R = {:.1} s0, scatter of p {:.2} %, Ca {:.1e}, radius {:+.2} %, KE {:.1e} of its peak, \
          spray {:.1e}",
-        radius / scene.pack.spacing,
+        radius / scene.spacing,
         100.0 * rest.scatter / theory,
         rest.capillary,
         100.0 * (rest.radius / radius - 1.0),
@@ -163,7 +163,7 @@ fn square_to_circle() {
         let scene = scene("square-to-circle", preset, &[]);
         let radius = 4e-3 / PI.sqrt();
         let rest = rest(&scene, radius)?;
-        let theory = scene.effects.tension.unwrap() / radius;
+        let theory = scene.effects.sigma().unwrap() / radius;
         println!(
             "  KE {:.1e} of its peak, Ca {:.1e}",
             rest.energy, rest.capillary
@@ -223,12 +223,12 @@ fn oscillating_drop() {
         let sets: &[&str] = if preset == "modern" { &[] } else { &coarse };
         let scene = scene("oscillating-drop", preset, sets);
         let radius = sphere(&scene);
-        let sigma = scene.effects.tension.unwrap();
+        let sigma = scene.effects.sigma().unwrap();
         let omega = (8.0 * sigma / (scene.density * radius.powi(3))).sqrt();
         let [period, swing] = period(&scene)?;
         println!(
             "  R = {:.0} s0, amplitude {swing:.3} R",
-            radius / scene.pack.spacing
+            radius / scene.spacing
         );
         let figure = Figure {
             case: "oscillating-drop",

@@ -7,7 +7,7 @@ use coronet::scene::Scene;
 /// Decay rate of the kinetic energy by least squares on its logarithm down to 1 %, over theory, and
 /// the largest net momentum over the sum of m |v|.
 pub fn decay(scene: &Scene) -> Result<[f64; 3], Diverged> {
-    let nu = scene.effects.viscosity.unwrap() / scene.density;
+    let nu = scene.effects.mu().unwrap() / scene.density;
     let k = std::f64::consts::TAU / scene.domain.size[0];
     let mut solver = start(scene)?;
     let (mut track, mut net) = (Vec::new(), 0.0f64);
@@ -91,7 +91,7 @@ pub fn front(scene: &Scene) -> Result<Vec<(f64, f64)>, Diverged> {
     let mut track = Vec::new();
     run(solver.as_mut(), 3.5 / clock, 1e-3, |f| {
         let front = (0..f.id.len()).map(|i| f.position[0][i] as f64);
-        let front = front.fold(0.0f64, f64::max) + 0.5 * scene.pack.spacing;
+        let front = front.fold(0.0f64, f64::max) + 0.5 * scene.spacing;
         track.push((f.time * clock, front / a));
     })?;
     Ok(track)

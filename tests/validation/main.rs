@@ -63,16 +63,16 @@ pub fn presets(name: &str, case: impl Fn(&str) -> Result<bool, Diverged>) {
 }
 
 /// Relaxes a body as the relax stage does.
-pub fn relax(scene: &Scene, body: &Particles) -> Result<Particles, Diverged> {
-    let Some(relax) = &scene.relax else {
+pub fn relax(scene: &Scene, index: usize, body: &Particles) -> Result<Particles, Diverged> {
+    let Some(RelaxInput { problem, relax }) = &scene.relax_input(index) else {
         return Ok(body.clone());
     };
-    let state = method::resting(scene, body);
+    let state = method::resting(problem, body);
     let mass = state.particles.mass * state.particles.len() as f64;
     let phase = Phase::Relax {
         damping: relax.damping,
     };
-    let mut solver = method::build(scene, state, phase, None).expect("builds");
+    let mut solver = method::build(problem, state, phase, None).expect("builds");
     // At rest means calm for a tenth of the time: at the very start nothing moves yet.
     let mut calm_since = f64::INFINITY;
     while solver.time() < relax.time && solver.time() - calm_since < 0.1 * relax.time {
@@ -91,26 +91,29 @@ pub fn relax(scene: &Scene, body: &Particles) -> Result<Particles, Diverged> {
         solver.time(),
         kinetic / mass
     );
-    Ok(method::relaxed(scene, &solver.state()))
+    Ok(method::relaxed(problem, &solver.state()))
 }
 
 /// Packs, relaxes, calibrates, builds.
 pub fn start(scene: &Scene) -> Result<Box<dyn Solver>, Diverged> {
     let mut bodies = Vec::new();
     for b in 0..scene.bodies.len() {
-        let packed = pack(scene, b, &mut |_| Continue(())).expect("packs").0;
-        bodies.push(relax(scene, &packed)?);
+        let packed = pack(&scene.pack_input(b), &mut |_| Continue(()))
+            .expect("packs")
+            .0;
+        bodies.push(relax(scene, b, &packed)?);
     }
-    let strength = match (scene.effects.tension, scene.method.sph().tension_strength) {
-        (None, _) | (_, coronet::scene::TensionStrength::Flat) => None,
-        (_, coronet::scene::TensionStrength::Fixed(alpha)) => Some(alpha),
-        _ => {
-            let c = method::calibrate(scene, &bodies).expect("calibrates");
+    let strength = match scene.effects.tension.map(|tension| tension.strength) {
+        None | Some(TensionStrength::Flat) => None,
+        Some(TensionStrength::Fixed(alpha)) => Some(alpha),
+        Some(TensionStrength::Virial) => {
+            let input = scene.calibrate_input().expect("it is calibrated");
+            let c = method::calibrate(&input.bodies, &bodies).expect("calibrates");
             println!("  calibration {c:?}");
             Some(c.strength)
         }
     };
-    let state = method::initial(scene, &bodies);
+    let state = method::initial(&scene.impact_input(), &bodies);
     Ok(method::build(scene, state, Phase::Impact, strength).expect("builds"))
 }
 

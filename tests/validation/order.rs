@@ -15,10 +15,10 @@ fn order(case: &str, spacings: [&str; 3], error: impl Fn(&Scene) -> Result<f64, 
     for spacing in spacings {
         let scene = scene(case, "modern", &[&format!("pack.spacing={spacing}")]);
         let e = error(&scene).expect("stays stable").abs();
-        let order = last.map(|(s, old)| (old / e).ln() / (s / scene.pack.spacing).ln());
+        let order = last.map(|(s, old)| (old / e).ln() / (s / scene.spacing).ln());
         let order = order.map_or("-".into(), |p: f64| format!("{p:.1}"));
         println!("| {case} | {spacing} | {:.2} % | {order} |", 100.0 * e);
-        last = Some((scene.pack.spacing, e));
+        last = Some((scene.spacing, e));
     }
 }
 
@@ -38,7 +38,7 @@ fn order_of_taylor_green() {
 fn order_of_static_drop_2d() {
     let error = |scene: &Scene| {
         let radius = sphere(scene);
-        let theory = scene.effects.tension.unwrap() / radius;
+        let theory = scene.effects.sigma().unwrap() / radius;
         Ok(rest(scene, radius)?.pressure / theory - 1.0)
     };
     order("static-drop-2d", ["0.2 mm", "0.1 mm", "0.05 mm"], error);

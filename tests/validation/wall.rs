@@ -26,7 +26,7 @@ fn hydrostatic() {
         let half = errors.len() / 2;
         let mean = |e: &[f64]| e.iter().sum::<f64>() / e.len() as f64;
         // Over what the column would gain by falling by one spacing.
-        let unit = 9.81 * scene.pack.spacing;
+        let unit = 9.81 * scene.spacing;
         println!(
             "  kinetic energy over g s0: {:.1e} in the first half, {:.1e} in the second",
             mean(&energy[..half]) / unit,
@@ -84,7 +84,7 @@ pub fn profile(
 /// Errors of [`profile`] in the scene of Poiseuille flow.
 pub fn poiseuille_errors(scene: &Scene) -> Result<[f64; 2], Diverged> {
     let width = scene.domain.size[2];
-    let nu = scene.effects.viscosity.unwrap() / scene.density;
+    let nu = scene.effects.mu().unwrap() / scene.density;
     let force = scene.effects.gravity.unwrap()[0];
     let top = force * width * width / (8.0 * nu);
     profile(scene, top, |z, t| {
@@ -101,7 +101,7 @@ pub fn poiseuille_errors(scene: &Scene) -> Result<[f64; 2], Diverged> {
 
 fn couette_errors(scene: &Scene) -> Result<[f64; 2], Diverged> {
     let width = scene.domain.size[2];
-    let nu = scene.effects.viscosity.unwrap() / scene.density;
+    let nu = scene.effects.mu().unwrap() / scene.density;
     let speed = 0.01;
     profile(scene, speed, |z, t| {
         let lack = |n: i32| {

@@ -12,7 +12,7 @@ impl<S: Scheme> Projection<S> {
             h: case.h,
             dt,
             fastest: self.connected,
-            capillary: Shifting::capillary(case.effects.tension, case.density, case.h),
+            capillary: Shifting::capillary(case.effects.sigma(), case.density, case.h),
             unit: 1.0,
         };
         let factor = self.sum_factor() / self.case.h as f32;

@@ -180,7 +180,7 @@ impl<S: Scheme> Projection<S> {
     fn cohesion(&self) -> f64 {
         let case = &self.case;
         let sides = case.dimension.count() as f64 - 1.0;
-        let sigma = case.effects.tension.unwrap_or(0.0);
+        let sigma = case.effects.sigma().unwrap_or(0.0);
         self.settings.cohesion * sides * sigma / case.h
     }
 

@@ -81,8 +81,8 @@ impl<S: Scheme> Projection<S> {
             spacing: self.case.spacing,
             density: self.case.density,
             sound_speed: f64::INFINITY,
-            viscosity: self.case.effects.viscosity,
-            tension: self.case.effects.tension,
+            viscosity: self.case.effects.mu(),
+            tension: self.case.effects.sigma(),
             speed: self.connected,
             acceleration: self.hardest,
         }

@@ -210,7 +210,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             h: model.h,
             dt,
             fastest: self.connected,
-            capillary: Shifting::capillary(model.effects.tension, model.density, model.h),
+            capillary: Shifting::capillary(model.effects.sigma(), model.density, model.h),
             unit: gradient,
         };
         let scale = self.sum_factor();

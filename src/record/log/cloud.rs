@@ -7,7 +7,7 @@ use prost::encoding::{DecodeContext, decode_key, skip_field};
 
 use super::LogSetup;
 use crate::particle::Frame;
-use crate::scene::Colour;
+use crate::scene::Colouring;
 
 /// Frame of reference of everything in the log.
 pub const BOX: &str = "box";
@@ -78,9 +78,9 @@ pub fn encode(frame: &Frame, body: u8, setup: &LogSetup, log_time: u64) -> Vec<u
         }
         let speed = (vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i]).sqrt();
         let [r, g, b] = match setup.colour {
-            Colour::Body => own,
-            Colour::Speed => viridis(speed / setup.speed_scale as f32),
-            Colour::Pressure => viridis(frame.pressure[i] / setup.pressure_scale as f32),
+            Colouring::Body => own,
+            Colouring::Speed => viridis(speed / setup.speed_scale as f32),
+            Colouring::Pressure => viridis(frame.pressure[i] / setup.pressure_scale as f32),
         };
         let reals = [
             x[i],

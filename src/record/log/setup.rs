@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::particle::Wall;
-use crate::scene::{Colour, Dimension, Motion, Scene};
+use crate::scene::{Colouring, Dimension, Frames, Motion, Problem};
 
 /// One body of the log.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub struct LogSetup {
     pub dimension: Dimension,
     /// Log time = simulated time x this.
     pub time_scale: f64,
-    pub colour: Colour,
+    pub colour: Colouring,
     /// Speed at the top of the colour map, m/s.
     pub speed_scale: f64,
     /// Pressure at the top of the colour map, Pa.
@@ -38,36 +38,37 @@ pub struct LogSetup {
 }
 
 impl LogSetup {
-    /// Setup of the log of `scene`. The colour maps reach to the largest initial speed U (that of
+    /// Setup of the log of a problem. The colour maps reach to the largest initial speed U (that of
     /// falling through the box at rest) and to rho U^2 plus the hydrostatic pressure of the box.
     pub fn new(
-        scene: &Scene,
+        problem: &Problem,
+        frames: &Frames,
         wall: &Wall,
         scene_text: String,
         provenance: Vec<(String, String)>,
     ) -> Self {
-        let size = scene.domain.size;
-        let gravity = scene.effects.gravity.map_or(0.0, norm);
+        let size = problem.domain.size;
+        let gravity = problem.effects.gravity.map_or(0.0, norm);
         let fall = (2.0 * gravity * size[2]).sqrt();
-        let fastest = scene.bodies.iter().map(|body| match body.motion {
+        let fastest = problem.bodies.iter().map(|body| match body.motion {
             Motion::Uniform(velocity) => norm(velocity),
             Motion::TaylorGreen { speed } => speed.abs(),
             Motion::Stretch { rate } => rate.abs() * size[2],
         });
         let fastest = fastest.fold(0.0, f64::max);
         let speed = if fastest > 0.0 { fastest } else { fall };
-        let pressure = scene.density * (speed * speed + gravity * size[2]);
+        let pressure = problem.density * (speed * speed + gravity * size[2]);
         let body = |body: &crate::scene::Body| LogBody {
             name: body.name.clone(),
             colour: body.colour,
         };
         LogSetup {
-            bodies: scene.bodies.iter().map(body).collect(),
+            bodies: problem.bodies.iter().map(body).collect(),
             wall: wall.position.clone(),
-            spacing: scene.pack.spacing,
-            dimension: scene.dimension,
-            time_scale: scene.frames.time_scale,
-            colour: scene.frames.colour,
+            spacing: problem.spacing,
+            dimension: problem.dimension,
+            time_scale: frames.time_scale,
+            colour: frames.colour,
             speed_scale: if speed > 0.0 { speed } else { 1.0 },
             pressure_scale: if pressure > 0.0 { pressure } else { 1.0 },
             scene_text,

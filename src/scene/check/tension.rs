@@ -1,34 +1,31 @@
 //! What forms of the tension and contact angles need.
 
-use super::super::cursor::Cursor;
 use super::super::error::SceneError;
-use super::super::{
-    Dimension, Gradient, KernelName, Method, Scene, Side, TensionForm, TimeStepping, WettingForm,
-};
+use super::super::tree::Tree;
+use super::super::{Dimension, Gradient, KernelName, Method, Scene, TensionForm, TimeStepping};
 
-pub fn check(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    wetting(scene, root)?;
-    surface_energy(scene, root)
+pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
+    wetting(scene, tree)?;
+    surface_energy(scene, tree)
 }
 
 /// Contact angles need a surface with tension, a wall, and a stress that knows walls.
-fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
-    if scene.effects.wetting.is_none() {
+fn wetting(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
+    let Some(wetting) = scene.effects.wetting else {
         return Ok(());
-    }
-    let place = root.nearest("effects.wetting");
-    let mut sides = scene.domain.boundary.iter().flatten();
+    };
+    let key = "effects.wetting";
     let (problem, remedy) = if scene.effects.tension.is_none() {
         ("needs surface tension", "add the table [effects.tension]")
-    } else if !sides.any(|side| *side == Side::Wall) {
+    } else if !scene.has_wall() {
         let remedy = "make a side of the box a wall, as in `box.z = [\"wall\", \"open\"]`";
         ("needs a wall", remedy)
-    } else if scene.method.sph().wetting_form != WettingForm::Young {
-        return typed(scene, &place);
-    } else if !matches!(
-        scene.method.sph().tension_form,
-        TensionForm::RawColour | TensionForm::SurfaceEnergy
-    ) {
+    } else if wetting.layers.is_some() {
+        return typed(scene, tree);
+    } else if ![TensionForm::RawColour, TensionForm::SurfaceEnergy]
+        .into_iter()
+        .any(|form| scene.effects.has_tension(form))
+    {
         let remedy = "set `effects.tension.form` to `surface-energy` or `raw-colour`, one of which \
                       preset `modern` has";
         (
@@ -38,16 +35,15 @@ fn wetting(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
     } else {
         return Ok(());
     };
-    Err(place.fault(problem, remedy))
+    Err(tree.fault(key, problem, remedy))
 }
 
 /// The energy form needs steps, a kernel and pressure forces that do not work against it.
-fn surface_energy(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
+fn surface_energy(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let sph = scene.method.sph();
-    if scene.effects.tension.is_none() || sph.tension_form != TensionForm::SurfaceEnergy {
+    if !scene.effects.has_tension(TensionForm::SurfaceEnergy) {
         return Ok(());
     }
-    let form = root.nearest("effects.tension.form");
     let (problem, remedy) = match &scene.method {
         Method::Wcsph(settings) if !matches!(settings.time_stepping, TimeStepping::Dual { .. }) => {
             let remedy = "set `method.wcsph.time_stepping.dual`, as preset `modern` does";
@@ -67,18 +63,21 @@ fn surface_energy(scene: &Scene, root: &Cursor<'_>) -> Result<(), SceneError> {
         }
         _ => return Ok(()),
     };
-    Err(form.fault(problem, remedy))
+    Err(tree.fault("effects.tension.form", problem, remedy))
 }
 
 /// Types of particles know a plane and a curvature.
-fn typed(scene: &Scene, place: &Cursor<'_>) -> Result<(), SceneError> {
+fn typed(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let remedy = "set `effects.wetting.form = \"young\"`, as preset `modern` does";
+    let key = "effects.wetting";
     if scene.dimension == Dimension::Three {
-        return Err(place.fault("by types of particles is for two dimensions", remedy));
+        let problem = "by types of particles is for two dimensions";
+        return Err(tree.fault(key, problem, remedy));
     }
-    if !scene.method.sph().tension_form.is_counted() {
+    let tension = scene.effects.tension;
+    if !tension.is_some_and(|tension| tension.form.is_counted()) {
         let problem = "by types of particles needs a number-density form of the tension";
-        return Err(place.fault(problem, remedy));
+        return Err(tree.fault(key, problem, remedy));
     }
     Ok(())
 }

@@ -1,0 +1,41 @@
+//! Settings of ISPH.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Projection, Sph};
+use crate::scene::schema::by_preset_all;
+
+/// How the pressure equation ends at a free surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Closure {
+    /// Particles that Marrone et al. (2010) detect: each neighbour mirrored in air (Kuri Eq. 11).
+    Mirrored,
+    /// By what the support lacks, without flags.
+    Completed,
+}
+
+/// Form of the pressure gradient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gradient {
+    /// Kuri Eq. 9: keeps momentum.
+    Symmetric,
+    /// Difference of pressures, kernel gradient corrected: exact for linear pressure.
+    Corrected,
+}
+
+/// Settings of ISPH.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = by_preset_all)]
+pub struct Isph {
+    #[serde(flatten)]
+    pub sph: Sph,
+    #[serde(flatten)]
+    pub projection: Projection,
+    /// How the pressure ends at a free surface: at flagged particles, or without flags.
+    pub closure: Closure,
+    /// Pressure gradient that keeps momentum, or one exact for linear pressure.
+    pub gradient: Gradient,
+}

@@ -1,0 +1,181 @@
+//! `[method]`: the solver and its settings.
+//!
+//! Settings that a scene leaves out are those of a preset: see [`super::preset`].
+
+mod isph;
+mod mps;
+mod projection;
+mod sph;
+mod wcsph;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use isph::{Closure, Gradient, Isph};
+pub use mps::{Mps, MpsClosure, MpsGradient, MpsPressure};
+pub use projection::{PoissonSource, Preconditioner, Projection};
+pub use sph::{KernelName, Mass, Sph};
+pub use wcsph::{
+    Density, Pressure, SoundSpeed, SpeedOf, TensionIn, TimeStepping, WallPressure, Wcsph,
+};
+
+/// The solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodName {
+    /// Weakly compressible SPH (Nishio et al. 2010).
+    #[default]
+    Wcsph,
+    /// Incompressible SPH (Kuri et al.).
+    Isph,
+    /// Moving particle semi-implicit (Xie et al. 2007).
+    Mps,
+}
+
+impl MethodName {
+    /// The word of the file.
+    pub fn word(self) -> &'static str {
+        match self {
+            MethodName::Wcsph => "wcsph",
+            MethodName::Isph => "isph",
+            MethodName::Mps => "mps",
+        }
+    }
+}
+
+/// Which settings a method has that the scene does not give.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// As printed.
+    Paper,
+    /// The same method, its known errors removed.
+    Corrected,
+    /// As a specialist would compute today.
+    #[default]
+    Modern,
+}
+
+/// Of the pair sums: positions, separations, kernels and sums.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Precision {
+    /// f32 throughout.
+    Single,
+    /// Separations from exact differences of positions, the rest in f32.
+    #[default]
+    Mixed,
+    /// f64; what enters and leaves a sum is f32.
+    Double,
+}
+
+/// How pairs are found and summed, whatever the method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Pairs {
+    /// Of the pair sums: f32 throughout, f32 from the exact separations on, or f64.
+    pub precision: Precision,
+    /// Extra reach of neighbour rows over the support, as a fraction of it: more is longer rows,
+    /// found more seldom.
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub slack: f64,
+}
+
+impl Default for Pairs {
+    fn default() -> Self {
+        Pairs {
+            precision: Precision::Mixed,
+            slack: 0.1,
+        }
+    }
+}
+
+/// Which solver, with which settings.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
+pub struct MethodTable {
+    /// The solver.
+    pub name: MethodName,
+    /// As printed; the same with known errors removed; as a specialist would today.
+    pub preset: Preset,
+    #[serde(flatten)]
+    pub pairs: Pairs,
+    /// Settings of WCSPH in place of the preset's.
+    pub wcsph: Option<Wcsph>,
+    /// Settings of ISPH in place of the preset's.
+    pub isph: Option<Isph>,
+    /// Settings of MPS in place of the preset's.
+    pub mps: Option<Mps>,
+}
+
+/// The method and its settings.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    Wcsph(Wcsph),
+    Isph(Isph),
+    Mps(Mps),
+}
+
+impl MethodTable {
+    /// The method that is named, if its settings are there.
+    pub fn method(&self) -> Option<Method> {
+        match self.name {
+            MethodName::Wcsph => self.wcsph.clone().map(Method::Wcsph),
+            MethodName::Isph => self.isph.clone().map(Method::Isph),
+            MethodName::Mps => self.mps.clone().map(Method::Mps),
+        }
+    }
+}
+
+impl Method {
+    /// Which one it is.
+    pub fn word(&self) -> MethodName {
+        match self {
+            Method::Wcsph(_) => MethodName::Wcsph,
+            Method::Isph(_) => MethodName::Isph,
+            Method::Mps(_) => MethodName::Mps,
+        }
+    }
+
+    /// Its word in a scene file.
+    pub fn name(&self) -> &'static str {
+        self.word().word()
+    }
+
+    /// Kernel, smoothing and mass.
+    pub fn sph(&self) -> Sph {
+        match self {
+            Method::Wcsph(settings) => settings.sph,
+            Method::Isph(settings) => settings.sph,
+            Method::Mps(settings) => settings.sph(),
+        }
+    }
+
+    /// The settings of a projection method.
+    pub fn projection(&self) -> Option<&Projection> {
+        match self {
+            Method::Wcsph(_) => None,
+            Method::Isph(settings) => Some(&settings.projection),
+            Method::Mps(settings) => Some(&settings.projection),
+        }
+    }
+
+    /// Strength of particle shifting; 0 is none.
+    pub fn shifting(&self) -> f64 {
+        match self {
+            Method::Wcsph(settings) => settings.shifting,
+            Method::Isph(settings) => settings.projection.shifting,
+            Method::Mps(settings) => settings.projection.shifting,
+        }
+    }
+
+    /// H / h of the normals that shifting needs where there is no tension: as wide as the tension
+    /// of preset `modern`.
+    pub fn normals(&self) -> f64 {
+        match self {
+            Method::Wcsph(_) | Method::Isph(_) => 1.75,
+            Method::Mps(_) => 1.7,
+        }
+    }
+}

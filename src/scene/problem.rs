@@ -1,0 +1,173 @@
+//! What is computed, apart from what is done with it: all that a solver reads.
+
+use serde::{Serialize, Serializer};
+
+use super::body::BodyTable;
+use super::domain::BoxTable;
+use super::effects::EffectTables;
+use super::file::Liquid;
+use super::method::MethodName;
+use super::{
+    Body, Dimension, Domain, Effects, Method, Motion, MpsClosure, Pairs, Shape, Side, SpeedOf, unit,
+};
+
+/// Liquid in a box, the effects that act on it, and the method that computes its motion, SI.
+///
+/// It is serialised as the part of a scene file that gives it: that is its key.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    pub dimension: Dimension,
+    pub domain: Domain,
+    /// Liquid density rho0, kg/m^3.
+    pub density: f64,
+    /// Particle spacing s0, m.
+    pub spacing: f64,
+    pub effects: Effects,
+    pub bodies: Vec<Body>,
+    pub method: Method,
+    pub pairs: Pairs,
+}
+
+impl Problem {
+    /// The relaxation of one body: alone and at rest, in the box of the scene if it stands on it,
+    /// else in an open box around it, with the mirror planes that cut it, and without gravity.
+    pub fn resting(&self, body: usize) -> Problem {
+        let mut body = self.bodies[body].clone();
+        let mut problem = Problem {
+            domain: self.domain_around(&body),
+            bodies: Vec::new(),
+            method: at_rest(&self.method),
+            ..self.clone()
+        };
+        body.motion = Motion::Uniform([0.0; 3]);
+        if body.shape.is_free() {
+            let home = problem.domain.home();
+            body.shape.move_to(home);
+            problem.effects.gravity = None;
+            problem.effects.wetting = None;
+        }
+        problem.bodies = vec![body];
+        problem
+    }
+
+    fn domain_around(&self, body: &Body) -> Domain {
+        let extent = match &body.shape {
+            Shape::Sphere { radius, .. } => [*radius; 3],
+            Shape::Ellipsoid { semi_axes, .. } => *semi_axes,
+            _ => return self.domain.clone(),
+        };
+        let mut size = extent.map(|r| 4.0 * r + 8.0 * self.spacing);
+        let mut boundary = [[Side::Open; 2]; 3];
+        for (axis, side) in body.shape.cuts(&self.domain).into_iter().enumerate() {
+            if let Some(side) = side {
+                size[axis] *= 0.5;
+                boundary[axis][side] = Side::Mirror;
+            }
+        }
+        if self.dimension == Dimension::Two {
+            size[1] = 0.0;
+            boundary[1] = [Side::Periodic; 2];
+        }
+        Domain {
+            size,
+            boundary,
+            wall_velocity: Default::default(),
+        }
+    }
+
+    /// Whether a side of the box is a wall.
+    pub fn has_wall(&self) -> bool {
+        let mut sides = self.domain.boundary.iter().flatten();
+        sides.any(|side| *side == Side::Wall)
+    }
+
+    /// Whether a setting of this name is there and nothing reads it.
+    pub(super) fn ignores(&self, name: &str) -> bool {
+        let is_completed = match &self.method {
+            Method::Mps(settings) => settings.closure == MpsClosure::Completed,
+            _ => false,
+        };
+        let is_mps = matches!(self.method, Method::Mps(_));
+        match name.rsplit('.').next().unwrap_or("") {
+            "wall_pressure" => !self.has_wall(),
+            "cohesion" => self.effects.tension.is_none(),
+            "tension" => self.effects.tension.is_none(),
+            "beta" => is_completed,
+            "form" => is_mps && name.ends_with("viscosity.form"),
+            _ => false,
+        }
+    }
+}
+
+/// A method without what bodies at rest do not read: their speed of sound is their own.
+fn at_rest(method: &Method) -> Method {
+    let mut method = method.clone();
+    if let Method::Wcsph(settings) = &mut method {
+        settings.sound_speed_factor = 10.0;
+        settings.reference_speed = SpeedOf::Scene;
+    }
+    method
+}
+
+impl Domain {
+    /// Where the centre of a body stands that relaxes in this box: in the middle, or in the mirror
+    /// plane that cuts it.
+    fn home(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| match self.fold(axis) {
+            Some(side) => [0.0, self.size[axis]][side],
+            None => 0.5 * self.size[axis],
+        })
+    }
+}
+
+/// The part of a scene file that gives a problem.
+#[derive(Serialize)]
+struct Fragment {
+    dimension: Dimension,
+    #[serde(rename = "box")]
+    domain: BoxTable,
+    liquid: Liquid,
+    pack: Spacing,
+    effects: EffectTables,
+    body: Vec<BodyTable>,
+    method: Settings,
+}
+
+#[derive(Serialize)]
+struct Spacing {
+    #[serde(with = "unit::Length")]
+    spacing: f64,
+}
+
+#[derive(Serialize)]
+struct Settings {
+    name: MethodName,
+    #[serde(flatten)]
+    pairs: Pairs,
+    #[serde(flatten)]
+    method: Method,
+}
+
+impl Serialize for Problem {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let bodies = self.bodies.iter();
+        let fragment = Fragment {
+            dimension: self.dimension,
+            domain: BoxTable::of(&self.domain, self.dimension),
+            liquid: Liquid {
+                density: self.density,
+            },
+            pack: Spacing {
+                spacing: self.spacing,
+            },
+            effects: EffectTables::of(&self.effects, self.dimension),
+            body: bodies.map(|b| BodyTable::of(b, self.dimension)).collect(),
+            method: Settings {
+                name: self.method.word(),
+                pairs: self.pairs,
+                method: self.method.clone(),
+            },
+        };
+        fragment.serialize(to)
+    }
+}

@@ -64,6 +64,9 @@ pub struct SchemaArguments {
     /// What kind of file
     #[arg(value_enum, default_value_t)]
     pub of: FileKind,
+    /// Print a page of all settings of a pipeline file in Markdown, in place of the JSON schema
+    #[arg(long)]
+    pub markdown: bool,
 }
 
 #[derive(Debug, Args)]

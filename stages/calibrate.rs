@@ -4,7 +4,7 @@
 use coronet::method;
 use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
-use coronet::scene::key::CalibrateInput;
+use coronet::scene::input::CalibrateInput;
 
 use crate::forecast::Forecast;
 use crate::impact::read_body;

@@ -20,7 +20,6 @@ use crate::trial::{Outcome, Trial};
 /// A number that the measures of every point come down to. Times count from contact, where there is
 /// one.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Figure {
     /// Heads its column.
     name: String,
@@ -41,7 +40,6 @@ pub struct Figure {
 
 /// One plot of a column of the measures for each label of an axis, one curve a point.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Curves {
     column: String,
     /// The axis; without it one plot has all points.

@@ -14,7 +14,7 @@ use coronet::record::atomic::write_file;
 use coronet::record::checkpoint::{self, CheckpointError};
 use coronet::record::layout::Layout;
 use coronet::record::log::{LogSetup, LogWriter};
-use coronet::scene::key::ImpactInput;
+use coronet::scene::input::ImpactInput;
 use coronet::scene::quantity::{self, Unit};
 
 use crate::calibrate;

@@ -11,7 +11,9 @@ use coronet::record::export;
 use coronet::record::log::{self, LogError};
 use serde_json::{Value, json};
 
-use crate::arguments::{ExportArguments, FileKind, Format, RecoverArguments, ShowArguments};
+use crate::arguments::{
+    ExportArguments, FileKind, Format, RecoverArguments, SchemaArguments, ShowArguments,
+};
 use crate::fault::{Untrusted, Usage};
 use crate::impact::FRAMES;
 use crate::keep::size;
@@ -327,10 +329,14 @@ pub fn recover(arguments: &RecoverArguments) -> Result<()> {
     Ok(())
 }
 
-pub fn schema(of: FileKind) -> Result<()> {
-    let schema = match of {
-        FileKind::Pipeline => coronet::scene::schema::json(),
-        FileKind::Study => crate::points::schema(),
+pub fn schema(arguments: &SchemaArguments) -> Result<()> {
+    let schema = match (arguments.of, arguments.markdown) {
+        (FileKind::Pipeline, false) => coronet::scene::schema::json(),
+        (FileKind::Pipeline, true) => coronet::scene::reference::markdown(),
+        (FileKind::Study, false) => crate::points::schema(),
+        (FileKind::Study, true) => bail!(Usage(
+            "--markdown: there is no page of studies; leave it out for the JSON schema".into()
+        )),
     };
     out!("{}", schema.trim_end());
     Ok(())

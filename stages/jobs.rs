@@ -7,7 +7,7 @@ use coronet::method;
 use coronet::pipeline::{Identity, Pipeline, Setting, Stage};
 use coronet::scene::Scene;
 use coronet::scene::file::Loaded;
-use coronet::scene::key::RelaxInput;
+use coronet::scene::input::RelaxInput;
 
 use crate::calibrate::Calibrate;
 use crate::impact::Impact;

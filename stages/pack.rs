@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use coronet::particle::pack::{PackError, PackProgress, PackReport, pack};
 use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
-use coronet::scene::key::PackInput;
+use coronet::scene::input::PackInput;
 
 use crate::BODY;
 use crate::forecast::Forecast;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use coronet::measure::series::Series;
-use coronet::scene::file;
 use coronet::scene::numbers::count;
+use coronet::scene::{file, schema};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -21,7 +21,6 @@ const LONGEST: u64 = 16 << 20;
 
 /// A study file: an `error` to be measured, `figure`s to be told, or `case`s with promises.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Study {
     pub title: String,
     /// From the study file; a case may name another.
@@ -47,7 +46,6 @@ pub struct Study {
 
 /// Either `key` with `values`, or `points`.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Axis {
     pub name: String,
     key: Option<String>,
@@ -63,7 +61,6 @@ pub struct Axis {
 }
 
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Choice {
     label: String,
     #[serde(default)]
@@ -75,9 +72,7 @@ type Point = (Vec<String>, Vec<String>);
 
 /// JSON Schema 2020-12 of study files, as shipped in `docs/study.schema.json`.
 pub fn schema() -> String {
-    let mut schema = schemars::schema_for!(Study);
-    schema.insert("title".into(), "Coronet study".into());
-    format!("{:#}\n", schema.to_value())
+    format!("{:#}\n", schema::of::<Study>("Coronet study").to_value())
 }
 
 /// The study and its points, each checked against the format of scenes before anything runs. With
@@ -89,7 +84,7 @@ pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
         other => other?,
     };
     let text = String::from_utf8(content).map_err(|error| wrong(error.to_string()))?;
-    let study: Study = toml::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    let study: Study = file::parse(&text, path)?;
     study.check().map_err(wrong)?;
     study.check_tables(path).map_err(wrong)?;
     let points = study.points().map_err(wrong)?;

@@ -8,7 +8,7 @@ use coronet::pipeline::{
     Context, Identity, Output, Progress, Stage, StageError, Stamp, Store, Work,
 };
 use coronet::record::log;
-use coronet::scene::key::PostInput;
+use coronet::scene::input::PostInput;
 
 use crate::forecast::Forecast;
 use crate::impact::FRAMES;

@@ -16,7 +16,6 @@ use crate::trial::{Outcome, Trial};
 
 /// A named case; with axes, it is run at each of their points.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Case {
     pub name: String,
     /// From the study file.

@@ -9,7 +9,7 @@ use coronet::method::{self, Phase, Solver};
 use coronet::particle::State;
 use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
-use coronet::scene::key::RelaxInput;
+use coronet::scene::input::RelaxInput;
 
 use crate::BODY;
 use crate::flight::{self, Flight};

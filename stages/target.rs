@@ -16,7 +16,6 @@ use crate::trial::{Outcome, Trial};
 
 /// What the error is measured against: exactly one of `value`, `theory`, `reference` and `finest`.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct Target {
     pub column: String,
     /// An exact value, SI.

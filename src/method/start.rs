@@ -3,7 +3,7 @@
 use super::Phase;
 use super::model::Model;
 use crate::particle::{Particles, State, pack};
-use crate::scene::key::{ImpactInput, Start};
+use crate::scene::input::{ImpactInput, Start};
 use crate::scene::{Body, Dimension, Method, Motion, Problem, Shape, Side};
 
 fn shift(particles: &mut Particles, by: [f64; 3]) {

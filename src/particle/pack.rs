@@ -15,7 +15,7 @@ use super::repulse;
 use super::shape::Region;
 use super::{Particles, lattice, poisson, wall};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
-use crate::scene::key::PackInput;
+use crate::scene::input::PackInput;
 use crate::scene::{Arrangement, Dimension, KernelName, Mass, Sph};
 use crate::space::grid::TooSmall;
 use std::marker::PhantomData;

@@ -5,7 +5,7 @@
 //! box and are packed in box coordinates. A 2-D region lies in the x-z plane and its volume is an
 //! area.
 
-use crate::scene::key::PackInput;
+use crate::scene::input::PackInput;
 use crate::scene::{Dimension, Domain, Shape, Side};
 
 /// What lies behind one face of a box-shaped region.

@@ -5,7 +5,10 @@ use toml::de::DeValue;
 
 use super::error::{Mistakes, SceneError};
 use super::quantity::{self, Unit};
-use super::schema::NAME;
+use super::rule::{
+    alternatives, choice, example, keys, required, same_type, unit_of, wording, words,
+};
+use super::schema::{self, NAME};
 use super::spelling::{ALIKE, beside, is_printable, nearest, printable};
 use super::tree::{Table, Tree, Value, dotted, kind, number};
 
@@ -13,6 +16,7 @@ use super::tree::{Table, Tree, Value, dotted, kind, number};
 pub fn check(tree: &Tree<'_>, schema: &Schema) -> Mistakes {
     let mut check = Check {
         tree,
+        root: schema,
         found: Mistakes::default(),
     };
     check.value(&tree.root, "", schema);
@@ -21,11 +25,15 @@ pub fn check(tree: &Tree<'_>, schema: &Schema) -> Mistakes {
 
 struct Check<'a> {
     tree: &'a Tree<'a>,
+    root: &'a Schema,
     found: Mistakes,
 }
 
 impl Check<'_> {
     fn value(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
+        if schema.as_bool() == Some(true) {
+            return;
+        }
         if words(schema).is_some() {
             return self.word(value, key, schema);
         }
@@ -64,6 +72,13 @@ impl Check<'_> {
         if let Some(each) = schema["patternProperties"].get(NAME) {
             return self.named(value, table, key, each);
         }
+        if schema["additionalProperties"].is_object() {
+            for (name, inner) in table {
+                let key = dotted(key, &printable(name.get_ref()));
+                self.value(inner, &key, &schema["additionalProperties"]);
+            }
+            return;
+        }
         let known = keys(schema);
         let mut meant = Vec::new();
         for (name, inner) in table {
@@ -73,7 +88,7 @@ impl Check<'_> {
                 None => {
                     let place = self.tree.place(name.span().start);
                     let name = name.get_ref();
-                    let guess = guess(name, key, &known);
+                    let guess = self.guess(name, key, &known);
                     let question = guess.as_ref().map(|key| format!("did you mean `{key}`? "));
                     let question = question.unwrap_or_default();
                     self.found.add(SceneError::UnknownKey {
@@ -276,6 +291,7 @@ impl Check<'_> {
         for schema in kinds {
             let mut own = Check {
                 tree: self.tree,
+                root: self.root,
                 found: Mistakes::default(),
             };
             own.value(value, key, schema);
@@ -293,142 +309,12 @@ impl Check<'_> {
             }
         }
     }
-}
 
-/// Keys of the tables of a schema, in its order.
-fn keys(schema: &Schema) -> Vec<&str> {
-    let properties = schema["properties"].as_object();
-    properties.map_or(Vec::new(), |all| all.keys().map(String::as_str).collect())
-}
-
-fn required(schema: &Schema) -> Vec<&str> {
-    let keys = schema["required"].as_array().into_iter().flatten();
-    keys.filter_map(Schema::as_str).collect()
-}
-
-/// Keys of which exactly one must be there.
-fn choice(schema: &Schema) -> Vec<&str> {
-    let kinds = schema["oneOf"].as_array().into_iter().flatten();
-    kinds.flat_map(required).collect()
-}
-
-fn unit_of(schema: &Schema) -> Option<Unit> {
-    Unit::called(schema["x-unit"].as_str()?)
-}
-
-/// The words of a schema that allows nothing else.
-fn words(schema: &Schema) -> Option<Vec<Schema>> {
-    if let Some(words) = schema["enum"].as_array() {
-        return Some(words.clone());
-    }
-    if let Some(word) = schema.get("const") {
-        return Some(vec![word.clone()]);
-    }
-    if schema["type"] == "object" {
-        return None;
-    }
-    let kinds = schema["oneOf"].as_array().or(schema["anyOf"].as_array())?;
-    let words: Option<Vec<Vec<Schema>>> = kinds.iter().map(words).collect();
-    words.map(|words| words.concat())
-}
-
-/// Alternatives of different types: words in one, tables of one key each in one.
-fn alternatives(schema: &Schema) -> Option<Vec<Schema>> {
-    if schema["type"] == "object" {
-        return None;
-    }
-    let kinds = schema["oneOf"].as_array().or(schema["anyOf"].as_array())?;
-    let known: Vec<Schema> = kinds.iter().filter_map(words).flatten().collect();
-    let mut merged = Vec::new();
-    if !known.is_empty() {
-        merged.push(serde_json::json!({ "enum": known }));
-    }
-    let (tables, rest): (Vec<&Schema>, Vec<&Schema>) = kinds
-        .iter()
-        .filter(|kind| words(kind).is_none())
-        .partition(|kind| kind["type"] == "object");
-    if !tables.is_empty() {
-        let properties = tables
-            .iter()
-            .filter_map(|table| table["properties"].as_object());
-        let properties = properties.flat_map(|all| all.clone());
-        let choice = tables.iter().flat_map(|table| required(table));
-        let choice = choice.map(|key| serde_json::json!({ "required": [key] }));
-        merged.push(serde_json::json!({
-            "type": "object",
-            "properties": properties.collect::<serde_json::Map<_, _>>(),
-            "oneOf": choice.collect::<Vec<_>>(),
-        }));
-    }
-    for kind in rest {
-        let mut kind = kind.clone();
-        // A range that stands beside the alternatives is that of the one with numbers.
-        for word in ["minimum", "maximum", "exclusiveMinimum"] {
-            if let (Some(bound), Some(object)) = (schema.get(word), kind.as_object_mut()) {
-                object.entry(word).or_insert(bound.clone());
-            }
+    /// The known key that an unknown one means, if one is near.
+    fn guess(&self, given: &str, table: &str, known: &[&str]) -> Option<String> {
+        match nearest(given, known.iter().copied()) {
+            Some((name, likeness)) if likeness >= ALIKE => Some(dotted(table, name)),
+            _ => beside(given, table, &schema::keys(self.root)).map(|(key, _)| key),
         }
-        merged.push(kind);
-    }
-    Some(merged)
-}
-
-fn same_type(value: &Value<'_>, schema: &Schema) -> bool {
-    let is_quantity = unit_of(schema).is_some();
-    match value.get_ref() {
-        DeValue::String(_) => is_quantity || words(schema).is_some() || schema["type"] == "string",
-        DeValue::Float(_) | DeValue::Integer(_) => is_quantity || schema["type"] == "number",
-        DeValue::Array(_) => schema["type"] == "array",
-        DeValue::Table(_) => schema["type"] == "object",
-        _ => false,
-    }
-}
-
-/// As in "write ...".
-fn wording(schema: &Schema) -> String {
-    if let Some(words) = words(schema) {
-        let words: Vec<String> = words.iter().map(|word| word.to_string()).collect();
-        return format!("one of {}", words.join(", "));
-    }
-    if let Some(unit) = unit_of(schema) {
-        return format!("{} such as {}", unit.name(), unit.example());
-    }
-    match schema["type"].as_str() {
-        Some("object") => format!("a table with {}", keys(schema).join(", ")),
-        Some("array") => format!("an array of {}", wording(&schema["items"])),
-        Some("string") => "a string".to_string(),
-        Some("integer") => "a whole number".to_string(),
-        _ => "a number".to_string(),
-    }
-}
-
-/// How a key might be written.
-fn example(name: &str, schema: &Schema) -> String {
-    let item = unit_of(&schema["items"]);
-    let value = match (unit_of(schema), item, words(schema)) {
-        (Some(unit), ..) => unit.example().to_string(),
-        (_, Some(unit), _) => format!("[{0}, {0}, {0}]", unit.example()),
-        (_, _, Some(words)) => words.first().map_or(String::new(), Schema::to_string),
-        _ if schema.get("patternProperties").is_some() => {
-            return format!("a table [{name}.NAME] for each");
-        }
-        _ if schema["type"] == "object" => {
-            let needed = required(schema).into_iter();
-            let items: Vec<String> = needed
-                .map(|key| example(key, &schema["properties"][key]))
-                .collect();
-            format!("{{ {} }}", items.join(", "))
-        }
-        _ => "...".to_string(),
-    };
-    format!("{name} = {value}")
-}
-
-/// The known key that an unknown one means, if one is near.
-fn guess(given: &str, table: &str, known: &[&str]) -> Option<String> {
-    let here = nearest(given, known.iter().copied());
-    match here {
-        Some((name, likeness)) if likeness >= ALIKE => Some(dotted(table, name)),
-        _ => beside(given, table).map(|(key, _)| key),
     }
 }

@@ -37,6 +37,9 @@ pub enum SceneError {
     NotText { path: PathBuf },
     #[error("{place}: not TOML: {message}")]
     Syntax { place: Place, message: String },
+    /// What the schema allows and the type does not.
+    #[error("{place}: {message}")]
+    Unfit { place: Place, message: String },
     #[error(
         "--set {argument}: {problem}; write --set key.key=value, as in --set impact.end=\"20 ms\""
     )]
@@ -80,6 +83,7 @@ impl SceneError {
     fn order(&self) -> (bool, usize, usize) {
         let place = match self {
             SceneError::Syntax { place, .. }
+            | SceneError::Unfit { place, .. }
             | SceneError::UnknownKey { place, .. }
             | SceneError::Missing { place, .. }
             | SceneError::Value { place, .. } => place,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::body::{self, BodyTables};
@@ -119,6 +120,17 @@ pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneErr
         text,
         path: path.to_path_buf(),
     })
+}
+
+/// Reads another kind of file, whose type is its format, with all its mistakes at once.
+///
+/// # Errors
+/// [`SceneError`].
+pub fn parse<T: DeserializeOwned + JsonSchema>(text: &str, path: &Path) -> Result<T, SceneError> {
+    let sources = Sources::new(text, path, &[]);
+    let tree = Tree::parse(&sources)?;
+    conform::check(&tree, &schema::of::<T>("").to_value()).told()?;
+    tree.read()
 }
 
 impl Document {

@@ -1,7 +1,5 @@
 //! Words as users type them: what was meant, and what can be printed.
 
-use super::schema;
-
 /// From which likeness (1 is equal) on a word may be meant: one letter in three is wrong.
 pub(super) const ALIKE: f64 = 0.6;
 /// The same of a key of another table.
@@ -22,8 +20,9 @@ pub(super) fn nearest<'a>(
     )
 }
 
-/// The key spelled most like `given` in the tables beside, above and below that at `path`.
-pub(super) fn beside(given: &str, path: &str) -> Option<(String, f64)> {
+/// The key, one of `keys`, spelled most like `given` in the tables beside, above and below that at
+/// `path`.
+pub(super) fn beside(given: &str, path: &str, keys: &[String]) -> Option<(String, f64)> {
     // The name of a body stands for any.
     let general = match path.strip_prefix("body.") {
         Some(rest) => rest.find('.').map_or("body.NAME".to_string(), |end| {
@@ -36,7 +35,6 @@ pub(super) fn beside(given: &str, path: &str) -> Option<(String, f64)> {
             .map_or(String::new(), |(table, _)| table.into())
     };
     let above = table(&general);
-    let keys = schema::keys(&schema::SCENE);
     let is_near = |key: &&String| {
         let own = table(key);
         own == above || table(&own) == above || table(&own) == general

@@ -121,10 +121,10 @@ impl<'a> Tree<'a> {
     /// The type that reads the whole.
     ///
     /// # Errors
-    /// [`SceneError::Value`] for what the schema does not refuse and the type does.
+    /// [`SceneError::Unfit`] for what the schema does not refuse and the type does.
     pub fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T, SceneError> {
         let from = ValueDeserializer::from(self.root.clone());
-        T::deserialize(from).map_err(|error| SceneError::Syntax {
+        T::deserialize(from).map_err(|error| SceneError::Unfit {
             place: self.place(error.span().map_or(0, |span| span.start)),
             message: error.message().to_string(),
         })

@@ -39,7 +39,7 @@ use crate::method::{self, Diverged, MethodError, Phase, Solver};
 use crate::particle::pack::{self, PackError};
 use crate::particle::{Frame, Particles, State};
 use crate::scene::error::SceneError;
-use crate::scene::key::RelaxInput;
+use crate::scene::input::RelaxInput;
 use crate::scene::{Scene, file};
 
 /// Why a scene cannot be simulated.

@@ -162,12 +162,12 @@ const WRONG: &[(&str, &str, &[&str])] = &[
     (
         "velocity =",
         "colour = \"red\"\nvelocity =",
-        &["16:10", "is no colour", "#1f77b4"],
+        &["16:10", "is not a colour", "#1f77b4"],
     ),
     (
         "[body.drop]",
         "[body.Drop]",
-        &["14:7", "is no name", "lower-case"],
+        &["14:7", "is not a name", "lower-case"],
     ),
 ];
 
@@ -225,7 +225,7 @@ fn scenes_that_make_no_sense_are_refused() {
     let above = sphere.replace("pool", "lake");
     holds(
         &edit(&above),
-        &["\"lake\"", "no body", "earlier in the file: pool"],
+        &["\"lake\"", "is not a body", "earlier in the file: pool"],
     );
     let both = sphere.replace("gap", "centre = [0, 0, 0], gap");
     holds(&edit(&both), &["beside `centre`"]);

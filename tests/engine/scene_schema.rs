@@ -17,10 +17,13 @@ fn check(schema: &Value, value: &Value, path: &str) -> Result<(), String> {
     let wrong = |why: &str| Err(format!("{path}: {why}: {value}"));
     for (word, rule) in schema.as_object().unwrap() {
         match word.as_str() {
-            "$schema" | "title" | "description" | "default" => {}
+            "$schema" | "title" | "description" | "default" | "x-unit" | "x-preset" => {}
             "type" if !is_type(rule.as_str().unwrap(), value) => return wrong("type"),
             "enum" if !rule.as_array().unwrap().contains(value) => return wrong("enum"),
-            "type" | "enum" => {}
+            "const" if rule != value => return wrong("const"),
+            "type" | "enum" | "const" => {}
+            // Bounds are of numbers, and say nothing about a text.
+            "minimum" | "maximum" | "exclusiveMinimum" if !value.is_number() => {}
             "minimum" if value.as_f64() < rule.as_f64() => return wrong("minimum"),
             "maximum" if value.as_f64() > rule.as_f64() => return wrong("maximum"),
             "exclusiveMinimum" if value.as_f64() <= rule.as_f64() => return wrong("minimum"),
@@ -216,11 +219,19 @@ fn samples(schema: &Value) -> Vec<Value> {
     if let Some(words) = schema.get("enum") {
         return words.as_array().unwrap().clone();
     }
+    if let Some(word) = schema.get("const") {
+        return vec![word.clone()];
+    }
+    if schema["type"] != "object"
+        && let Some(kinds) = schema.get("oneOf")
+    {
+        return kinds.as_array().unwrap().iter().flat_map(samples).collect();
+    }
     match schema["type"].as_str().unwrap() {
-        "integer" => vec![schema["minimum"].clone()],
+        "integer" => vec![schema.get("minimum").cloned().unwrap_or(0.into())],
         "number" => vec![schema.get("maximum").cloned().unwrap_or(1.0.into())],
         "array" => {
-            let count = schema["minItems"].as_u64().unwrap().max(1) as usize;
+            let count = schema["minItems"].as_u64().unwrap_or(1) as usize;
             let items = samples(&schema["items"]);
             items
                 .into_iter()

@@ -96,10 +96,7 @@ fn particles(scene: &Scene) -> f64 {
 fn frames(scene: &Scene) -> f64 {
     let wanted = (scene.impact.end / scene.frames.interval).floor();
     let inner = match &scene.method {
-        Method::Wcsph(settings) => match settings.time_stepping {
-            TimeStepping::Dual { .. } => ACOUSTIC,
-            _ => 1.0,
-        },
+        Method::Wcsph(settings) if settings.time_stepping.is_dual() => ACOUSTIC,
         _ => 1.0,
     };
     wanted.min(steps(scene) / inner) + 1.0
@@ -117,8 +114,7 @@ fn particle_step(scene: &Scene) -> f64 {
         Method::Mps(settings) => return flat * (MPS + iterations(scene, &settings.projection)),
         Method::Wcsph(settings) => settings,
     };
-    let is_dual = matches!(settings.time_stepping, TimeStepping::Dual { .. });
-    let plain = if is_dual {
+    let plain = if settings.time_stepping.is_dual() {
         WCSPH_CONTINUOUS
     } else {
         WCSPH_SUMMED
@@ -279,9 +275,6 @@ fn resting_steps(scene: &Scene, body: usize) -> Option<f64> {
     let sound = numbers::rest_sound_speed(&scene.resting(body));
     Some(part * relax.time / step(scene, 0.0, sound))
 }
-
-/// What a job will cost, found when it is asked for.
-pub type Forecast<'a> = Box<dyn Fn() -> Option<Work> + Sync + 'a>;
 
 fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
     cpu.is_finite().then(|| Work {

@@ -19,7 +19,7 @@ use coronet::scene::quantity::{self, Unit};
 
 use crate::calibrate;
 use crate::flight::{self, Flight};
-use crate::forecast::Forecast;
+use crate::jobs::Forecast;
 use crate::journal::{Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start};
 use crate::pace::Pace;
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use coronet::method;
-use coronet::pipeline::{Identity, Pipeline, Setting, Stage};
+use coronet::pipeline::{Identity, Pipeline, Setting, Stage, Work};
 use coronet::scene::Scene;
 use coronet::scene::file::Loaded;
 use coronet::scene::input::RelaxInput;
@@ -24,7 +24,7 @@ pub mod version {
     pub const PACK: u32 = 2;
     const CALIBRATE: u32 = 7;
     pub const POST: u32 = 10;
-    const FLOW: u32 = 18;
+    const FLOW: u32 = 19;
 
     /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,
     /// with a tension that has an energy, with MPS, with a corrected gradient, with WCSPH or with
@@ -77,6 +77,9 @@ pub mod version {
             + energetic(scene)
     }
 }
+
+/// What a job will cost, found when it is asked for.
+pub type Forecast<'a> = Box<dyn Fn() -> Option<Work> + Sync + 'a>;
 
 /// The jobs of a scene, in an order in which they can run.
 pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {

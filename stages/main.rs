@@ -96,7 +96,7 @@ fn obey(command: &Command) -> Result<()> {
         Command::Show(arguments) => inspect::show(arguments),
         Command::Export(arguments) => inspect::export(arguments),
         Command::Recover(arguments) => inspect::recover(arguments),
-        Command::Schema(arguments) => inspect::schema(&arguments),
+        Command::Schema(arguments) => inspect::schema(arguments),
         Command::Completions(arguments) => manual::completions(arguments.shell),
         Command::Man(arguments) => manual::pages(&arguments.folder),
     }

@@ -9,7 +9,7 @@ use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::input::PackInput;
 
 use crate::BODY;
-use crate::forecast::Forecast;
+use crate::jobs::Forecast;
 
 /// Time between two reports.
 const BETWEEN: Duration = Duration::from_millis(200);

@@ -10,8 +10,8 @@ use coronet::pipeline::{
 use coronet::record::log;
 use coronet::scene::input::PostInput;
 
-use crate::forecast::Forecast;
 use crate::impact::FRAMES;
+use crate::jobs::Forecast;
 use crate::relax::UNREST;
 
 /// The table of measures, as [`post::Post`] names it.

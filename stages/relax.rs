@@ -13,8 +13,8 @@ use coronet::scene::input::RelaxInput;
 
 use crate::BODY;
 use crate::flight::{self, Flight};
-use crate::forecast::Forecast;
 use crate::impact::read_body;
+use crate::jobs::Forecast;
 use crate::pace::Pace;
 
 /// Since when both limits have been kept, s, as a scalar of a checkpoint; NaN: they are not.

@@ -117,7 +117,8 @@ fn by_id(p: &Particles) -> Particles {
     }
 }
 
-/// Merges packed or relaxed bodies, in the order of the scene, and gives them their places and velocities: the state at t = 0.
+/// The state at t = 0: packed or relaxed bodies, in the order of the scene, at their places and
+/// with their velocities.
 pub fn initial(input: &ImpactInput, bodies: &[Particles]) -> State {
     let scene = &input.problem;
     let mut all = Particles {

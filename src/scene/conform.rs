@@ -48,6 +48,8 @@ impl Check<'_> {
             Some("array") => self.list(value, key, schema),
             Some("string") => self.text(value, key, schema),
             Some("integer") => self.count(value, key, schema),
+            Some("boolean") if value.get_ref().is_bool() => {}
+            Some("boolean") => self.unfit(value, key, "true or false"),
             _ => match number(value.get_ref()) {
                 Some(given) => self.within(value, key, schema, given),
                 None => self.unfit(value, key, "a number without a unit"),

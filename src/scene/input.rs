@@ -19,7 +19,8 @@ use super::key::KeyError;
 use super::stage::{Pack, Packing};
 use super::unit::{Colour, List, Time};
 use super::{
-    Clock, Colouring, Dimension, Domain, Frames, Problem, Relax, Scene, Shape, Sph, TensionStrength,
+    Arrangement, Clock, Colouring, Dimension, Domain, Frames, Problem, Relax, Scene, Shape, Sph,
+    TensionStrength,
 };
 
 /// What packing a body reads.
@@ -237,7 +238,14 @@ impl Scene {
             spacing,
             sph: method.sph(),
             shape: bodies[0].shape.clone(),
-            packing: self.pack.clone(),
+            packing: match self.pack.arrangement {
+                Arrangement::Poisson => self.pack.clone(),
+                // A lattice has no seed and no tolerance.
+                Arrangement::Lattice => Packing {
+                    arrangement: Arrangement::Lattice,
+                    ..Packing::default()
+                },
+            },
         }
     }
 

@@ -101,6 +101,10 @@ fn flatten(value: &Value, name: &str, list: &mut Vec<Setting>) -> Result<(), Key
 fn shown(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
+        // 1, not 1.0.
+        Value::Number(number) => number
+            .as_f64()
+            .map_or(number.to_string(), |x| x.to_string()),
         Value::Array(items) => {
             let items: Vec<String> = items.iter().map(shown).collect();
             format!("[{}]", items.join(", "))

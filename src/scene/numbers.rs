@@ -7,7 +7,7 @@ use super::quantity::{Unit, human};
 use super::shape::lattice;
 use super::{
     Arrangement, Density, Method, Motion, Pressure, Problem, Scene, Shape, Side, SoundSpeed,
-    SpeedOf, TimeStepping, Wcsph,
+    SpeedOf, Wcsph,
 };
 
 /// A number with its name and definition.
@@ -150,7 +150,7 @@ pub fn sound_speeds(scene: &Problem) -> [f64; 2] {
     let follows = settings.sound_speed == SoundSpeed::Adaptive
         && settings.pressure != Pressure::Clipped
         && matches!(settings.density, Density::Continuity { .. })
-        && matches!(settings.time_stepping, TimeStepping::Dual { .. });
+        && settings.time_stepping.is_dual();
     let least = settings.sound_speed_factor * standing_speed(scene);
     [if follows { least.min(most) } else { most }, most]
 }

@@ -30,7 +30,7 @@ impl Problem {
         let over_kernel = match self.effects.tension {
             Some(tension) => {
                 let smoothing = tension.smoothing;
-                // How far beside a particle its neighbours are counted, in 2 h (Xie et al., Eq. 14).
+                // How far beside a particle neighbours are counted, in 2 h (Xie et al., Eq. 14).
                 let beside = match tension.form {
                     TensionForm::NumberDensity => 0.5 / sph.smoothing,
                     _ => 0.0,

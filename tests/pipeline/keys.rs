@@ -90,7 +90,7 @@ const TABLE: &[Row] = &[
         "box.x=wall",
         POOL,
         "relax pool",
-        "box.x periodic, periodic -> wall, wall",
+        "box.x [periodic, periodic] -> [wall, wall]",
     ),
     (
         "liquid.density=1010 kg/m^3",
@@ -181,13 +181,13 @@ const TABLE: &[Row] = &[
         "post.panels=[\"1 ms\"]",
         POST,
         "post",
-        "post.panels [0 s, 4 ms] -> 1 ms",
+        "post.panels [0 s, 4 ms] -> [1 ms]",
     ),
     (
         "post.fields=[\"1 ms\"]",
         POST,
         "post",
-        "post.fields [] -> 1 ms",
+        "post.fields [] -> [1 ms]",
     ),
     (
         "title=Another",

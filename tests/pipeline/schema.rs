@@ -28,6 +28,43 @@ fn the_shipped_schema_of_studies_is_that_of_the_program() {
 }
 
 #[test]
+fn the_shipped_page_of_settings_is_that_of_the_program() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/settings.md");
+    let page = Program::new().call(&["schema", "--markdown"]).well().out;
+    if std::env::var_os("UPDATE").is_some() {
+        fs::write(&path, &page).unwrap();
+    }
+    let shipped = fs::read_to_string(&path).unwrap();
+    let remedy = "UPDATE=1 cargo test --release --test pipeline schema";
+    assert_eq!(shipped, page, "the format of scenes changed: run {remedy}");
+    for part in [
+        "## `[effects.wetting]`",
+        "| `spacing` |",
+        "wendland-c2",
+        "of the preset",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn mistakes_of_a_study_are_reported_all_at_once() {
+    let program = Program::new();
+    let study =
+        "titel = 'x'\n[[axis]]\nname = 'n'\nvalues = 3\n[error]\ncolumn = 'a'\nof = 'lst'\n";
+    fs::write(program.path("study.toml"), study).unwrap();
+    program.call(&["study", "study.toml"]).badly(
+        2,
+        &[
+            "3 mistakes",
+            "study.toml:1:1: unknown key `titel`; did you mean `title`?",
+            "study.toml:4:10: `axis[0].values` = 3",
+            "study.toml:7:6: `error.of` = \"lst\": is not known; did you mean \"last\"?",
+        ],
+    );
+}
+
+#[test]
 fn every_study_names_its_schema() {
     let files = fs::read_dir(STUDIES)
         .unwrap()

@@ -2,7 +2,7 @@
 
 use super::super::error::SceneError;
 use super::super::tree::Tree;
-use super::super::{Dimension, Gradient, KernelName, Method, Scene, TensionForm, TimeStepping};
+use super::super::{Dimension, Gradient, KernelName, Method, Scene, TensionForm};
 
 pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     wetting(scene, tree)?;
@@ -45,7 +45,7 @@ fn surface_energy(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
         return Ok(());
     }
     let (problem, remedy) = match &scene.method {
-        Method::Wcsph(settings) if !matches!(settings.time_stepping, TimeStepping::Dual { .. }) => {
+        Method::Wcsph(settings) if !settings.time_stepping.is_dual() => {
             let remedy = "set `method.wcsph.time_stepping.dual`, as preset `modern` does";
             ("needs dual stepping", remedy)
         }

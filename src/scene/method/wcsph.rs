@@ -115,6 +115,11 @@ impl TimeStepping {
         0.6
     }
 
+    /// Whether acoustic steps lie inside advective ones.
+    pub fn is_dual(self) -> bool {
+        matches!(self, TimeStepping::Dual { .. })
+    }
+
     /// Whether single-rate steps hold the tension over several.
     pub fn holds(self) -> bool {
         let tension = TensionIn::Held;

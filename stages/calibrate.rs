@@ -6,8 +6,8 @@ use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::input::CalibrateInput;
 
-use crate::impact::read_body;
-use crate::jobs::Forecast;
+use crate::body::read_body;
+use crate::settings::Forecast;
 
 const FILE: &str = "strength.checkpoint";
 const STRENGTH: &str = "strength";

@@ -1,54 +1,18 @@
 //! What a study without an error tells: figures of each point, and their curves in time together.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Result, bail};
 use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
 use coronet::record::export::cell;
-use coronet::scene::Clock;
-use schemars::JsonSchema;
-use serde::Deserialize;
 
 use crate::cost::Cost;
 use crate::fault::Usage;
-use crate::points::Study;
+use crate::points::{Figure, Study};
 use crate::target::{Feature, window};
 use crate::trial::{Outcome, Trial};
-
-/// A number that the measures of every point come down to. Times count from contact, where there is
-/// one.
-#[derive(Debug, Deserialize, JsonSchema)]
-pub struct Figure {
-    /// Heads its column.
-    name: String,
-    column: String,
-    #[serde(default)]
-    of: Feature,
-    from: Option<String>,
-    to: Option<String>,
-    /// The value at this time, in place of `of` between the two.
-    at: Option<String>,
-    /// Divided by this column: its mean between the two, or its value at that time.
-    over: Option<String>,
-    /// Divided by what this table has, from the study file.
-    reference: Option<PathBuf>,
-    /// From when its times count; left out: as its column of times says.
-    clock: Option<Clock>,
-}
-
-/// One plot of a column of the measures for each label of an axis, one curve a point.
-#[derive(Debug, Deserialize, JsonSchema)]
-pub struct Curves {
-    column: String,
-    /// The axis; without it one plot has all points.
-    each: Option<String>,
-    /// A table, from the study file, for one more curve.
-    reference: Option<PathBuf>,
-    /// From when its times count; left out: as its column of times says.
-    clock: Option<Clock>,
-}
 
 /// The measures of a point, times from contact.
 pub struct Measured {

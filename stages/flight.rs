@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use coronet::file::{self, FileError};
+use coronet::pipeline::content::CHECKPOINT;
 use coronet::pipeline::content::ContentError;
-use coronet::pipeline::store::{CHECKPOINT, OUT, entries};
+use coronet::pipeline::store::{OUT, entries};
 use coronet::pipeline::{Context, Output, StageError};
 use coronet::record::background::CheckpointWriter;
 use coronet::record::checkpoint::{self, LEVEL};

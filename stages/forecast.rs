@@ -13,8 +13,6 @@ use coronet::scene::{
     TimeStepping, numbers,
 };
 
-use crate::probe;
-
 /// CPU seconds of a particle's step: ISPH and MPS with multigrid, WCSPH without tension.
 const ISPH: f64 = 2.5e-6;
 const MPS: f64 = 2.6e-6;
@@ -83,8 +81,6 @@ const BASE: f64 = 2e7;
 const PICTURE: f64 = 550.0;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
-/// CPU seconds of work for which it pays to probe the machine, which takes some tenths of a second.
-const PROBED: f64 = 0.3;
 
 /// Particles of the whole scene.
 fn particles(scene: &Scene) -> f64 {
@@ -279,7 +275,7 @@ fn resting_steps(scene: &Scene, body: usize) -> Option<f64> {
 fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
     cpu.is_finite().then(|| Work {
         amount: cpu,
-        slower: if cpu > PROBED { probe::slower } else { || 1.0 },
+        slower: || 1.0,
         threads: rayon::current_num_threads(),
         memory: BASE + memory * MEMORY[usize::from(is_projected(scene))],
         disk,

@@ -8,7 +8,7 @@
 use coronet::measure::loss;
 use coronet::method::frame::Schedule;
 use coronet::method::{self, Phase, Solver};
-use coronet::particle::{Particles, wall};
+use coronet::particle::wall;
 use coronet::pipeline::{Context, Identity, Output, Relative, Stage, StageError, Work};
 use coronet::record::atomic::write_file;
 use coronet::record::checkpoint::{self, CheckpointError};
@@ -17,16 +17,17 @@ use coronet::record::log::{LogSetup, LogWriter};
 use coronet::scene::input::ImpactInput;
 use coronet::scene::quantity::{self, Unit};
 
+use crate::body::read_body;
 use crate::calibrate;
 use crate::flight::{self, Flight};
-use crate::jobs::Forecast;
-use crate::journal::{Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start};
+use crate::journal::{
+    FRAMES, Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start,
+};
 use crate::pace::Pace;
+use crate::settings::Forecast;
 
 /// State at the end.
 pub const STATE: &str = "state.checkpoint";
-/// Frames of the whole run.
-pub const FRAMES: &str = "frames.mcap";
 /// For viewers, shows all of the log.
 pub const LAYOUT: &str = "layout.json";
 
@@ -281,16 +282,4 @@ impl Impact<'_> {
 /// `impact.end` of a finished run, s.
 fn run_end(relative: &Relative) -> Option<f64> {
     quantity::parse(relative.setting("impact.end")?, Unit::Time).ok()
-}
-
-/// Reads body `index` from input `input`: the checkpoint does not know its place in the scene.
-pub fn read_body(context: &Context, input: usize, index: usize) -> Result<Particles, StageError> {
-    let checkpoint = context.checkpoint(input, crate::BODY)?;
-    let mut particles = Particles::try_from(checkpoint).map_err(|error| StageError::Input {
-        index: input,
-        file: context.inputs[input].folder.join(crate::BODY),
-        what: error.to_string(),
-    })?;
-    particles.body.fill(index as u8);
-    Ok(particles)
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
-use coronet::pipeline::store::{CHECKPOINT, LOG};
+use coronet::pipeline::content::{CHECKPOINT, LOG};
 use coronet::pipeline::{Stamp, stamp};
 use coronet::record::checkpoint::{self, Array};
 use coronet::record::export;
@@ -15,7 +15,7 @@ use crate::arguments::{
     ExportArguments, FileKind, Format, RecoverArguments, SchemaArguments, ShowArguments,
 };
 use crate::fault::{Untrusted, Usage};
-use crate::impact::FRAMES;
+use crate::journal::FRAMES;
 use crate::keep::size;
 use crate::print::out;
 
@@ -331,7 +331,7 @@ pub fn recover(arguments: &RecoverArguments) -> Result<()> {
 
 pub fn schema(arguments: &SchemaArguments) -> Result<()> {
     let schema = match (arguments.of, arguments.markdown) {
-        (FileKind::Pipeline, false) => coronet::scene::schema::json(),
+        (FileKind::Pipeline, false) => coronet::scene::file::json_schema(),
         (FileKind::Pipeline, true) => coronet::scene::reference::markdown(),
         (FileKind::Study, false) => crate::points::schema(),
         (FileKind::Study, true) => bail!(Usage(

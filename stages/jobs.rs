@@ -14,7 +14,8 @@ use crate::impact::Impact;
 use crate::pack::Pack;
 use crate::post::Post;
 use crate::relax::Relax;
-use crate::{forecast, settings};
+use crate::settings::{self, Forecast};
+use crate::{forecast, probe};
 
 /// VERSION of each stage: grows whenever the same settings give another result. The golden digests
 /// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
@@ -78,9 +79,6 @@ pub mod version {
     }
 }
 
-/// What a job will cost, found when it is asked for.
-pub type Forecast<'a> = Box<dyn Fn() -> Option<Work> + Sync + 'a>;
-
 /// The jobs of a scene, in an order in which they can run.
 pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     let scene = &loaded.scene;
@@ -103,7 +101,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
                 true => packed,
                 false => bodies.clone(),
             },
-            forecast: Box::new(|| forecast::calibrate(scene)),
+            forecast: later(move || forecast::calibrate(scene)),
             identity: identity("calibrate", "", version::calibrate(scene), settings),
         }));
         calibration = Some(jobs.len() - 1);
@@ -116,7 +114,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         text: &loaded.text,
         bodies,
         calibration,
-        forecast: Box::new(|| forecast::impact(scene)),
+        forecast: later(move || forecast::impact(scene)),
         identity: identity("impact", "", version::flow(scene), settings),
     }));
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
@@ -127,13 +125,18 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         folder,
         text: &loaded.text,
         impact: jobs.len() - 1,
-        forecast: Box::new(|| forecast::post(scene)),
+        forecast: later(move || forecast::post(scene)),
         identity: identity("post", "", version::POST, settings),
     }));
     Ok(Pipeline {
         name: scene.name.clone(),
         jobs,
     })
+}
+
+/// The cost of a job, found when it is asked for.
+fn later<'a>(work: impl Fn() -> Option<Work> + Sync + 'a) -> Forecast<'a> {
+    Box::new(move || work().map(probe::adjusted))
 }
 
 fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {
@@ -151,7 +154,7 @@ fn pack(scene: &Scene, body: usize) -> Result<Box<dyn Stage + '_>> {
     Ok(Box::new(Pack {
         identity: identity("pack", &input.name, version::PACK, settings),
         input,
-        forecast: Box::new(move || forecast::pack(scene, body)),
+        forecast: later(move || forecast::pack(scene, body)),
     }))
 }
 
@@ -168,6 +171,6 @@ fn relax(
         input,
         checkpoint_every: scene.impact.checkpoint_every,
         pack,
-        forecast: Box::new(move || forecast::relax(scene, body)),
+        forecast: later(move || forecast::relax(scene, body)),
     }))
 }

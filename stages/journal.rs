@@ -5,14 +5,17 @@ use coronet::measure::loss;
 use coronet::method::frame::Schedule;
 use coronet::method::{Diverged, Solver};
 use coronet::particle::State;
+use coronet::pipeline::content::LOG;
 use coronet::pipeline::content::{ContentError, content};
-use coronet::pipeline::store::{LOG, entries};
+use coronet::pipeline::store::entries;
 use coronet::pipeline::{Context, Relative, StageError};
 use coronet::record::Checkpoint;
 use coronet::record::log::{self, LogError, LogWriter, Segment};
 
 use crate::flight;
-use crate::impact::FRAMES;
+
+/// Frames of the whole run.
+pub const FRAMES: &str = "frames.mcap";
 
 /// The log of the result that this one goes on from, in the work folder.
 const BASE: &str = "base.mcap";

@@ -1,6 +1,7 @@
 //! The program: reads a pipeline file, brings its stages up to date, shows what was made.
 
 mod arguments;
+mod body;
 mod calibrate;
 mod cost;
 mod fault;
@@ -47,9 +48,6 @@ pub const PROGRAM: &str = concat!(
     env!("CORONET_BUILD"),
     ")"
 );
-
-/// File of a packed or relaxed body.
-pub const BODY: &str = "body.checkpoint";
 
 fn main() -> ExitCode {
     coronet::pipeline::machine::map_large_arrays();

@@ -8,8 +8,8 @@ use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, 
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::input::PackInput;
 
-use crate::BODY;
-use crate::jobs::Forecast;
+use crate::body::BODY;
+use crate::settings::Forecast;
 
 /// Time between two reports.
 const BETWEEN: Duration = Duration::from_millis(200);

@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail};
 use coronet::measure::series::Series;
 use coronet::scene::numbers::count;
-use coronet::scene::{file, schema};
+use coronet::scene::{Clock, file, schema};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::cost::Cost;
 use crate::fault::Usage;
-use crate::figures::{Curves, Figure};
 use crate::promise::{Case, Ending};
-use crate::target::Target;
+use crate::target::{Feature, Target};
 use crate::trial::Trial;
 
 /// No study file is longer, bytes.
@@ -65,6 +64,39 @@ pub struct Choice {
     label: String,
     #[serde(default)]
     set: Vec<String>,
+}
+
+/// A number that the measures of every point come down to. Times count from contact, where there is
+/// one.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Figure {
+    /// Heads its column.
+    pub name: String,
+    pub column: String,
+    #[serde(default)]
+    pub of: Feature,
+    pub from: Option<String>,
+    pub to: Option<String>,
+    /// The value at this time, in place of `of` between the two.
+    pub at: Option<String>,
+    /// Divided by this column: its mean between the two, or its value at that time.
+    pub over: Option<String>,
+    /// Divided by what this table has, from the study file.
+    pub reference: Option<PathBuf>,
+    /// From when its times count; left out: as its column of times says.
+    pub clock: Option<Clock>,
+}
+
+/// One plot of a column of the measures for each label of an axis, one curve a point.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct Curves {
+    pub column: String,
+    /// The axis; without it one plot has all points.
+    pub each: Option<String>,
+    /// A table, from the study file, for one more curve.
+    pub reference: Option<PathBuf>,
+    /// From when its times count; left out: as its column of times says.
+    pub clock: Option<Clock>,
 }
 
 /// Labels and overrides of a point.

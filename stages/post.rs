@@ -10,9 +10,9 @@ use coronet::pipeline::{
 use coronet::record::log;
 use coronet::scene::input::PostInput;
 
-use crate::impact::FRAMES;
-use crate::jobs::Forecast;
+use crate::journal::FRAMES;
 use crate::relax::UNREST;
+use crate::settings::Forecast;
 
 /// The table of measures, as [`post::Post`] names it.
 pub const MEASURES: &str = "measures.csv";

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use coronet::method::{Phase, build, initial};
 use coronet::particle::pack::pack;
-use coronet::pipeline::machine;
+use coronet::pipeline::{Work, machine};
 use coronet::scene::file;
 
 use crate::forecast;
@@ -31,8 +31,21 @@ viscosity = { dynamic = '1 mPa s' }
 tension = { coefficient = '70 mN/m', strength = 5 }
 ";
 
+/// CPU seconds of work for which it pays to probe the machine, which takes some tenths of a second.
+const PROBED: f64 = 0.3;
+
+/// Work as this machine does it.
+pub fn adjusted(work: Work) -> Work {
+    let slower = if work.amount > PROBED {
+        slower
+    } else {
+        work.slower
+    };
+    Work { slower, ..work }
+}
+
 /// CPU seconds of this machine for one of the machine that forecasts are of.
-pub fn slower() -> f64 {
+fn slower() -> f64 {
     static SLOWER: OnceLock<f64> = OnceLock::new();
     *SLOWER.get_or_init(|| probe().unwrap_or(1.0))
 }

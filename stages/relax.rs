@@ -11,11 +11,10 @@ use coronet::pipeline::{Context, Identity, Output, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::input::RelaxInput;
 
-use crate::BODY;
+use crate::body::{BODY, read_body};
 use crate::flight::{self, Flight};
-use crate::impact::read_body;
-use crate::jobs::Forecast;
 use crate::pace::Pace;
+use crate::settings::Forecast;
 
 /// Since when both limits have been kept, s, as a scalar of a checkpoint; NaN: they are not.
 const CALM_SINCE: &str = "calm_since";

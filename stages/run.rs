@@ -10,7 +10,7 @@ use serde_json::json;
 use crate::arguments::RunArguments;
 use crate::print::out;
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, plan, post, signals};
+use crate::{PROGRAM, impact, jobs, journal, plan, post, signals};
 
 /// What a first signal is answered with.
 const STOPPING: &str = "stopping after the next checkpoint";
@@ -74,7 +74,7 @@ fn finish(store: &Store, name: &str, reports: &[Report], json: bool) {
             .map(|_| report.folder.join(file))
     };
     let page = find("post", post::REPORT);
-    let log = find("impact", impact::FRAMES);
+    let log = find("impact", journal::FRAMES);
     let layout = find("impact", impact::LAYOUT);
     let latest = latest::folder(store, name);
     if json {
@@ -103,7 +103,7 @@ fn finish(store: &Store, name: &str, reports: &[Report], json: bool) {
         out!("report   {}", path.display());
     }
     if let (Some(log), Some(layout)) = (log, layout) {
-        let log = named(log, "impact", impact::FRAMES);
+        let log = named(log, "impact", journal::FRAMES);
         let layout = named(layout, "impact", impact::LAYOUT);
         out!("frames   {}", log.display());
         out!("layout   {}", layout.display());

@@ -1,6 +1,6 @@
 //! The rules of the house, executed.
 
-use coronet::scene::schema;
+use coronet::scene::{file, schema};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -287,7 +287,7 @@ fn the_root_holds_what_it_should() {
 
 /// The keys of a table of the scene file.
 fn keys(table: &str) -> Vec<String> {
-    let found = schema::property(&schema::SCENE, table).unwrap()["properties"].clone();
+    let found = schema::property(&file::SCHEMA, table).unwrap()["properties"].clone();
     found.as_object().unwrap().keys().cloned().collect()
 }
 

@@ -45,11 +45,12 @@ mod memory;
 mod pass;
 pub mod shore;
 mod stressed;
-mod surface;
 mod virial;
 mod walled;
 
 use super::band::Band;
+use super::normal::Gradient;
+use super::surface::Surface;
 use super::wetting::Wetting;
 use super::wetting::typed::Typed;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
@@ -58,12 +59,10 @@ use crate::space::parallel::{Slots, each, slots3};
 use crate::space::sweep::{self, Field, Kept, Pass};
 use counted::Counted;
 use energy::Energy;
-pub(super) use pass::Gradient;
 use pass::{Summed, Tensor, Whole};
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
-pub use surface::{Extra, Surface};
 
 /// Below |n| H = this there is no surface (Nishio Eq. 13).
 const EPSILON: f64 = 0.01;

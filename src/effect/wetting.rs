@@ -43,7 +43,9 @@ pub mod survey;
 pub mod typed;
 
 use super::band::Band;
-use super::tension::{Gradient, Surface, level};
+use super::depth;
+use super::normal::Gradient;
+use super::surface::Surface;
 use crate::kernel::{self, Kernel};
 use crate::scene::{Domain, KernelName, Side, Wetting as Angle};
 use crate::space::sweep::{self, Field};
@@ -359,7 +361,7 @@ impl Wetting {
     /// `inward`, m.
     fn height(&self, at: [f64; 3], inward: [f64; 3]) -> f64 {
         let setting = &self.setting;
-        let depth = level::depths(setting.kernel, setting.dimension)[0] * setting.length;
+        let depth = depth::depths(setting.kernel, setting.dimension)[0] * setting.length;
         self.above(at, inward) + depth * self.cosine
     }
 

@@ -1,6 +1,6 @@
 //! Energy and mass of a frame.
 
-use super::gauge::Row;
+use super::series::Row;
 use crate::particle::Frame;
 use crate::scene::Scene;
 

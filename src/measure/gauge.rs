@@ -6,6 +6,7 @@ use super::energy;
 use super::pool::{self, Axis, Pool};
 use super::raster::Raster;
 use super::region::Region;
+use super::series::Row;
 use crate::particle::Frame;
 use crate::scene::{Body, Dimension, Motion, Scene, Shape as Geometry, Side};
 
@@ -150,9 +151,6 @@ pub fn strikes_wall(scene: &Scene) -> bool {
         arrival(&whole, body).is_some() && (is_above || speed_down(body) > 0.0)
     })
 }
-
-/// One row: values by column name, in order. `NaN` is a blank.
-pub type Row = Vec<(String, f64)>;
 
 /// Measures frames of one scene, in their order.
 pub struct Gauge {

@@ -11,12 +11,12 @@ use rayon::prelude::*;
 
 use super::canvas::Canvas;
 use super::field::Field;
-use super::gauge::{Gauge, Kind, Row, Start, contact_time, pool_depth};
+use super::gauge::{Gauge, Kind, Start, contact_time, pool_depth};
 use super::loss;
 use super::pool::Axis;
 use super::report::Report;
 use super::section::{self, Section};
-use super::series::{Norm, Reference, Series, SeriesError, compare};
+use super::series::{Norm, Reference, Row, Series, SeriesError, compare};
 use super::summary;
 use super::view::{self, Camera};
 use super::whole::Unfold;

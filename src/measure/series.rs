@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::gauge::Row;
 use crate::file::{self, FileError};
 use crate::scene::Clock;
-use crate::scene::file::LONGEST_REFERENCE;
+use crate::scene::LONGEST_REFERENCE;
+
+/// One row: values by column name, in order. `NaN` is a blank.
+pub type Row = Vec<(String, f64)>;
 
 /// What can go wrong with files of measures.
 #[derive(Debug, thiserror::Error)]

@@ -21,7 +21,8 @@
 
 use super::model::Case;
 use super::{MethodError, Phase};
-use crate::effect::tension::{energy, level};
+use crate::effect::depth;
+use crate::effect::tension::energy;
 use crate::particle::{Particles, wall};
 use crate::scene::{Body, Dimension, Problem, Shape, Side, TensionLevel};
 use std::f64::consts::PI;
@@ -92,7 +93,7 @@ fn ratio_of(problem: &Problem, particles: &Particles) -> Result<f64, MethodError
     };
     let body = &problem.bodies[0];
     if tension.lifted && matches!(body.shape, Shape::Block { .. }) {
-        return Ok(level::flat(tension.kernel, tension.dimension));
+        return Ok(depth::flat(tension.kernel, tension.dimension));
     }
     let counted = tension.form.is_counted();
     if counted && !radius(body).is_finite() {

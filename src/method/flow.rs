@@ -10,7 +10,7 @@ mod find;
 mod pack;
 mod wall;
 
-use crate::effect::tension::Extra;
+use crate::effect::surface::Extra;
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Pairs, Side};
 use crate::space::column;

@@ -20,7 +20,8 @@ pub use calibrate::{Calibration, calibrate, is_of_packing};
 pub use start::{initial, intruders, relaxed, resting};
 
 use crate::effect::select;
-use crate::effect::tension::{Surface, Tension, energy};
+use crate::effect::surface::Surface;
+use crate::effect::tension::{Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State, Wall};

@@ -5,12 +5,16 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use super::stamp;
-use super::store::{CHECKPOINT, LOG};
 use crate::file::{self, FileError};
 use crate::record::atomic::sync_folder_of;
 use crate::record::checkpoint::CheckpointError;
 use crate::record::log::LogError;
 use crate::record::{Digest, checkpoint, log};
+
+/// Extension of checkpoints.
+pub const CHECKPOINT: &str = "checkpoint";
+/// Extension of logs.
+pub const LOG: &str = "mcap";
 
 /// Why a file does not yield a digest.
 #[derive(Debug, thiserror::Error)]

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::content::CHECKPOINT;
 use super::stamp::{InputStamp, SettingStamp, Stamp};
-use super::store::{CHECKPOINT, Found, Store, WORK, entries};
+use super::store::{Found, Store, WORK, entries};
 use super::{Pipeline, Stage, Work, key, label};
 use crate::file::FileError;
 use crate::record::Digest;

@@ -11,7 +11,6 @@ use super::content::{ContentError, bytes, content, free_name, rename_aside};
 use super::context::{Context, Input};
 use super::key::contradiction;
 use super::machine::{Machine, peak_memory};
-use super::run::Run;
 use super::stamp::{self, OutputStamp, SettingStamp, Stamp, StampError};
 use super::store::{WORK, entries, refuse_links_below};
 use super::{Decision, Output, PipelineError, Setting, Stage};
@@ -21,7 +20,9 @@ use crate::record::checkpoint::FORMAT_VERSION;
 
 /// What a stage has made, with all that the stamp tells.
 pub struct Made<'a> {
-    pub run: &'a Run<'a>,
+    /// Name and version of the program, and how many threads it had.
+    pub program: &'a str,
+    pub threads: usize,
     pub stage: &'a dyn Stage,
     pub settings: &'a [Setting],
     pub family: Option<Digest>,
@@ -105,9 +106,9 @@ fn stamp_of(made: &Made, outputs: Vec<OutputStamp>) -> Stamp {
         digest: stamp::digest_of(&outputs),
         outputs,
         notes: made.context.notes.clone(),
-        program: made.run.program.clone(),
+        program: made.program.to_string(),
         machine: Machine::here(),
-        threads: made.run.threads,
+        threads: made.threads,
         started: spent.started,
         resumptions: spent.attempts - 1,
         wall_seconds: milliseconds(spent.wall_seconds),

@@ -209,7 +209,8 @@ impl Walk<'_> {
             }
         };
         let made = publish::Made {
-            run,
+            program: &run.program,
+            threads: run.threads,
             stage,
             settings: &settings,
             family,

@@ -7,18 +7,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::content::{ContentError, rename_aside};
+use super::content::{CHECKPOINT, ContentError, rename_aside};
 use super::key;
 use super::name::is_key;
 use super::stamp::{self, OutputStamp, Stamp, StampError};
 use crate::file::{self, FileError};
 use crate::record::atomic::{create_folder, is_temporary, write_file};
 use crate::record::{Digest, checkpoint};
-
-/// Extension of checkpoints.
-pub const CHECKPOINT: &str = "checkpoint";
-/// Extension of logs.
-pub const LOG: &str = "mcap";
 
 /// Folder of the run in progress, in the folder of a key.
 pub const WORK: &str = "work";

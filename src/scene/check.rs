@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::body::SHAPES;
 use super::error::{Mistakes, SceneError};
-use super::file::LONGEST_REFERENCE;
 use super::quantity::{Unit, human};
+use super::stage::LONGEST_REFERENCE;
 use super::tree::Tree;
 use super::{
     AXES, Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, Wetting,

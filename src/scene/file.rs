@@ -1,27 +1,25 @@
 //! The scene file: TOML with units, and `--set` over it.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use schemars::JsonSchema;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 
 use super::body::{self, BodyTables};
 use super::domain::BoxTable;
 use super::effects::EffectTables;
 use super::error::{Mistakes, SceneError};
 use super::method::{Method, MethodTable};
-use super::schema::{self, named, positive};
+use super::problem::Liquid;
+use super::schema::{self, named};
 use super::stage::{Frames, Impact, Pack, Post, Relax};
 use super::tree::{Sources, Tree};
-use super::unit::Density;
 use super::{Dimension, Problem, Scene, check, conform, preset, symmetry};
 
 /// No scene file is longer, bytes.
 const LONGEST: u64 = 16 << 20;
-
-/// No reference curve is longer, bytes.
-pub const LONGEST_REFERENCE: u64 = 256 << 20;
 
 /// The scene file, with its preset and defaults.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -60,13 +58,17 @@ pub struct Document {
     pub method: MethodTable,
 }
 
-/// The liquid of all bodies.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Liquid {
-    /// Density at rest.
-    #[serde(with = "Density")]
-    #[schemars(transform = positive)]
-    pub density: f64,
+/// The schema of a scene file.
+pub static SCHEMA: LazyLock<serde_json::Value> = LazyLock::new(|| {
+    let mut schema = schema::of::<Document>("Coronet scene");
+    schema.remove("description");
+    schema.to_value()
+});
+
+/// The schema of a scene file as text, as shipped in `docs/pipeline.schema.json`.
+pub fn json_schema() -> String {
+    // `{:#}` of a JSON value is pretty-printed.
+    format!("{:#}\n", *SCHEMA)
 }
 
 /// A scene with the text that it came from.
@@ -99,12 +101,12 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
 pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
     let sources = Sources::new(text, path, sets);
     let tree = Tree::parse(&sources)?;
-    let mut found = conform::check(&tree, &schema::SCENE);
+    let mut found = conform::check(&tree, &SCHEMA);
     if !found.is_empty() {
         body::supports(&tree, &mut found);
     }
     found.told()?;
-    let document: Document = preset::laid_under(&tree).read()?;
+    let document: Document = preset::laid_under(&tree, &SCHEMA).read()?;
     let name = path
         .file_stem()
         .map_or("scene".into(), |stem| stem.to_string_lossy());

@@ -14,9 +14,9 @@ use sha2::{Digest, Sha256};
 
 use super::body::BodyTable;
 use super::domain::BoxTable;
-use super::file::{LONGEST_REFERENCE, Liquid};
 use super::key::KeyError;
-use super::stage::{Pack, Packing};
+use super::problem::Liquid;
+use super::stage::{LONGEST_REFERENCE, Pack, Packing};
 use super::unit::{Colour, List, Time};
 use super::{
     Arrangement, Clock, Colouring, Dimension, Domain, Frames, Problem, Relax, Scene, Shape, Sph,

@@ -49,7 +49,10 @@ pub use method::{
     Projection, SoundSpeed, SpeedOf, Sph, TensionIn, TimeStepping, WallPressure, Wcsph,
 };
 pub use problem::Problem;
-pub use stage::{Arrangement, Clock, Colouring, Frames, Impact, Packing, Post, Reference, Relax};
+pub use stage::{
+    Arrangement, Clock, Colouring, Frames, Impact, LONGEST_REFERENCE, Packing, Post, Reference,
+    Relax,
+};
 use tree::Tree;
 pub use wetting::Wetting;
 

@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::method::{MethodName, Preset};
-use super::schema::{SCENE, property};
+use super::schema::property;
 use super::tree::{Tree, Value, child};
 
 /// What serves where a preset's own choice does not.
@@ -41,8 +41,8 @@ pub fn fragments(name: MethodName, preset: Preset) -> &'static [&'static str] {
     }
 }
 
-/// The scene with its preset under it.
-pub fn laid_under<'a>(tree: &Tree<'a>) -> Tree<'a> {
+/// The scene with its preset under it; `schema`: of scene files.
+pub fn laid_under<'a>(tree: &Tree<'a>, schema: &serde_json::Value) -> Tree<'a> {
     let word = |key: &str| tree.text_at(key);
     let mut names = METHODS.into_iter();
     let name = names.find(|name| word("method.name") == Some(name.word()));
@@ -69,7 +69,7 @@ pub fn laid_under<'a>(tree: &Tree<'a>) -> Tree<'a> {
     for fragment in fragments {
         // A test reads every fragment.
         let table = DeTable::parse(fragment).map(Spanned::into_inner);
-        lay(&mut full.root, table.unwrap_or_default(), &SCENE);
+        lay(&mut full.root, table.unwrap_or_default(), schema);
     }
     full
 }

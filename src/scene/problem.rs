@@ -1,12 +1,13 @@
 //! What is computed, apart from what is done with it: all that a solver reads.
 
-use serde::{Serialize, Serializer};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::body::BodyTable;
 use super::domain::BoxTable;
 use super::effects::EffectTables;
-use super::file::Liquid;
 use super::method::MethodName;
+use super::schema::positive;
 use super::{
     Body, Dimension, Domain, Effects, Method, Motion, MpsClosure, Pairs, Shape, Side, SpeedOf, unit,
 };
@@ -118,6 +119,15 @@ impl Domain {
             None => 0.5 * self.size[axis],
         })
     }
+}
+
+/// The liquid of all bodies.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Liquid {
+    /// Density at rest.
+    #[serde(with = "unit::Density")]
+    #[schemars(transform = positive)]
+    pub density: f64,
 }
 
 /// The part of a scene file that gives a problem.

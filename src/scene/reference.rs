@@ -2,8 +2,9 @@
 
 use serde_json::Value;
 
+use super::file::SCHEMA;
 use super::rule::{required, unit_of, wording, words};
-use super::schema::{NAME, SCENE};
+use super::schema::NAME;
 use super::tree::dotted;
 
 /// Every table of a scene file with its keys: what they take, what they are if left out, what they
@@ -14,7 +15,7 @@ pub fn markdown() -> String {
          Written by `coronet schema pipeline --markdown`.\n\n\
          A quantity is a number in SI units, or a text with a unit.\n",
     );
-    table(&SCENE, "", &mut page);
+    table(&SCHEMA, "", &mut page);
     page
 }
 

@@ -4,30 +4,13 @@
 //! ([`super::preset`]) and for editors, which complete keys and underline what is wrong. Two words
 //! of its own: `x-unit` names the unit of a quantity, `x-preset` marks a key that a preset gives.
 
-use std::sync::LazyLock;
-
 use schemars::generate::SchemaSettings;
 use schemars::transform::{RecursiveTransform, Transform};
 use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
-use super::file::Document;
-
 /// Names of bodies.
 pub const NAME: &str = "^[a-z][a-z0-9_-]*$";
-
-/// The schema of a scene file.
-pub static SCENE: LazyLock<Value> = LazyLock::new(|| {
-    let mut schema = of::<Document>("Coronet scene");
-    schema.remove("description");
-    schema.to_value()
-});
-
-/// The schema of the scene file as text, as shipped in `docs/pipeline.schema.json`.
-pub fn json() -> String {
-    // `{:#}` of a JSON value is pretty-printed.
-    format!("{:#}\n", *SCENE)
-}
 
 /// JSON Schema 2020-12 of TOML files that `T` reads: no null, no key but those that are named.
 pub fn of<T: JsonSchema>(title: &str) -> Schema {

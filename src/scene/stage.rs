@@ -159,6 +159,9 @@ pub struct Post {
     pub references: Vec<Reference>,
 }
 
+/// No reference curve is longer, bytes.
+pub const LONGEST_REFERENCE: u64 = 256 << 20;
+
 /// A reference curve from a CSV file with the column names of `measures.csv`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Reference {

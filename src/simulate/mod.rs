@@ -30,8 +30,8 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::measure::gauge::{Gauge, Row};
-use crate::measure::series::Series;
+use crate::measure::gauge::Gauge;
+use crate::measure::series::{Row, Series};
 use crate::measure::whole::Unfold;
 use crate::method::frame::Schedule;
 use crate::method::rest::Rest;

@@ -3,12 +3,10 @@
 //! The distance to a lateral slab of cells is known per axis, so a column at lateral distance l is
 //! looked at over +- sqrt(cutoff^2 - l^2) along z only. The same for a block of points in one cell.
 
-use super::grid::Grid;
+use super::grid::{Grid, WIDE};
 
 /// Most cells that a cutoff may reach to each side.
 pub const REACH: usize = 8;
-/// Most cells of a block to each side.
-pub const WIDE: usize = 2;
 /// Slabs of cells of an axis in whole groups.
 const SIDE: usize = (2 * REACH + WIDE).next_multiple_of(GROUP);
 const MOST: usize = (2 * REACH + WIDE) * (2 * REACH + WIDE);

@@ -6,9 +6,11 @@
 //! nearest image; differences are exact and are rounded once, when they become f32.
 //! Other axes have a range four times the covered length, so that nothing wraps by accident.
 
-use super::column::WIDE;
 use super::lane::Lanes;
 use crate::scene::{Dimension, Domain, Precision, Side};
+
+/// Most cells of a block to each side.
+pub const WIDE: usize = 2;
 
 /// Where the cells are.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use super::cloud::{Cloud, OPEN};
 use super::effect_wetting::{H, KERNEL, SIGMA, accelerations_by, tension};
 use super::pack_scene::S0;
-use coronet::effect::tension::level::depths;
+use coronet::effect::depth::depths;
 use coronet::method::surface_of;
 use coronet::scene::{Dimension, Side};
 

@@ -2,7 +2,8 @@
 
 use super::cloud::{Cloud, OPEN, length};
 use super::pack_scene::S0;
-use coronet::effect::tension::{Tension, level};
+use coronet::effect::depth;
+use coronet::effect::tension::Tension;
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
 use coronet::method::surface_of;
 use coronet::scene::{Dimension, KernelName, TensionForm};
@@ -146,13 +147,13 @@ fn depths_are_those_of_a_continuous_liquid() {
 fn check<K: Kernel>(kernel: KernelName) {
     for d in [2, 3] {
         let [tension, moment] = Liquid::new::<K>(d, f64::INFINITY).tension();
-        let [z, b] = level::depths(kernel, d);
+        let [z, b] = depth::depths(kernel, d);
         assert!(
             (moment / tension - z).abs() < 1e-3,
             "{kernel:?}, {d}: {}",
             moment / tension
         );
-        let flat = level::flat(kernel, d);
+        let flat = depth::flat(kernel, d);
         assert!((tension - flat).abs() < 2e-4, "{kernel:?}, {d}: {tension}");
         let lever = d as f64 - 1.0;
         let excess = |r: f64| {

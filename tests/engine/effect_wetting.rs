@@ -2,8 +2,8 @@
 
 use super::cloud::{Cloud, OPEN, dot, length};
 use super::pack_scene::S0;
+use coronet::effect::depth::depths;
 use coronet::effect::tension::Tension;
-use coronet::effect::tension::level::depths;
 use coronet::effect::wetting::friction::Hold;
 use coronet::effect::wetting::{Setting, Wetting};
 use coronet::kernel::plane;

@@ -1,6 +1,7 @@
 //! Contact angles of caps of known angle.
 
-use coronet::measure::gauge::{Gauge, Row};
+use coronet::measure::gauge::Gauge;
+use coronet::measure::series::Row;
 use coronet::particle::Frame;
 use coronet::scene::*;
 

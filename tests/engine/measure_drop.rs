@@ -1,8 +1,9 @@
 //! Shape, spread, front and surface area against known bodies; which scene gets which.
 
-use coronet::measure::gauge::{Gauge, Kind, Row, contact_time, strikes_wall};
+use coronet::measure::gauge::{Gauge, Kind, contact_time, strikes_wall};
 use coronet::measure::lamella::Lamella;
 use coronet::measure::raster::Raster;
+use coronet::measure::series::Row;
 use coronet::scene::*;
 
 use crate::measure_splash::{lattice, pool_scene};

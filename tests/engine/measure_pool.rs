@@ -1,6 +1,7 @@
 //! Crater, crown and jet against splashes of known size.
 
-use coronet::measure::gauge::{Gauge, Row};
+use coronet::measure::gauge::Gauge;
+use coronet::measure::series::Row;
 use coronet::particle::Frame;
 use coronet::scene::{Dimension, Scene};
 

@@ -149,7 +149,7 @@ fn every_setting_of_every_method_can_be_overridden() {
     let mut tried = 0;
     for method in ["wcsph", "isph", "mps"] {
         let table = ["properties", "method", "properties", method, "properties"];
-        let keys = table.iter().fold(&*schema::SCENE, |at, key| &at[key]);
+        let keys = table.iter().fold(&*file::SCHEMA, |at, key| &at[key]);
         for (key, rule) in keys.as_object().unwrap() {
             let words = ["oneOf", "anyOf"].map(|word| rule[word].as_array());
             let words = words.into_iter().flatten().flatten();
@@ -335,7 +335,7 @@ fn every_shipped_scene_loads_and_its_numbers_are_sane() {
 fn the_reference_manual_shows_every_key() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("pipeline.toml")).unwrap();
-    let keys = schema::keys(&schema::SCENE);
+    let keys = schema::keys(&file::SCHEMA);
     for key in keys.iter().filter_map(|key| key.rsplit('.').next()) {
         let key = key.split('_').next().unwrap();
         assert!(text.contains(key), "pipeline.toml does not mention `{key}`");

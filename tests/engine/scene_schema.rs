@@ -4,12 +4,12 @@
 //! schema cannot pass by being misunderstood. Patterns are held to the parser by trying values.
 
 use crate::scene_file::SMALL;
-use coronet::scene::{file, quantity, schema};
+use coronet::scene::{file, quantity};
 use serde_json::Value;
 use std::path::Path;
 
 fn generated() -> Value {
-    serde_json::from_str(&schema::json()).unwrap()
+    serde_json::from_str(&file::json_schema()).unwrap()
 }
 
 /// Why `value` is not what `schema` allows.
@@ -154,11 +154,15 @@ fn json_of(toml: &str) -> Value {
 fn the_shipped_schema_is_the_generated_one() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/pipeline.schema.json");
     if std::env::var_os("UPDATE").is_some() {
-        std::fs::write(&path, schema::json()).unwrap();
+        std::fs::write(&path, file::json_schema()).unwrap();
     }
     let shipped = std::fs::read_to_string(&path).unwrap();
     let remedy = "UPDATE=1 cargo test --release --test engine schema";
-    assert_eq!(shipped, schema::json(), "the format changed: run {remedy}");
+    assert_eq!(
+        shipped,
+        file::json_schema(),
+        "the format changed: run {remedy}"
+    );
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! The normalised colour, (1)-(3) of [`super`].
 
+use super::Tension;
 use super::pass::{Colour, Difference, Volume};
-use super::{Surface, Tension};
+use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::space::parallel::{Slots, each};
 use crate::space::row::Search;

@@ -29,7 +29,8 @@
 //! is squeezed), and, as printed, wherever curvature is not much more than 1 / n0 l0.
 //! Time step: that of the tension. Test: tests/engine/effect_counted.rs.
 
-use super::{FAINT, Surface, Tension};
+use super::{FAINT, Tension};
+use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::space::lane::Lanes;
 use crate::space::parallel::{Slots, each};

@@ -28,8 +28,10 @@
 //! with the symmetric gradient; steps of ISPH are a quarter of the capillary limit.
 //! Tests: tests/engine/effect_energy.rs.
 
+use super::Tension;
+use super::pass::Pull;
 use super::shore::Shore;
-use super::{Surface, Tension};
+use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::particle::Particles;
 use crate::space::lane::Lanes;
@@ -132,33 +134,6 @@ impl<K: Kernel> Pass<4> for Look<K> {
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {
         *out = sum;
-    }
-}
-
-/// (2). Payload: e', then g / H.
-pub(super) struct Pull<K> {
-    factor: f64,
-    kernel: PhantomData<K>,
-}
-
-impl<K: Kernel> Pass<3> for Pull<K> {
-    type Out = [f32; 3];
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let (slope, curve) = (K::slope_lanes::<L>(q), K::curve_lanes::<L>(q));
-            let g = [1, 2, 3].map(|k| L::sub(pair.own[k], pair.other[k]));
-            let along = L::mul(curve, L::dot(g, pair.d));
-            let central = L::fma(slope, L::add(pair.own[0], pair.other[0]), along);
-            for a in 0..3 {
-                sum[a] = L::fma(central, pair.d[a], L::fma(slope, g[a], sum[a]));
-            }
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum.map(|s| (self.factor * s as f64) as f32);
     }
 }
 

@@ -21,37 +21,16 @@
 //! Fails where the surface bends within z_s inwards (a cusp): the bracket in (2) is at least 1/2.
 //! Tests: tests/engine/effect_level.rs, tests/validation/drop.rs.
 
+use super::Tension;
 use super::stressed::Stressed;
-use super::{Surface, Tension};
+use crate::effect::depth::depths;
+use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::scene::KernelName;
 use crate::space::lane::Lanes;
 use crate::space::mirror::PAIRS;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
-
-/// Depths in H: z_s, the first moment of the tension of a flat surface, each pair of (5) in
-/// [`super`] counted at its middle; and b of (1), from the pressure in balls of R = 32 and 64 H.
-/// Both by quadrature of the sums over a continuous liquid, `tests/engine/effect_level.rs`.
-pub fn depths(kernel: KernelName, dimension: usize) -> [f64; 2] {
-    match (kernel, dimension) {
-        (KernelName::WendlandC2, 2) => [0.4657, 0.3513],
-        (KernelName::WendlandC2, _) => [0.4592, 0.4074],
-        (KernelName::CubicSpline, 2) => [0.5023, 0.3811],
-        (KernelName::CubicSpline, _) => [0.4894, 0.4355],
-    }
-}
-
-/// sigma_eff / sigma of a flat surface at alpha = 1, by the same quadrature.
-pub fn flat(kernel: KernelName, dimension: usize) -> f64 {
-    match (kernel, dimension) {
-        (KernelName::WendlandC2, 2) => 0.1812,
-        (KernelName::WendlandC2, _) => 0.1848,
-        (KernelName::CubicSpline, 2) => 0.1691,
-        (KernelName::CubicSpline, _) => 0.1737,
-    }
-}
 
 /// Sums of (3): t d_t as xx, yy, zz, yz, xz, xy, and |d_t|^2; in units of the weights.
 pub type Bend = [f32; 7];

@@ -5,26 +5,6 @@ use crate::space::lane::Lanes;
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
-/// SUM slope d: the raw normal, and nothing beside it.
-pub struct Gradient<K>(pub PhantomData<K>);
-
-impl<K: Kernel> Pass<3> for Gradient<K> {
-    type Out = ([f32; 3], [f32; 3]);
-    #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            for a in 0..3 {
-                sum[a] = L::fma(slope, pair.d[a], sum[a]);
-            }
-        }
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, sum: [f32; 3], out: &mut Self::Out) {
-        *out = (sum, [0.0; 3]);
-    }
-}
-
 /// SUM w: (1).
 pub struct Volume<K>(pub PhantomData<K>);
 
@@ -197,5 +177,32 @@ impl<K: Kernel> Pass<1> for Virial<K> {
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
         *out = sum[0] as f64;
+    }
+}
+
+/// (2) of [`super::energy`]. Payload: e', then g / H.
+pub(super) struct Pull<K> {
+    pub factor: f64,
+    pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Pass<3> for Pull<K> {
+    type Out = [f32; 3];
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let q = L::sqrt(pair.q2);
+            let (slope, curve) = (K::slope_lanes::<L>(q), K::curve_lanes::<L>(q));
+            let g = [1, 2, 3].map(|k| L::sub(pair.own[k], pair.other[k]));
+            let along = L::mul(curve, L::dot(g, pair.d));
+            let central = L::fma(slope, L::add(pair.own[0], pair.other[0]), along);
+            for a in 0..3 {
+                sum[a] = L::fma(central, pair.d[a], L::fma(slope, g[a], sum[a]));
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
     }
 }

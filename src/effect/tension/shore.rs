@@ -14,8 +14,9 @@
 //! Walls are as deep as a kernel reaches; their own part of the sums is that of endless ones.
 //! Tests: tests/engine/effect_energy.rs.
 
-use super::energy::Pull;
-use super::{Surface, Tension};
+use super::Tension;
+use super::pass::Pull;
+use crate::effect::surface::Surface;
 use crate::effect::wetting::friction::Hold;
 use crate::effect::wetting::survey::nearest;
 use crate::kernel::Kernel;

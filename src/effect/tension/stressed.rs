@@ -1,6 +1,6 @@
 //! The particles with a stress: the sources of the force.
 
-use super::Surface;
+use crate::effect::surface::Surface;
 use crate::space::lane::WIDTH;
 use crate::space::mirror::{Code, sign, sign_of_tensor};
 use crate::space::row::Sources;

@@ -1,7 +1,8 @@
 //! The virial of the tension's pair forces: what it is calibrated by.
 
+use super::Tension;
 use super::pass::Virial;
-use super::{Surface, Tension};
+use crate::effect::surface::Surface;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
 use crate::space::sweep;

@@ -1,8 +1,11 @@
 //! The tension of liquid on walls with a contact angle: numbers as in [`crate::effect::wetting`].
 
-use super::level::{Bend, Curvature, LEAST, curvature, depths};
-use super::pass::{Gradient, Summed};
-use super::{FAINT, Surface, Tension};
+use super::level::{Bend, Curvature, LEAST, curvature};
+use super::pass::Summed;
+use super::{FAINT, Tension};
+use crate::effect::depth::depths;
+use crate::effect::normal::Gradient;
+use crate::effect::surface::Surface;
 use crate::effect::wetting::friction::Hold;
 use crate::effect::wetting::{TIMES, Walls, Wetting};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};

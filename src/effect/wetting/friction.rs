@@ -21,7 +21,7 @@
 //! Cannot fail; absent, it costs nothing. Test: tests/engine/effect_wetting.rs.
 
 use super::mean::Means;
-use crate::effect::tension::Surface;
+use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 
 /// What holds a particle at a contact line, m/s^2.

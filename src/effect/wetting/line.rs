@@ -14,7 +14,7 @@
 //! (5) of [`super`], is not in it.
 
 use super::mean::Means;
-use crate::effect::tension::Surface;
+use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 
 /// How often angles are measured in an update.

@@ -1,6 +1,6 @@
 //! Weighted sums over the particles at contact lines.
 
-use crate::effect::tension::Surface;
+use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::space::lane::Lanes;
 use crate::space::sweep::{self, Pair, Pass};

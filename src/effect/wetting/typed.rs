@@ -17,7 +17,7 @@
 //! wall. Test: tests/engine/effect_counted.rs.
 
 use super::friction::Hold;
-use crate::effect::tension::Surface;
+use crate::effect::surface::Surface;
 use crate::scene::{Domain, Side, Wetting};
 
 /// The angle, and who is at a contact line.

@@ -1,7 +1,7 @@
 //! Targets that lie together and look at the same candidates.
 
-use crate::space::column::{Columns, Place, WIDE};
-use crate::space::grid::Grid;
+use crate::space::column::{Columns, Place};
+use crate::space::grid::{Grid, WIDE};
 use crate::space::lane::{Lanes, WIDTH};
 use crate::space::row::separation;
 

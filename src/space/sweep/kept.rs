@@ -4,7 +4,8 @@
 
 use super::block::{Block, Bounds};
 use super::{FAR, Field, Pair, Pass, splat, total};
-use crate::space::column::{Columns, WIDE};
+use crate::space::column::Columns;
+use crate::space::grid::WIDE;
 use crate::space::lane::{self, Half, Job, Lanes, WIDTH};
 use crate::space::row::{CHUNK, Near, Search, separation};
 use rayon::prelude::*;

@@ -3,8 +3,8 @@
 
 use super::block::{Block, Bounds, MEMBERS};
 use super::{FAR, Pair, Pass, splat, total};
-use crate::space::column::{Columns, WIDE};
-use crate::space::grid::{Grid, Scale};
+use crate::space::column::Columns;
+use crate::space::grid::{Grid, Scale, WIDE};
 use crate::space::lane::{self, Job, Lanes, WIDTH};
 use crate::space::row::{CHUNK, Source, separation};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! What the tension reads of a flow.
+//! What tension and contact lines read of a flow.
 
 use crate::space::grid::Grid;
 use crate::space::mirror::Mirror;

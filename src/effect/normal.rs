@@ -1,0 +1,26 @@
+//! Raw normals of a surface.
+
+use crate::kernel::Kernel;
+use crate::space::lane::Lanes;
+use crate::space::sweep::{Pair, Pass};
+use std::marker::PhantomData;
+
+/// SUM slope d: the raw normal, and nothing beside it.
+pub struct Gradient<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Pass<3> for Gradient<K> {
+    type Out = ([f32; 3], [f32; 3]);
+    #[inline(always)]
+    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
+        unsafe {
+            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
+            for a in 0..3 {
+                sum[a] = L::fma(slope, pair.d[a], sum[a]);
+            }
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut Self::Out) {
+        *out = (sum, [0.0; 3]);
+    }
+}

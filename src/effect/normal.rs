@@ -1,7 +1,7 @@
 //! Raw normals of a surface.
 
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
@@ -11,12 +11,10 @@ pub struct Gradient<K>(pub PhantomData<K>);
 impl<K: Kernel> Pass<3> for Gradient<K> {
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            for a in 0..3 {
-                sum[a] = L::fma(slope, pair.d[a], sum[a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        for a in 0..3 {
+            sum[a] = slope.mul_add(pair.d[a], sum[a]);
         }
     }
     #[inline(always)]

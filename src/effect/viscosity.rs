@@ -11,7 +11,7 @@
 //! Time step: 0.125 h^2 / nu (Morris, Fox & Zhu 1997). (2) conserves linear momentum only, (3)
 //! angular momentum too. Tests: tests/engine/method_operator.rs, tests/engine/effect_select.rs.
 
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 
 /// The viscous part of a pair force, in units of m norm / h^(d+1).
 pub trait PairViscosity: Sync + Send + Copy + 'static {
@@ -19,34 +19,14 @@ pub trait PairViscosity: Sync + Send + Copy + 'static {
     const PRESENT: bool;
     /// Adds the acceleration of the target. `d` = r_ab / h, `v` = v_ab, m/s,
     /// `weight` = 1/rho_a^2 + 1/rho_b^2.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
-    unsafe fn add<L: Lanes>(
-        &self,
-        slope: L::F,
-        q2: L::F,
-        d: [L::F; 3],
-        v: [L::F; 3],
-        weight: L::F,
-        sum: &mut [L::F; 3],
-    );
+    fn add<F: Real>(&self, slope: F, q2: F, d: [F; 3], v: [F; 3], weight: F, sum: &mut [F; 3]);
 }
 
 /// Inviscid.
 impl PairViscosity for () {
     const PRESENT: bool = false;
     #[inline(always)]
-    unsafe fn add<L: Lanes>(
-        &self,
-        _: L::F,
-        _: L::F,
-        _: [L::F; 3],
-        _: [L::F; 3],
-        _: L::F,
-        _: &mut [L::F; 3],
-    ) {
-    }
+    fn add<F: Real>(&self, _: F, _: F, _: [F; 3], _: [F; 3], _: F, _: &mut [F; 3]) {}
 }
 
 /// (1), with eta^2 = 0.01 h^2 as printed.
@@ -59,23 +39,13 @@ pub struct TwoTerm {
 impl PairViscosity for TwoTerm {
     const PRESENT: bool = true;
     #[inline(always)]
-    unsafe fn add<L: Lanes>(
-        &self,
-        slope: L::F,
-        q2: L::F,
-        d: [L::F; 3],
-        v: [L::F; 3],
-        weight: L::F,
-        sum: &mut [L::F; 3],
-    ) {
-        unsafe {
-            let vd = L::dot(v, d);
-            let f = L::mul(L::mul(slope, weight), L::splat(self.factor));
-            let f = L::div(f, L::add(q2, L::splat(0.01)));
-            for a in 0..3 {
-                let term = L::fma(v[a], q2, L::mul(d[a], vd)); // (1)
-                sum[a] = L::fma(f, term, sum[a]);
-            }
+    fn add<F: Real>(&self, slope: F, q2: F, d: [F; 3], v: [F; 3], weight: F, sum: &mut [F; 3]) {
+        let vd = dot(v, d);
+        let f = slope * weight * self.factor;
+        let f = f / (q2 + 0.01);
+        for a in 0..3 {
+            let term = v[a].mul_add(q2, d[a] * vd); // (1)
+            sum[a] = f.mul_add(term, sum[a]);
         }
     }
 }
@@ -90,20 +60,10 @@ pub struct Morris {
 impl PairViscosity for Morris {
     const PRESENT: bool = true;
     #[inline(always)]
-    unsafe fn add<L: Lanes>(
-        &self,
-        slope: L::F,
-        _: L::F,
-        _: [L::F; 3],
-        v: [L::F; 3],
-        weight: L::F,
-        sum: &mut [L::F; 3],
-    ) {
-        unsafe {
-            let f = L::mul(L::mul(slope, weight), L::splat(self.factor)); // (2)
-            for a in 0..3 {
-                sum[a] = L::fma(f, v[a], sum[a]);
-            }
+    fn add<F: Real>(&self, slope: F, _: F, _: [F; 3], v: [F; 3], weight: F, sum: &mut [F; 3]) {
+        let f = slope * weight * self.factor; // (2)
+        for a in 0..3 {
+            sum[a] = f.mul_add(v[a], sum[a]);
         }
     }
 }
@@ -118,21 +78,11 @@ pub struct Cleary {
 impl PairViscosity for Cleary {
     const PRESENT: bool = true;
     #[inline(always)]
-    unsafe fn add<L: Lanes>(
-        &self,
-        slope: L::F,
-        q2: L::F,
-        d: [L::F; 3],
-        v: [L::F; 3],
-        weight: L::F,
-        sum: &mut [L::F; 3],
-    ) {
-        unsafe {
-            let f = L::mul(L::mul(slope, weight), L::splat(self.factor));
-            let f = L::mul(L::div(f, L::add(q2, L::splat(0.01))), L::dot(v, d)); // (3)
-            for a in 0..3 {
-                sum[a] = L::fma(f, d[a], sum[a]);
-            }
+    fn add<F: Real>(&self, slope: F, q2: F, d: [F; 3], v: [F; 3], weight: F, sum: &mut [F; 3]) {
+        let f = slope * weight * self.factor;
+        let f = f / (q2 + 0.01) * dot(v, d); // (3)
+        for a in 0..3 {
+            sum[a] = f.mul_add(d[a], sum[a]);
         }
     }
 }

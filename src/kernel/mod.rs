@@ -4,7 +4,7 @@
 //! without a division for Wendland C2.
 
 use crate::scene::KernelName;
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 
 /// A kernel with support radius 2 h.
 pub trait Kernel: Copy + Send + Sync + 'static {
@@ -15,31 +15,19 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     /// w'(q) / q.
     fn slope(q: f64) -> f64;
     /// w(q), eight at once; zero for q >= 2.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
-    unsafe fn w_lanes<L: Lanes>(q: L::F) -> L::F;
+    fn w_lanes<F: Real>(q: F) -> F;
     /// The same of others alone: zero at q = 0, where the particle itself and padding are.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
     #[inline(always)]
-    unsafe fn w_apart<L: Lanes>(q: L::F, q2: L::F) -> L::F {
-        unsafe { L::if_less(L::splat(0.0), q2, Self::w_lanes::<L>(q)) }
+    fn w_apart<F: Real>(q: F, q2: F) -> F {
+        Self::w_lanes(q).if_less(q.splat(0.0), q2)
     }
     /// w'(q) / q, eight at once; zero for q >= 2, finite for q = 0.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
-    unsafe fn slope_lanes<L: Lanes>(q: L::F) -> L::F;
+    fn slope_lanes<F: Real>(q: F) -> F;
     /// The derivative of `slope` over q, so that
     /// grad grad W = norm / h^(d+2) (slope I + curve d d), d = r_ab / h.
     fn curve(q: f64) -> f64;
     /// The same, eight at once; zero for q >= 2, finite for q = 0.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
-    unsafe fn curve_lanes<L: Lanes>(q: L::F) -> L::F;
+    fn curve_lanes<F: Real>(q: F) -> F;
 }
 
 /// Cubic spline (Monaghan & Lattanzio 1985; Nishio et al. Eq. 3).
@@ -72,25 +60,21 @@ impl Kernel for CubicSpline {
         (3.0 * b * b - 0.75 * a * a) / q
     }
     #[inline(always)]
-    unsafe fn w_lanes<L: Lanes>(q: L::F) -> L::F {
-        unsafe {
-            let zero = L::splat(0.0);
-            let a = L::max(L::sub(L::splat(2.0), q), zero);
-            let b = L::max(L::sub(L::splat(1.0), q), zero);
-            let a3 = L::mul(L::mul(a, a), L::mul(a, L::splat(0.25)));
-            L::sub(a3, L::mul(L::mul(b, b), b))
-        }
+    fn w_lanes<F: Real>(q: F) -> F {
+        let zero = q.splat(0.0);
+        let a = (q.splat(2.0) - q).max(zero);
+        let b = (q.splat(1.0) - q).max(zero);
+        let a3 = a * a * (a * 0.25);
+        a3 - b * b * b
     }
     #[inline(always)]
-    unsafe fn slope_lanes<L: Lanes>(q: L::F) -> L::F {
-        unsafe {
-            let zero = L::splat(0.0);
-            let q = L::max(q, L::splat(TINY as f32));
-            let a = L::max(L::sub(L::splat(2.0), q), zero);
-            let b = L::max(L::sub(L::splat(1.0), q), zero);
-            let b2 = L::mul(L::mul(b, b), L::splat(3.0));
-            L::div(L::fma(L::mul(a, a), L::splat(-0.75), b2), q)
-        }
+    fn slope_lanes<F: Real>(q: F) -> F {
+        let zero = q.splat(0.0);
+        let q = q.max(q.splat(TINY as f32));
+        let a = (q.splat(2.0) - q).max(zero);
+        let b = (q.splat(1.0) - q).max(zero);
+        let b2 = b * b * 3.0;
+        (a * a).mul_add(q.splat(-0.75), b2) / q
     }
     fn curve(q: f64) -> f64 {
         let q = q.max(TINY);
@@ -98,14 +82,12 @@ impl Kernel for CubicSpline {
         ((1.5 * a - 6.0 * b) - Self::slope(q)) / (q * q)
     }
     #[inline(always)]
-    unsafe fn curve_lanes<L: Lanes>(q: L::F) -> L::F {
-        unsafe {
-            let q = L::max(q, L::splat(TINY as f32));
-            let a = L::max(L::sub(L::splat(2.0), q), L::splat(0.0));
-            let b = L::max(L::sub(L::splat(1.0), q), L::splat(0.0));
-            let second = L::fma(a, L::splat(1.5), L::mul(b, L::splat(-6.0)));
-            L::div(L::sub(second, Self::slope_lanes::<L>(q)), L::mul(q, q))
-        }
+    fn curve_lanes<F: Real>(q: F) -> F {
+        let q = q.max(q.splat(TINY as f32));
+        let a = (q.splat(2.0) - q).max(q.splat(0.0));
+        let b = (q.splat(1.0) - q).max(q.splat(0.0));
+        let second = a.mul_add(q.splat(1.5), b * -6.0);
+        (second - Self::slope_lanes(q)) / (q * q)
     }
 }
 
@@ -127,32 +109,26 @@ impl Kernel for WendlandC2 {
         -5.0 * t * t * t
     }
     #[inline(always)]
-    unsafe fn w_lanes<L: Lanes>(q: L::F) -> L::F {
-        unsafe {
-            let one = L::splat(1.0);
-            let t = L::max(L::fma(q, L::splat(-0.5), one), L::splat(0.0));
-            let t2 = L::mul(t, t);
-            L::mul(L::mul(t2, t2), L::fma(q, L::splat(2.0), one))
-        }
+    fn w_lanes<F: Real>(q: F) -> F {
+        let one = q.splat(1.0);
+        let t = q.mul_add(q.splat(-0.5), one).max(q.splat(0.0));
+        let t2 = t * t;
+        t2 * t2 * q.mul_add(q.splat(2.0), one)
     }
     #[inline(always)]
-    unsafe fn slope_lanes<L: Lanes>(q: L::F) -> L::F {
-        unsafe {
-            let t = L::max(L::fma(q, L::splat(-0.5), L::splat(1.0)), L::splat(0.0));
-            L::mul(L::mul(t, t), L::mul(t, L::splat(-5.0)))
-        }
+    fn slope_lanes<F: Real>(q: F) -> F {
+        let t = q.mul_add(q.splat(-0.5), q.splat(1.0)).max(q.splat(0.0));
+        t * t * (t * -5.0)
     }
     fn curve(q: f64) -> f64 {
         let t = (1.0 - 0.5 * q).max(0.0);
         7.5 * t * t / q.max(TINY)
     }
     #[inline(always)]
-    unsafe fn curve_lanes<L: Lanes>(q: L::F) -> L::F {
-        unsafe {
-            let q = L::max(q, L::splat(TINY as f32));
-            let t = L::max(L::fma(q, L::splat(-0.5), L::splat(1.0)), L::splat(0.0));
-            L::div(L::mul(L::mul(t, t), L::splat(7.5)), q)
-        }
+    fn curve_lanes<F: Real>(q: F) -> F {
+        let q = q.max(q.splat(TINY as f32));
+        let t = q.mul_add(q.splat(-0.5), q.splat(1.0)).max(q.splat(0.0));
+        t * t * 7.5 / q
     }
 }
 

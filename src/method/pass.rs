@@ -5,13 +5,13 @@
 
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
 #[inline(always)]
-unsafe fn difference<L: Lanes>(a: &[L::F; 6], b: &[L::F; 6]) -> [L::F; 3] {
-    unsafe { [L::sub(a[0], b[0]), L::sub(a[1], b[1]), L::sub(a[2], b[2])] }
+fn difference<F: Real>(a: &[F; 6], b: &[F; 6]) -> [F; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// Summation density (Nishio Eq. 4): out = self + factor x SUM w(q).
@@ -26,11 +26,9 @@ pub struct Summation<K> {
 impl<K: Kernel> Pass<1> for Summation<K> {
     type Out = f64;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let w = K::w_apart::<L>(L::sqrt(pair.q2), pair.q2);
-            sum[0] = L::add(sum[0], w);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let w = K::w_apart(pair.q2.sqrt(), pair.q2);
+        sum[0] += w;
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
@@ -71,14 +69,12 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
         [x, y, z, e, a, b]
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let v = difference::<L>(&pair.own, &pair.other);
-            let e = L::sub(pair.own[3], pair.other[3]);
-            let rate = L::fma(L::splat(self.diffusion), e, L::dot(v, pair.d));
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::fma(slope, rate, sum[0]);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let v = difference(&pair.own, &pair.other);
+        let e = pair.own[3] - pair.other[3];
+        let rate = pair.q2.splat(self.diffusion).mul_add(e, dot(v, pair.d));
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        sum[0] = slope.mul_add(rate, sum[0]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
@@ -108,20 +104,18 @@ pub struct Spared<K> {
 impl<K: Kernel> Pass<2> for Spared<K> {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 2]) {
-        unsafe {
-            let v = difference::<L>(&pair.own, &pair.other);
-            let e = L::sub(pair.own[3], pair.other[3]);
-            let held = L::dot(L::splat3(self.held), pair.d);
-            let evened = L::sub(L::mul(L::splat(self.diffusion), e), held);
-            let spared = L::max(pair.own[4], pair.other[4]);
-            let least = L::sub(L::splat(0.0), spared);
-            let evened = L::sub(evened, L::min(L::max(evened, least), spared));
-            let rate = L::add(evened, L::dot(v, pair.d));
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::fma(slope, rate, sum[0]);
-            sum[1] = L::fma(slope, evened, sum[1]);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
+        let v = difference(&pair.own, &pair.other);
+        let e = pair.own[3] - pair.other[3];
+        let held = dot(pair.q2.splat3(self.held), pair.d);
+        let evened = e * self.diffusion - held;
+        let spared = pair.own[4].max(pair.other[4]);
+        let least = pair.q2.splat(0.0) - spared;
+        let evened = evened - evened.max(least).min(spared);
+        let rate = evened + dot(v, pair.d);
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        sum[0] = slope.mul_add(rate, sum[0]);
+        sum[1] = slope.mul_add(evened, sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, [rate, evened]: [f32; 2], out: &mut [f32; 3]) {
@@ -152,24 +146,21 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, C
         [a, b, c, pressure, weight, rest]
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let p = L::add(pair.own[3], pair.other[3]);
-            if V::PRESENT {
-                let v = difference::<L>(&pair.own, &pair.other);
-                let weight = if CONTROL {
-                    L::add(L::abs(pair.own[4]), L::abs(pair.other[4]))
-                } else {
-                    L::add(pair.own[4], pair.other[4])
-                };
-                self.viscosity
-                    .add::<L>(slope, pair.q2, pair.d, v, weight, sum);
-            }
-            let f = L::sub(L::splat(0.0), L::mul(slope, p));
-            for a in 0..3 {
-                sum[a] = L::fma(f, pair.d[a], sum[a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let p = pair.own[3] + pair.other[3];
+        if V::PRESENT {
+            let v = difference(&pair.own, &pair.other);
+            let weight = if CONTROL {
+                pair.own[4].abs() + pair.other[4].abs()
+            } else {
+                pair.own[4] + pair.other[4]
+            };
+            self.viscosity.add(slope, pair.q2, pair.d, v, weight, sum);
+        }
+        let f = pair.q2.splat(0.0) - slope * p;
+        for a in 0..3 {
+            sum[a] = f.mul_add(pair.d[a], sum[a]);
         }
     }
     #[inline(always)]
@@ -188,15 +179,13 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradi
         self.0.own(target, payload)
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) {
-        unsafe {
-            let mut force = [sum[0], sum[1], sum[2]];
-            self.0.pair::<L>(pair, &mut force);
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            for a in 0..3 {
-                sum[a] = force[a];
-                sum[3 + a] = L::fma(slope, pair.d[a], sum[3 + a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) {
+        let mut force = [sum[0], sum[1], sum[2]];
+        self.0.pair(pair, &mut force);
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        for a in 0..3 {
+            sum[a] = force[a];
+            sum[3 + a] = slope.mul_add(pair.d[a], sum[3 + a]);
         }
     }
     #[inline(always)]
@@ -243,23 +232,21 @@ impl Surroundings {
 impl<K: Kernel, V: PairViscosity> Pass<5> for Neighbourhood<K, V> {
     type Out = Surroundings;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let w = K::w_apart::<L>(q, pair.q2);
-            if V::PRESENT {
-                let slope = K::slope_lanes::<L>(q);
-                let v = difference::<L>(&pair.own, &pair.other);
-                let mut s = [sum[0], sum[1], sum[2]];
-                let weight = L::add(pair.own[4], pair.other[4]);
-                self.viscosity
-                    .add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
-                [sum[0], sum[1], sum[2]] = s;
-                let v2 = L::fma(v[0], v[0], L::fma(v[1], v[1], L::mul(v[2], v[2])));
-                sum[4] = L::fma(w, v2, sum[4]);
-            }
-            sum[3] = L::add(sum[3], w);
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 5]) {
+        let q = pair.q2.sqrt();
+        let w = K::w_apart(q, pair.q2);
+        if V::PRESENT {
+            let slope = K::slope_lanes(q);
+            let v = difference(&pair.own, &pair.other);
+            let mut s = [sum[0], sum[1], sum[2]];
+            let weight = pair.own[4] + pair.other[4];
+            self.viscosity
+                .add(slope, pair.q2, pair.d, v, weight, &mut s);
+            [sum[0], sum[1], sum[2]] = s;
+            let v2 = v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2]));
+            sum[4] = w.mul_add(v2, sum[4]);
         }
+        sum[3] += w;
     }
     #[inline(always)]
     fn finish(&self, _: usize, s: [f32; 5], out: &mut Surroundings) {
@@ -284,11 +271,9 @@ impl Pass<1> for Marked<'_> {
         !self.near[target]
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let seen = L::if_less(pair.q2, L::splat(4.0), pair.other[0]);
-            sum[0] = L::add(sum[0], seen);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let seen = pair.other[0].if_less(pair.q2, pair.q2.splat(4.0));
+        sum[0] += seen;
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
@@ -320,19 +305,17 @@ pub struct WallSums {
 impl<K: Kernel> Pass<9> for Extrapolation<K> {
     type Out = WallSums;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 9]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let w = K::w_apart::<L>(q, pair.q2);
-            sum[0] = L::add(sum[0], w);
-            sum[1] = L::fma(w, L::div(pair.other[3], L::abs(pair.other[4])), sum[1]);
-            for a in 0..3 {
-                sum[2 + a] = L::fma(w, pair.d[a], sum[2 + a]);
-                sum[5 + a] = L::fma(w, pair.other[a], sum[5 + a]);
-            }
-            let v = [pair.other[0], pair.other[1], pair.other[2]];
-            sum[8] = L::fma(K::slope_lanes::<L>(q), L::dot(v, pair.d), sum[8]);
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 9]) {
+        let q = pair.q2.sqrt();
+        let w = K::w_apart(q, pair.q2);
+        sum[0] += w;
+        sum[1] = w.mul_add(pair.other[3] / pair.other[4].abs(), sum[1]);
+        for a in 0..3 {
+            sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
+            sum[5 + a] = w.mul_add(pair.other[a], sum[5 + a]);
         }
+        let v = [pair.other[0], pair.other[1], pair.other[2]];
+        sum[8] = K::slope_lanes(q).mul_add(dot(v, pair.d), sum[8]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, s: [f32; 9], out: &mut WallSums) {

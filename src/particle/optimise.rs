@@ -27,7 +27,7 @@
 use super::completion::Completion;
 use super::crowd::Crowd;
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 use crate::space::parallel::{self, Slots};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
@@ -82,15 +82,13 @@ struct Sum<K>(Measure<K>);
 impl<K: Kernel> Pass<4> for Sum<K> {
     type Out = Local;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let w = K::w_apart::<L>(q, pair.q2);
-            sum[3] = L::add(sum[3], w);
-            let slope = K::slope_lanes::<L>(q);
-            for k in 0..3 {
-                sum[k] = L::fma(slope, pair.d[k], sum[k]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 4]) {
+        let q = pair.q2.sqrt();
+        let w = K::w_apart(q, pair.q2);
+        sum[3] += w;
+        let slope = K::slope_lanes(q);
+        for k in 0..3 {
+            sum[k] = slope.mul_add(pair.d[k], sum[k]);
         }
     }
     fn finish(&self, _target: usize, sum: [f32; 4], out: &mut Local) {
@@ -106,12 +104,10 @@ struct Transposed<K>(Measure<K>);
 impl<K: Kernel> Pass<3> for Transposed<K> {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = L::mul(K::slope_lanes::<L>(L::sqrt(pair.q2)), pair.other[3]);
-            for k in 0..3 {
-                sum[k] = L::fma(slope, pair.d[k], sum[k]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let slope = K::slope_lanes(pair.q2.sqrt()) * pair.other[3];
+        for k in 0..3 {
+            sum[k] = slope.mul_add(pair.d[k], sum[k]);
         }
     }
     fn finish(&self, _target: usize, sum: [f32; 3], out: &mut [f32; 3]) {
@@ -125,14 +121,12 @@ struct Direct<K>(Measure<K>);
 impl<K: Kernel> Pass<1> for Direct<K> {
     type Out = f32;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let mut dot = L::mul(pair.d[0], pair.other[0]);
-            dot = L::fma(pair.d[1], pair.other[1], dot);
-            dot = L::fma(pair.d[2], pair.other[2], dot);
-            sum[0] = L::fma(slope, dot, sum[0]);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let mut dot = pair.d[0] * pair.other[0];
+        dot = pair.d[1].mul_add(pair.other[1], dot);
+        dot = pair.d[2].mul_add(pair.other[2], dot);
+        sum[0] = slope.mul_add(dot, sum[0]);
     }
     fn finish(&self, _target: usize, sum: [f32; 1], out: &mut f32) {
         *out = sum[0] * (self.0.scale() / self.0.h) as f32;

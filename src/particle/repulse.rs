@@ -13,7 +13,7 @@
 use super::completion::Completion;
 use super::crowd::Crowd;
 use crate::kernel::{Kernel, WendlandC2};
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 use crate::space::parallel::{self, Slots};
 use crate::space::sweep::{Pair, Pass};
 
@@ -33,12 +33,10 @@ struct Push {
 impl Pass<3> for Push {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = WendlandC2::slope_lanes::<L>(L::sqrt(pair.q2));
-            for k in 0..3 {
-                sum[k] = L::fma(slope, pair.d[k], sum[k]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let slope = WendlandC2::slope_lanes(pair.q2.sqrt());
+        for k in 0..3 {
+            sum[k] = slope.mul_add(pair.d[k], sum[k]);
         }
     }
     fn finish(&self, _target: usize, sum: [f32; 3], out: &mut [f32; 3]) {

@@ -2,8 +2,10 @@
 //! the same bits.
 //!
 //! Only exact IEEE operations (no reciprocal estimates), so both give the same result everywhere.
-//! Every function is inlined into a caller that enables the features: see [`run`]. Code over
-//! lanes holds no closure, for a closure would be a function without the features.
+//! Sums over pairs are written with operators over [`Real`], and are safe: a number is the proof
+//! that the processor can compute with it. Every function is inlined into a caller that enables the
+//! features: see [`run`]. Code over lanes holds no closure, for a closure would be a function
+//! without the features.
 //!
 //! What the lanes of a [`Precision`] differ in: mixed takes the exact difference of fixed-point
 //! coordinates and goes on in f32; single rounds the coordinates themselves to f32; double takes
@@ -18,6 +20,7 @@ pub use avx2::{Avx2, Avx2Double};
 pub use portable::{Portable, Scalar};
 
 use crate::scene::Precision;
+use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
 /// One neighbour record: fixed-point x, y, z, then five f32 payloads, as bits. 32 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,45 +80,128 @@ pub struct Half(pub [u32; 4]);
 /// Number of lanes.
 pub const WIDTH: usize = 8;
 
-/// Eight lanes of f32 or f64.
+/// Eight numbers that are computed with together, f32 or f64. Only [`Lanes`] makes the first one,
+/// where the processor has what it needs: whoever has a number may compute with it.
+///
+/// The operations are exact ones of IEEE 754, without branches that depend on data.
+pub trait Real:
+    Copy
+    + AddAssign
+    + Add<Output = Self>
+    + Add<f32, Output = Self>
+    + Sub<Output = Self>
+    + Sub<f32, Output = Self>
+    + Mul<Output = Self>
+    + Mul<f32, Output = Self>
+    + Div<Output = Self>
+{
+    /// `x` in all lanes.
+    fn splat(self, x: f32) -> Self;
+    /// self b + c, rounded once.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    fn sqrt(self) -> Self;
+    fn abs(self) -> Self;
+    fn max(self, b: Self) -> Self;
+    fn min(self, b: Self) -> Self;
+    /// Itself where `a < b`, else 0.
+    fn if_less(self, a: Self, b: Self) -> Self;
+    /// Bit k set where self < b in lane k.
+    fn less_mask(self, b: Self) -> u32;
+    /// Sum of the lanes in a fixed order.
+    fn sum(self) -> f32;
+    fn to_array(self) -> [f32; WIDTH];
+    /// Three splats.
+    #[inline(always)]
+    fn splat3(self, [x, y, z]: [f32; 3]) -> [Self; 3] {
+        [self.splat(x), self.splat(y), self.splat(z)]
+    }
+    /// The larger of itself and `x`.
+    #[inline(always)]
+    fn at_least(self, x: f32) -> Self {
+        self.max(self.splat(x))
+    }
+}
+
+/// a . b
+#[inline(always)]
+pub fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+/// The operators of a type, by the functions of their names; those with f32 by a splat.
+macro_rules! operators {
+    ([$($bound:tt)*] $type:ty: $sum:path, $difference:path, $product:path, $quotient:path) => {
+        impl<$($bound)*> std::ops::Add for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, b: Self) -> Self {
+                $sum(self, b)
+            }
+        }
+        impl<$($bound)*> std::ops::Sub for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, b: Self) -> Self {
+                $difference(self, b)
+            }
+        }
+        impl<$($bound)*> std::ops::Mul for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, b: Self) -> Self {
+                $product(self, b)
+            }
+        }
+        impl<$($bound)*> std::ops::Div for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, b: Self) -> Self {
+                $quotient(self, b)
+            }
+        }
+        impl<$($bound)*> std::ops::AddAssign for $type {
+            #[inline(always)]
+            fn add_assign(&mut self, b: Self) {
+                *self = $sum(*self, b);
+            }
+        }
+        impl<$($bound)*> std::ops::Add<f32> for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, b: f32) -> Self {
+                self + self.splat(b)
+            }
+        }
+        impl<$($bound)*> std::ops::Sub<f32> for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, b: f32) -> Self {
+                self - self.splat(b)
+            }
+        }
+        impl<$($bound)*> std::ops::Mul<f32> for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, b: f32) -> Self {
+                self * self.splat(b)
+            }
+        }
+    };
+}
+use operators;
+
+/// What the lanes of a processor read and write.
 ///
 /// # Safety
 /// Every function requires the processor features of the implementation, and eight words wherever
 /// it reads or writes through a pointer.
 pub trait Lanes: Copy + Send + Sync + 'static {
-    type F: Copy;
+    type F: Real;
     /// Eight fixed-point coordinates.
     type I: Copy;
     unsafe fn splat(x: f32) -> Self::F;
     /// As exactly as the lanes can.
     unsafe fn constant(x: f64) -> Self::F;
-    /// Three splats.
-    #[inline(always)]
-    unsafe fn splat3(x: [f32; 3]) -> [Self::F; 3] {
-        unsafe { [Self::splat(x[0]), Self::splat(x[1]), Self::splat(x[2])] }
-    }
-    /// a . b
-    #[inline(always)]
-    unsafe fn dot(a: [Self::F; 3], b: [Self::F; 3]) -> Self::F {
-        unsafe { Self::fma(a[2], b[2], Self::fma(a[1], b[1], Self::mul(a[0], b[0]))) }
-    }
-    unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
-    unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
-    unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;
-    unsafe fn div(a: Self::F, b: Self::F) -> Self::F;
-    /// a b + c, rounded once.
-    unsafe fn fma(a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    unsafe fn sqrt(a: Self::F) -> Self::F;
-    unsafe fn abs(a: Self::F) -> Self::F;
-    unsafe fn max(a: Self::F, b: Self::F) -> Self::F;
-    unsafe fn min(a: Self::F, b: Self::F) -> Self::F;
-    /// `value` where `a < b`, else 0.
-    unsafe fn if_less(a: Self::F, b: Self::F, value: Self::F) -> Self::F;
-    /// Bit k set where `a[k] < b[k]`.
-    unsafe fn less_mask(a: Self::F, b: Self::F) -> u32;
-    /// Sum of the lanes in a fixed order.
-    unsafe fn sum(a: Self::F) -> f32;
-    unsafe fn to_array(a: Self::F) -> [f32; WIDTH];
     /// Eight records: their coordinates and payloads, lane k of record k.
     unsafe fn gather(records: *const Record, index: *const u32) -> ([Self::I; 3], [Self::F; 5]);
     /// Eight points: their coordinates and words, lane k of point k.

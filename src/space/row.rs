@@ -4,7 +4,7 @@
 
 use super::column::{Columns, Place};
 use super::grid::Grid;
-use super::lane::{self, Job, Lanes, WIDTH};
+use super::lane::{self, Job, Lanes, Real, WIDTH, dot};
 use rayon::prelude::*;
 
 /// Rows per chunk; fixed, so that nothing depends on the number of threads.
@@ -272,7 +272,7 @@ impl Near {
                     L::load_fixed(z.add(j)),
                 ];
                 let d = separation::<L>(at, other, scale);
-                let mut mask = L::less_mask(L::dot(d, d), one);
+                let mut mask = dot(d, d).less_mask(one);
                 if count - j < WIDTH {
                     mask &= (1 << (count - j)) - 1;
                 }
@@ -311,9 +311,9 @@ pub(super) unsafe fn separation<L: Lanes>(
 ) -> [L::F; 3] {
     unsafe {
         [
-            L::mul(L::difference(at[0], other[0]), scale[0]),
-            L::mul(L::difference(at[1], other[1]), scale[1]),
-            L::mul(L::difference(at[2], other[2]), scale[2]),
+            L::difference(at[0], other[0]) * scale[0],
+            L::difference(at[1], other[1]) * scale[1],
+            L::difference(at[2], other[2]) * scale[2],
         ]
     }
 }

@@ -5,18 +5,15 @@
 //! which is all that a product costs), sums are f64.
 
 use super::grid::Scale;
-use super::lane::{self, Job, Lanes, Record, WIDTH};
+use super::lane::{self, Job, Lanes, Real, Record, WIDTH};
 use super::row::{CHUNK, Rows};
-use super::sweep::Pair;
+use super::sweep::{Pair, gathered};
 use rayon::prelude::*;
 
 /// What couples a pair, and what else is summed along the row.
 pub trait Couple<const N: usize>: Sync {
     /// Weights of eight pairs: zero for padding (d = 0) and beyond the support.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; N]) -> L::F;
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; N]) -> F;
 }
 
 #[derive(Clone, Debug, Default)]
@@ -200,7 +197,7 @@ impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
                     }
                 }
                 for (sum, lanes) in sums.iter_mut().zip(lanes) {
-                    *sum = L::sum(lanes);
+                    *sum = lanes.sum();
                 }
             }
             chunk.start.push(chunk.index.len() as u32);
@@ -232,8 +229,8 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
         let mut kept = chunk.index.len();
         let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
         for group in row.chunks_exact(WIDTH) {
-            let pair = Pair::gathered(layout.records, group, at, own, scale);
-            let weight = L::to_array(pass.pair::<L>(&pair, sum));
+            let pair = gathered::<L>(layout.records, group, at, own, scale);
+            let weight = pass.pair(&pair, sum).to_array();
             // All are written, and those that count are passed: no branch that cannot be foretold.
             for (w, &j) in weight.into_iter().zip(group) {
                 let j = layout.original(j as usize);

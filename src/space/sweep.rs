@@ -9,7 +9,7 @@ mod kept;
 mod near;
 
 use super::grid::Scale;
-use super::lane::{self, Job, Lanes, Record, WIDTH};
+use super::lane::{self, Job, Lanes, Real, Record, WIDTH, dot};
 use super::row::{CHUNK, Rows, separation};
 
 pub use super::row::Source;
@@ -21,39 +21,37 @@ use rayon::prelude::*;
 const FAR: f32 = 1e12;
 
 /// Lanes of one pair: separation and the two records' payloads.
-pub struct Pair<L: Lanes> {
+pub struct Pair<F> {
     /// Own minus other, in units of the smoothing length.
-    pub d: [L::F; 3],
+    pub d: [F; 3],
     /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
-    pub q2: L::F,
+    pub q2: F,
     /// [`Pass::own`] of the target, splatted.
-    pub own: [L::F; 6],
+    pub own: [F; 6],
     /// Payload of the neighbours; what they do not have is zero.
-    pub other: [L::F; 6],
+    pub other: [F; 6],
 }
 
-impl<L: Lanes> Pair<L> {
-    /// Of a target and the eight records of `group`.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`, and `group` has eight indices of records.
-    #[inline(always)]
-    pub(super) unsafe fn gathered(
-        records: &[Record],
-        group: &[u32],
-        at: [i32; 3],
-        own: [L::F; 6],
-        scale: [L::F; 3],
-    ) -> Self {
-        unsafe {
-            let (other, [a, b, c, d, e]) = L::gather(records.as_ptr(), group.as_ptr());
-            let separation = separation::<L>(at, other, scale);
-            Pair {
-                d: separation,
-                q2: L::dot(separation, separation),
-                own,
-                other: [a, b, c, d, e, L::splat(0.0)],
-            }
+/// The pairs of a target and the eight records of `group`.
+///
+/// # Safety
+/// The processor has the features of `L`, and `group` has eight indices of records.
+#[inline(always)]
+pub(super) unsafe fn gathered<L: Lanes>(
+    records: &[Record],
+    group: &[u32],
+    at: [i32; 3],
+    own: [L::F; 6],
+    scale: [L::F; 3],
+) -> Pair<L::F> {
+    unsafe {
+        let (other, [a, b, c, d, e]) = L::gather(records.as_ptr(), group.as_ptr());
+        let separation = separation::<L>(at, other, scale);
+        Pair {
+            d: separation,
+            q2: dot(separation, separation),
+            own,
+            other: [a, b, c, d, e, L::splat(0.0)],
         }
     }
 }
@@ -72,10 +70,7 @@ pub trait Pass<const N: usize>: Sync {
         payload
     }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; N]);
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; N]);
     /// `target`: record index.
     fn finish(&self, target: usize, sum: [f32; N], out: &mut Self::Out);
 }
@@ -132,10 +127,10 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
                 let own = splat::<L>(pass.own(target, own));
                 let mut sum = [L::splat(0.0); N];
                 for group in rows.row(from + k).chunks_exact(WIDTH) {
-                    let pair = Pair::gathered(records, group, at, own, scale);
-                    pass.pair::<L>(&pair, &mut sum);
+                    let pair = gathered::<L>(records, group, at, own, scale);
+                    pass.pair(&pair, &mut sum);
                 }
-                pass.finish(target, total::<L, N>(&sum), out);
+                pass.finish(target, total(&sum), out);
             }
         }
     }
@@ -144,11 +139,10 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
 #[inline(always)]
 unsafe fn splat<L: Lanes>(own: [f32; 6]) -> [L::F; 6] {
     unsafe {
-        let [a, b, c] = L::splat3([own[0], own[1], own[2]]);
         [
-            a,
-            b,
-            c,
+            L::splat(own[0]),
+            L::splat(own[1]),
+            L::splat(own[2]),
             L::splat(own[3]),
             L::splat(own[4]),
             L::splat(own[5]),
@@ -157,10 +151,10 @@ unsafe fn splat<L: Lanes>(own: [f32; 6]) -> [L::F; 6] {
 }
 
 #[inline(always)]
-unsafe fn total<L: Lanes, const N: usize>(sum: &[L::F; N]) -> [f32; N] {
+fn total<F: Real, const N: usize>(sum: &[F; N]) -> [f32; N] {
     let mut total = [0.0; N];
     for (total, sum) in total.iter_mut().zip(sum) {
-        *total = unsafe { L::sum(*sum) };
+        *total = sum.sum();
     }
     total
 }

@@ -5,7 +5,7 @@ use coronet::effect::select::{Visitor, pair, tension};
 use coronet::effect::viscosity::PairViscosity;
 use coronet::kernel::Kernel;
 use coronet::scene::{Effects, KernelName, Sph, SurfaceTension, Viscosity, ViscosityForm};
-use coronet::space::lane::{Lanes, Portable};
+use coronet::space::lane::{Lanes, Portable, Real};
 
 const H: f64 = 0.5e-3;
 const MU: f64 = 3.5e-3;
@@ -18,15 +18,13 @@ impl Visitor for Probe {
     /// w(0.5) x norm in 3-D, whether there is any viscosity, its force.
     type Out = (f64, bool, [f32; 3]);
     fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Self::Out {
-        let mut sum = [[0.0; 8]; 3];
-        let lanes = |x: [f32; 3]| x.map(|x| [x; 8]);
-        let (d, v) = (lanes([0.6, 0.0, 0.8]), lanes([1.0, 0.0, 0.0]));
         // The scalar twin needs no feature of the processor.
-        unsafe {
-            let [slope, q2, weight] = [2.0, 1.0, 3.0].map(|x| Portable::splat(x));
-            viscosity.add::<Portable>(slope, q2, d, v, weight, &mut sum);
-        }
-        (K::norm(3) * K::w(0.5), V::PRESENT, sum.map(|sum| sum[0]))
+        let [slope, q2, weight] = [2.0, 1.0, 3.0].map(|x| unsafe { Portable::splat(x) });
+        let mut sum = q2.splat3([0.0; 3]);
+        let (d, v) = (q2.splat3([0.6, 0.0, 0.8]), q2.splat3([1.0, 0.0, 0.0]));
+        viscosity.add(slope, q2, d, v, weight, &mut sum);
+        let force = sum.map(|sum| sum.to_array()[0]);
+        (K::norm(3) * K::w(0.5), V::PRESENT, force)
     }
 }
 

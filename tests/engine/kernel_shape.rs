@@ -2,7 +2,7 @@
 
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2, lattice_sum, slope, value};
 use coronet::scene::KernelName;
-use coronet::space::lane::{Lanes, Portable};
+use coronet::space::lane::{Lanes, Portable, Real};
 use std::f64::consts::PI;
 
 /// Simpson's rule over 0 .. 2 with a node at every kink.
@@ -58,13 +58,9 @@ fn lanes_follow<K: Kernel>() {
     for k in 0..2000 {
         let q = 0.0011 * k as f64;
         // Portable needs no feature of the processor.
-        let (w, s) = unsafe {
-            let q = Portable::splat(q as f32);
-            (
-                K::w_lanes::<Portable>(q)[0],
-                K::slope_lanes::<Portable>(q)[0],
-            )
-        };
+        let lanes = unsafe { Portable::splat(q as f32) };
+        let w = K::w_lanes(lanes).to_array()[0];
+        let s = K::slope_lanes(lanes).to_array()[0];
         let q = q as f32 as f64;
         assert!(
             (w as f64 - K::w(q)).abs() < 3e-7 * K::w(0.0),

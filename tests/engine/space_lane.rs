@@ -3,7 +3,7 @@
 use super::cloud::{CHANNEL, Cloud, PERIODIC};
 use super::method_scene::{self, fingerprint};
 use coronet::scene::Dimension;
-use coronet::space::lane::{Half, Lanes, Portable, Record, WIDTH, wide};
+use coronet::space::lane::{Half, Lanes, Portable, Real, Record, WIDTH, dot, wide};
 use std::process::Command;
 
 /// The words of eight lanes, whatever they are of.
@@ -33,22 +33,28 @@ unsafe fn operate<L: Lanes>(x: [[f32; WIDTH]; 3], out: &mut Vec<u64>) {
     unsafe {
         let (a, b, c) = (L::load(&x[0][0]), L::load(&x[1][0]), L::load(&x[2][0]));
         store(L::splat(x[0][1]), out);
-        store(L::add(a, b), out);
-        store(L::sub(a, b), out);
-        store(L::mul(a, b), out);
-        store(L::div(a, b), out);
-        store(L::fma(a, b, c), out);
-        store(L::sqrt(a), out);
-        store(L::abs(a), out);
-        store(L::max(a, b), out);
-        store(L::min(a, b), out);
-        store(L::if_less(a, b, c), out);
-        store(L::dot([a, b, c], [c, a, b]), out);
-        store(L::splat(L::sum(a)), out);
-        out.push(L::less_mask(a, b) as u64);
+        store(a.splat(x[0][1]), out);
+        store(a + b, out);
+        store(a - b, out);
+        store(a * b, out);
+        store(a / b, out);
+        store(a + x[1][2], out);
+        store(a - x[1][2], out);
+        store(a * x[1][2], out);
+        store(a.mul_add(b, c), out);
+        store(a.sqrt(), out);
+        store(a.abs(), out);
+        store(a.max(b), out);
+        store(a.at_least(x[1][2]), out);
+        store(a.min(b), out);
+        store(c.if_less(a, b), out);
+        store(dot([a, b, c], [c, a, b]), out);
+        store(L::splat(a.sum()), out);
+        out.push(a.less_mask(b) as u64);
         store(L::constant(x[0][1] as f64 / 3.0), out);
         out.extend(
-            L::to_array(L::div(a, b))
+            (a / b)
+                .to_array()
                 .map(|x| (x.to_bits() as u64, x.is_nan()))
                 .map(|(bits, nan)| if nan { u64::MAX } else { bits }),
         );

@@ -32,7 +32,7 @@
 use super::{FAINT, Tension};
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Field, Pair, Pass};
 use rand_chacha::ChaCha8Rng;
@@ -280,12 +280,9 @@ impl Tension {
 }
 
 /// 1 for q < 2 of others.
-///
-/// # Safety
-/// The processor has the features of `L`.
 #[inline(always)]
-unsafe fn inside<L: Lanes>(q2: L::F) -> L::F {
-    unsafe { L::if_less(q2, L::splat(4.0), L::splat(1.0)) }
+fn inside<F: Real>(q2: F) -> F {
+    q2.splat(1.0).if_less(q2, q2.splat(4.0))
 }
 
 /// n1 and the vector along n.
@@ -298,28 +295,26 @@ struct Numbers<K, const PRINTED: bool> {
 impl<K: Kernel, const PRINTED: bool> Pass<4> for Numbers<K, PRINTED> {
     type Out = [f32; 4];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
-        unsafe {
-            if !PRINTED {
-                let q = L::sqrt(pair.q2);
-                sum[0] = L::add(sum[0], K::w_apart::<L>(q, pair.q2));
-                let slope = K::slope_lanes::<L>(q);
-                for a in 0..3 {
-                    sum[1 + a] = L::fma(slope, pair.d[a], sum[1 + a]);
-                }
-                return;
-            }
-            let other = L::if_less(L::splat(0.0), pair.q2, inside::<L>(pair.q2));
-            sum[0] = L::add(sum[0], other);
-            let l0 = L::splat(self.beside);
-            let square = L::fma(l0, l0, pair.q2);
-            let twice = L::add(l0, l0);
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 4]) {
+        if !PRINTED {
+            let q = pair.q2.sqrt();
+            sum[0] += K::w_apart(q, pair.q2);
+            let slope = K::slope_lanes(q);
             for a in 0..3 {
-                let shift = L::mul(twice, pair.d[a]);
-                let ahead = inside::<L>(L::add(square, shift));
-                let behind = inside::<L>(L::sub(square, shift));
-                sum[1 + a] = L::add(sum[1 + a], L::sub(ahead, behind));
+                sum[1 + a] = slope.mul_add(pair.d[a], sum[1 + a]);
             }
+            return;
+        }
+        let other = inside(pair.q2).if_less(pair.q2.splat(0.0), pair.q2);
+        sum[0] += other;
+        let l0 = pair.q2.splat(self.beside);
+        let square = l0.mul_add(l0, pair.q2);
+        let twice = l0 + l0;
+        for a in 0..3 {
+            let shift = twice * pair.d[a];
+            let ahead = inside(square + shift);
+            let behind = inside(square - shift);
+            sum[1 + a] += ahead - behind;
         }
     }
     #[inline(always)]
@@ -338,21 +333,19 @@ struct Deeper<K, const PRINTED: bool> {
 impl<K: Kernel, const PRINTED: bool> Pass<1> for Deeper<K, PRINTED> {
     type Out = f32;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let (zero, one) = (L::splat(0.0), L::splat(1.0));
-            let more = L::mul(L::splat(self.gain), L::sub(pair.other[0], pair.own[0]));
-            let part = if PRINTED {
-                let x = L::min(L::max(more, zero), one);
-                let rest = L::fma(L::splat(-2.0), x, L::splat(3.0));
-                let counts = L::if_less(zero, pair.q2, inside::<L>(pair.q2));
-                L::mul(counts, L::mul(L::mul(x, x), rest))
-            } else {
-                let x = L::min(L::max(L::add(L::splat(0.5), more), zero), one);
-                L::mul(K::w_apart::<L>(L::sqrt(pair.q2), pair.q2), x)
-            };
-            sum[0] = L::add(sum[0], part);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let (zero, one) = (pair.q2.splat(0.0), pair.q2.splat(1.0));
+        let more = (pair.other[0] - pair.own[0]) * self.gain;
+        let part = if PRINTED {
+            let x = more.max(zero).min(one);
+            let rest = pair.q2.splat(-2.0).mul_add(x, pair.q2.splat(3.0));
+            let counts = inside(pair.q2).if_less(zero, pair.q2);
+            counts * (x * x * rest)
+        } else {
+            let x = (pair.q2.splat(0.5) + more).max(zero).min(one);
+            K::w_apart(pair.q2.sqrt(), pair.q2) * x
+        };
+        sum[0] += part;
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
@@ -366,15 +359,13 @@ struct Means;
 impl Pass<2> for Means {
     type Out = [f32; 2];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 2]) {
-        unsafe {
-            let zero = L::splat(0.0);
-            let q = L::max(L::sqrt(pair.q2), L::splat(NEAREST));
-            let w = L::max(L::sub(L::div(L::splat(2.0), q), L::splat(1.0)), zero);
-            let w = L::if_less(zero, pair.q2, w);
-            sum[0] = L::fma(w, pair.other[0], sum[0]);
-            sum[1] = L::fma(w, pair.other[1], sum[1]);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
+        let zero = pair.q2.splat(0.0);
+        let q = pair.q2.sqrt().max(pair.q2.splat(NEAREST));
+        let w = (pair.q2.splat(2.0) / q - 1.0).max(zero);
+        let w = w.if_less(zero, pair.q2);
+        sum[0] = w.mul_add(pair.other[0], sum[0]);
+        sum[1] = w.mul_add(pair.other[1], sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 2], out: &mut [f32; 2]) {

@@ -34,7 +34,7 @@ use super::shore::Shore;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::particle::Particles;
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 use crate::space::parallel::{Slots, each, slots3, sum_in};
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
@@ -121,15 +121,13 @@ struct Look<K>(PhantomData<K>);
 impl<K: Kernel> Pass<4> for Look<K> {
     type Out = [f32; 4];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 4]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let slope = K::slope_lanes::<L>(q);
-            for a in 0..3 {
-                sum[a] = L::fma(slope, pair.d[a], sum[a]);
-            }
-            sum[3] = L::add(sum[3], K::w_apart::<L>(q, pair.q2));
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 4]) {
+        let q = pair.q2.sqrt();
+        let slope = K::slope_lanes(q);
+        for a in 0..3 {
+            sum[a] = slope.mul_add(pair.d[a], sum[a]);
         }
+        sum[3] += K::w_apart(q, pair.q2);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {

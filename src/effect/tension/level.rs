@@ -26,7 +26,7 @@ use super::stressed::Stressed;
 use crate::effect::depth::depths;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 use crate::space::mirror::PAIRS;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Pair, Pass};
@@ -104,32 +104,30 @@ impl<K: Kernel> Pass<7> for Curvature<K> {
         u.map(|u| u / size.max(f32::MIN_POSITIVE))
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) {
-        unsafe {
-            let zero = L::splat(0.0);
-            let (a, d) = ([pair.own[0], pair.own[1], pair.own[2]], pair.d);
-            let b = [pair.other[0], pair.other[1], pair.other[2]];
-            let size = L::max(L::sqrt(L::dot(b, b)), L::splat(f32::MIN_POSITIVE));
-            let along = L::div(L::dot(a, b), size);
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let w = L::sub(zero, L::mul(slope, L::max(along, zero)));
-            let height = L::dot(a, d);
-            let (mut t, mut across) = (d, d);
-            for c in 0..3 {
-                t[c] = L::mul(w, L::sub(L::div(b[c], size), L::mul(along, a[c])));
-                across[c] = L::sub(d[c], L::mul(height, a[c]));
-            }
-            for (c, (i, j)) in PAIRS.into_iter().enumerate() {
-                let product = if i == j {
-                    L::mul(t[i], across[i])
-                } else {
-                    let both = L::fma(t[i], across[j], L::mul(t[j], across[i]));
-                    L::mul(L::splat(0.5), both)
-                };
-                sum[c] = L::add(sum[c], product);
-            }
-            sum[6] = L::fma(w, L::dot(across, across), sum[6]);
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 7]) {
+        let zero = pair.q2.splat(0.0);
+        let (a, d) = ([pair.own[0], pair.own[1], pair.own[2]], pair.d);
+        let b = [pair.other[0], pair.other[1], pair.other[2]];
+        let size = dot(b, b).sqrt().max(pair.q2.splat(f32::MIN_POSITIVE));
+        let along = dot(a, b) / size;
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let w = zero - slope * along.max(zero);
+        let height = dot(a, d);
+        let (mut t, mut across) = (d, d);
+        for c in 0..3 {
+            t[c] = w * (b[c] / size - along * a[c]);
+            across[c] = d[c] - height * a[c];
         }
+        for (c, (i, j)) in PAIRS.into_iter().enumerate() {
+            let product = if i == j {
+                t[i] * across[i]
+            } else {
+                let both = t[i].mul_add(across[j], t[j] * across[i]);
+                both * 0.5
+            };
+            sum[c] += product;
+        }
+        sum[6] = w.mul_add(dot(across, across), sum[6]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 7], out: &mut Bend) {

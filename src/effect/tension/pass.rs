@@ -1,7 +1,7 @@
 //! Pair sums of the surface tension; numbers as in [`super`].
 
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
@@ -11,10 +11,8 @@ pub struct Volume<K>(pub PhantomData<K>);
 impl<K: Kernel> Pass<1> for Volume<K> {
     type Out = f32;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            sum[0] = L::add(sum[0], K::w_lanes::<L>(L::sqrt(pair.q2)));
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        sum[0] += K::w_lanes(pair.q2.sqrt());
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
@@ -28,11 +26,9 @@ pub struct Colour<K>(pub PhantomData<K>);
 impl<K: Kernel> Pass<1> for Colour<K> {
     type Out = f32;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::fma(pair.other[0], w, sum[0]);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let w = K::w_lanes(pair.q2.sqrt());
+        sum[0] = pair.other[0].mul_add(w, sum[0]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
@@ -46,14 +42,12 @@ pub struct Difference<K>(pub PhantomData<K>);
 impl<K: Kernel> Pass<6> for Difference<K> {
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let f = L::mul(slope, L::sub(pair.other[0], pair.own[0]));
-            for a in 0..3 {
-                sum[a] = L::fma(f, pair.d[a], sum[a]);
-                sum[3 + a] = L::fma(slope, pair.d[a], sum[3 + a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let f = slope * (pair.other[0] - pair.own[0]);
+        for a in 0..3 {
+            sum[a] = f.mul_add(pair.d[a], sum[a]);
+            sum[3 + a] = slope.mul_add(pair.d[a], sum[3 + a]);
         }
     }
     #[inline(always)]
@@ -73,15 +67,13 @@ pub struct Summed<K> {
 impl<K: Kernel> Pass<3> for Summed<K> {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let u = [pair.other[0], pair.other[1], pair.other[2]];
-            let along = L::mul(L::sub(L::splat(0.0), slope), L::dot(u, pair.d));
-            let size = L::mul(slope, L::dot(u, u));
-            for c in 0..3 {
-                sum[c] = L::fma(size, pair.d[c], L::fma(along, u[c], sum[c]));
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let u = [pair.other[0], pair.other[1], pair.other[2]];
+        let along = (pair.q2.splat(0.0) - slope) * dot(u, pair.d);
+        let size = slope * dot(u, u);
+        for c in 0..3 {
+            sum[c] = size.mul_add(pair.d[c], along.mul_add(u[c], sum[c]));
         }
     }
     #[inline(always)]
@@ -96,16 +88,14 @@ pub struct Tensor<K>(pub Summed<K>);
 impl<K: Kernel> Pass<3> for Tensor<K> {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let [xx, yy, zz, yz, xz, xy] = pair.other;
-            for (c, row) in [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-                .iter()
-                .enumerate()
-            {
-                sum[c] = L::fma(slope, L::dot(*row, pair.d), sum[c]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let [xx, yy, zz, yz, xz, xy] = pair.other;
+        for (c, row) in [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+            .iter()
+            .enumerate()
+        {
+            sum[c] = slope.mul_add(dot(*row, pair.d), sum[c]);
         }
     }
     #[inline(always)]
@@ -116,21 +106,19 @@ impl<K: Kernel> Pass<3> for Tensor<K> {
 
 /// The whole pair force (5) before its factor.
 #[inline(always)]
-unsafe fn stress<K: Kernel, L: Lanes>(pair: &Pair<L>) -> [L::F; 3] {
-    unsafe {
-        let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-        let d = pair.d;
-        let a = [pair.own[0], pair.own[1], pair.own[2]];
-        let b = [pair.other[0], pair.other[1], pair.other[2]];
-        let s = L::add(L::dot(a, a), L::dot(b, b));
-        let (ad, bd) = (L::dot(a, d), L::dot(b, d));
-        let mut force = d;
-        for c in 0..3 {
-            let stress = L::sub(L::mul(s, d[c]), L::fma(b[c], bd, L::mul(a[c], ad)));
-            force[c] = L::mul(slope, stress);
-        }
-        force
+fn stress<K: Kernel, F: Real>(pair: &Pair<F>) -> [F; 3] {
+    let slope = K::slope_lanes(pair.q2.sqrt());
+    let d = pair.d;
+    let a = [pair.own[0], pair.own[1], pair.own[2]];
+    let b = [pair.other[0], pair.other[1], pair.other[2]];
+    let s = dot(a, a) + dot(b, b);
+    let (ad, bd) = (dot(a, d), dot(b, d));
+    let mut force = d;
+    for c in 0..3 {
+        let stress = s * d[c] - b[c].mul_add(bd, a[c] * ad);
+        force[c] = slope * stress;
     }
+    force
 }
 
 /// The whole pair force as an acceleration. Payload: u.
@@ -139,12 +127,10 @@ pub struct Whole<K>(pub Summed<K>);
 impl<K: Kernel> Pass<3> for Whole<K> {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let force = stress::<K, L>(pair);
-            for c in 0..3 {
-                sum[c] = L::add(sum[c], force[c]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let force = stress::<K, F>(pair);
+        for c in 0..3 {
+            sum[c] += force[c];
         }
     }
     #[inline(always)]
@@ -164,15 +150,13 @@ pub struct Virial<K> {
 impl<K: Kernel> Pass<1> for Virial<K> {
     type Out = f64;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let force = stress::<K, L>(pair);
-            let n = [pair.own[3], pair.own[4], pair.own[5]];
-            let normal = L::mul(L::dot(n, pair.d), L::dot(n, force));
-            let tangential = L::sub(L::dot(pair.d, force), normal);
-            let part = L::sub(L::mul(tangential, L::splat(self.scale)), normal);
-            sum[0] = L::add(sum[0], part);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let force = stress::<K, F>(pair);
+        let n = [pair.own[3], pair.own[4], pair.own[5]];
+        let normal = dot(n, pair.d) * dot(n, force);
+        let tangential = dot(pair.d, force) - normal;
+        let part = tangential * self.scale - normal;
+        sum[0] += part;
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
@@ -189,16 +173,14 @@ pub(super) struct Pull<K> {
 impl<K: Kernel> Pass<3> for Pull<K> {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let (slope, curve) = (K::slope_lanes::<L>(q), K::curve_lanes::<L>(q));
-            let g = [1, 2, 3].map(|k| L::sub(pair.own[k], pair.other[k]));
-            let along = L::mul(curve, L::dot(g, pair.d));
-            let central = L::fma(slope, L::add(pair.own[0], pair.other[0]), along);
-            for a in 0..3 {
-                sum[a] = L::fma(central, pair.d[a], L::fma(slope, g[a], sum[a]));
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let q = pair.q2.sqrt();
+        let (slope, curve) = (K::slope_lanes(q), K::curve_lanes(q));
+        let g = [1, 2, 3].map(|k| pair.own[k] - pair.other[k]);
+        let along = curve * dot(g, pair.d);
+        let central = slope.mul_add(pair.own[0] + pair.other[0], along);
+        for a in 0..3 {
+            sum[a] = central.mul_add(pair.d[a], slope.mul_add(g[a], sum[a]));
         }
     }
     #[inline(always)]

@@ -24,7 +24,7 @@ use crate::particle::lattice::cells;
 use crate::particle::shape::axes;
 use crate::particle::wall::is_wall;
 use crate::scene::{Dimension, Domain};
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 use crate::space::parallel::{Slots, each};
 use crate::space::sweep::{self, Pair, Pass};
 use std::collections::HashMap;
@@ -156,8 +156,8 @@ impl<P: Pass<3, Out = [f32; 3]>> Pass<3> for Others<'_, P> {
         [0.0; 6]
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe { self.0.pair::<L>(pair, sum) }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        self.0.pair(pair, sum)
     }
     #[inline(always)]
     fn finish(&self, target: usize, sum: [f32; 3], out: &mut [f32; 3]) {

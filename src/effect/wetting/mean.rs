@@ -2,7 +2,7 @@
 
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::Real;
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
 
@@ -52,12 +52,10 @@ struct Both<K>(PhantomData<K>);
 impl<K: Kernel> Pass<2> for Both<K> {
     type Out = [f32; 2];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 2]) {
-        unsafe {
-            let w = K::w_lanes::<L>(L::sqrt(pair.q2));
-            sum[0] = L::fma(w, pair.other[0], sum[0]);
-            sum[1] = L::fma(w, pair.other[1], sum[1]);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
+        let w = K::w_lanes(pair.q2.sqrt());
+        sum[0] = w.mul_add(pair.other[0], sum[0]);
+        sum[1] = w.mul_add(pair.other[1], sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 2], out: &mut [f32; 2]) {

@@ -1,7 +1,7 @@
 //! Pair sums of the wetting; numbers as in [`super`].
 
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
@@ -14,17 +14,15 @@ pub struct Sheared<K> {
 impl<K: Kernel> Pass<1> for Sheared<K> {
     type Out = f32;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe {
-            let height = pair.d[self.axis];
-            let mut d = pair.d;
-            for (d, shear) in d.iter_mut().zip(pair.own) {
-                *d = L::fma(shear, height, *d);
-            }
-            let w = K::w_lanes::<L>(L::sqrt(L::dot(d, d)));
-            // Lanes without a pair are far away, but their separation is not.
-            sum[0] = L::add(sum[0], L::if_less(pair.q2, L::splat(NONE), w));
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        let height = pair.d[self.axis];
+        let mut d = pair.d;
+        for (d, shear) in d.iter_mut().zip(pair.own) {
+            *d = shear.mul_add(height, *d);
         }
+        let w = K::w_lanes(dot(d, d).sqrt());
+        // Lanes without a pair are far away, but their separation is not.
+        sum[0] += w.if_less(pair.q2, pair.q2.splat(NONE));
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
@@ -41,14 +39,12 @@ pub struct Walls<K>(pub PhantomData<K>);
 impl<K: Kernel> Pass<6> for Walls<K> {
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let f = L::mul(pair.other[0], slope);
-            for a in 0..3 {
-                sum[a] = L::fma(f, pair.d[a], sum[a]);
-                sum[3 + a] = L::fma(slope, pair.d[a], sum[3 + a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let f = pair.other[0] * slope;
+        for a in 0..3 {
+            sum[a] = f.mul_add(pair.d[a], sum[a]);
+            sum[3 + a] = slope.mul_add(pair.d[a], sum[3 + a]);
         }
     }
     #[inline(always)]

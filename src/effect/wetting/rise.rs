@@ -7,7 +7,7 @@
 //! w over the rest of the plane).
 
 use crate::kernel::Kernel;
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 use crate::space::sweep::{self, Field, Pair, Pass};
 use std::marker::PhantomData;
 
@@ -74,21 +74,21 @@ impl<K: Kernel> Pass<2> for Bent<'_, K> {
         [x, y, z, s, t, r]
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 2]) {
-        unsafe {
-            let normal = [pair.own[0], pair.own[1], pair.own[2]];
-            let tangent = [pair.own[3], pair.own[4], pair.own[5]];
-            let other = [pair.other[0], pair.other[1], pair.other[2]];
-            let size = L::max(L::sqrt(L::dot(other, other)), L::splat(f32::MIN_POSITIVE));
-            let zero = L::splat(0.0);
-            // Normals that point apart belong to another surface.
-            let alike = L::max(L::div(L::dot(normal, other), size), zero);
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let far = L::dot(tangent, pair.d);
-            let weight = L::mul(L::sub(zero, L::mul(slope, alike)), far);
-            sum[0] = L::fma(weight, L::div(L::dot(tangent, other), size), sum[0]);
-            sum[1] = L::fma(weight, far, sum[1]);
-        }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
+        let normal = [pair.own[0], pair.own[1], pair.own[2]];
+        let tangent = [pair.own[3], pair.own[4], pair.own[5]];
+        let other = [pair.other[0], pair.other[1], pair.other[2]];
+        let size = dot(other, other)
+            .sqrt()
+            .max(pair.q2.splat(f32::MIN_POSITIVE));
+        let zero = pair.q2.splat(0.0);
+        // Normals that point apart belong to another surface.
+        let alike = (dot(normal, other) / size).max(zero);
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let far = dot(tangent, pair.d);
+        let weight = (zero - slope * alike) * far;
+        sum[0] = weight.mul_add(dot(tangent, other) / size, sum[0]);
+        sum[1] = weight.mul_add(far, sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, [turned, far]: [f32; 2], out: &mut f32) {

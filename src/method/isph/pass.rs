@@ -4,7 +4,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::projection::correction::{AXES, IDENTITY, inverse};
 use crate::method::projection::look::{Local, Sums, complete, divergence};
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
@@ -20,27 +20,25 @@ pub struct Weights<K, const PRINTED: bool>(pub PhantomData<K>);
 
 impl<K: Kernel, const PRINTED: bool> Couple<6> for Weights<K, PRINTED> {
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 6]) -> L::F {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let zero = L::splat(0.0);
-            let mut w = L::sub(zero, slope);
-            if PRINTED {
-                let rho = L::add(pair.own[0], pair.other[0]);
-                let below = L::mul(L::add(pair.q2, L::splat(0.01)), L::mul(rho, rho));
-                w = L::div(L::mul(L::mul(w, pair.q2), L::splat(4.0)), below);
-            } else {
-                w = L::mul(w, L::mul(pair.own[1], pair.other[1]));
-            }
-            w = L::if_less(zero, pair.q2, w);
-            sum[0] = L::fma(w, pair.q2, sum[0]);
-            sum[1] = L::fma(w, pair.other[3], sum[1]);
-            for a in 0..3 {
-                sum[2 + a] = L::fma(w, pair.d[a], sum[2 + a]);
-            }
-            sum[5] = L::fma(w, pair.own[3], sum[5]);
-            w
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) -> F {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let zero = pair.q2.splat(0.0);
+        let mut w = zero - slope;
+        if PRINTED {
+            let rho = pair.own[0] + pair.other[0];
+            let below = (pair.q2 + 0.01) * (rho * rho);
+            w = w * pair.q2 * 4.0 / below;
+        } else {
+            w = w * (pair.own[1] * pair.other[1]);
         }
+        w = w.if_less(zero, pair.q2);
+        sum[0] = w.mul_add(pair.q2, sum[0]);
+        sum[1] = w.mul_add(pair.other[3], sum[1]);
+        for a in 0..3 {
+            sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
+        }
+        sum[5] = w.mul_add(pair.own[3], sum[5]);
+        w
     }
 }
 
@@ -62,26 +60,24 @@ pub struct Look<'a, K, const CORRECTED: bool> {
 impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
     type Out = Local;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 20]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let w = K::w_apart::<L>(q, pair.q2);
-            sum[0] = L::add(sum[0], w);
-            let slope = K::slope_lanes::<L>(q);
-            let (mut g, mut v) = (pair.d, pair.d);
-            for a in 0..3 {
-                g[a] = L::mul(slope, pair.d[a]);
-                sum[1 + a] = L::add(sum[1 + a], g[a]);
-                v[a] = L::sub(pair.other[a], pair.own[a]);
-            }
-            sum[19] = L::fma(w, L::dot(v, v), sum[19]);
-            for (k, [a, b]) in AXES.into_iter().enumerate() {
-                sum[4 + k] = L::fma(g[a], pair.d[b], sum[4 + k]);
-            }
-            for a in 0..3 {
-                for b in 0..3 {
-                    sum[10 + 3 * a + b] = L::fma(v[a], g[b], sum[10 + 3 * a + b]);
-                }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 20]) {
+        let q = pair.q2.sqrt();
+        let w = K::w_apart(q, pair.q2);
+        sum[0] += w;
+        let slope = K::slope_lanes(q);
+        let (mut g, mut v) = (pair.d, pair.d);
+        for a in 0..3 {
+            g[a] = slope * pair.d[a];
+            sum[1 + a] += g[a];
+            v[a] = pair.other[a] - pair.own[a];
+        }
+        sum[19] = w.mul_add(dot(v, v), sum[19]);
+        for (k, [a, b]) in AXES.into_iter().enumerate() {
+            sum[4 + k] = g[a].mul_add(pair.d[b], sum[4 + k]);
+        }
+        for a in 0..3 {
+            for b in 0..3 {
+                sum[10 + 3 * a + b] = v[a].mul_add(g[b], sum[10 + 3 * a + b]);
             }
         }
     }
@@ -109,18 +105,16 @@ pub struct PressureSlope<K, const SYMMETRIC: bool>(pub PhantomData<K>);
 impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let slope = K::slope_lanes::<L>(L::sqrt(pair.q2));
-            let p = if SYMMETRIC {
-                L::add(pair.other[0], pair.own[0])
-            } else {
-                L::sub(pair.other[0], pair.own[0])
-            };
-            let f = L::mul(slope, p);
-            for a in 0..3 {
-                sum[a] = L::fma(f, pair.d[a], sum[a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let slope = K::slope_lanes(pair.q2.sqrt());
+        let p = if SYMMETRIC {
+            pair.other[0] + pair.own[0]
+        } else {
+            pair.other[0] - pair.own[0]
+        };
+        let f = slope * p;
+        for a in 0..3 {
+            sum[a] = f.mul_add(pair.d[a], sum[a]);
         }
     }
     #[inline(always)]
@@ -141,24 +135,22 @@ pub struct Around<K, V> {
 impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
     type Out = Sums<[f32; 3]>;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            let w = K::w_apart::<L>(q, pair.q2);
-            sum[3] = L::add(sum[3], w);
-            let slope = K::slope_lanes::<L>(q);
-            let mut v = pair.d;
-            for a in 0..3 {
-                sum[4 + a] = L::fma(slope, pair.d[a], sum[4 + a]);
-                v[a] = L::sub(pair.own[a], pair.other[a]);
-            }
-            if V::PRESENT {
-                let mut s = [sum[0], sum[1], sum[2]];
-                let weight = L::add(pair.own[4], pair.other[4]);
-                self.viscosity
-                    .add::<L>(slope, pair.q2, pair.d, v, weight, &mut s);
-                [sum[0], sum[1], sum[2]] = s;
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 7]) {
+        let q = pair.q2.sqrt();
+        let w = K::w_apart(q, pair.q2);
+        sum[3] += w;
+        let slope = K::slope_lanes(q);
+        let mut v = pair.d;
+        for a in 0..3 {
+            sum[4 + a] = slope.mul_add(pair.d[a], sum[4 + a]);
+            v[a] = pair.own[a] - pair.other[a];
+        }
+        if V::PRESENT {
+            let mut s = [sum[0], sum[1], sum[2]];
+            let weight = pair.own[4] + pair.other[4];
+            self.viscosity
+                .add(slope, pair.q2, pair.d, v, weight, &mut s);
+            [sum[0], sum[1], sum[2]] = s;
         }
     }
     #[inline(always)]

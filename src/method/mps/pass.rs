@@ -7,7 +7,7 @@ use super::Smooth;
 use crate::kernel::Kernel;
 use crate::method::projection::correction::{AXES, IDENTITY, inverse};
 use crate::method::projection::look::{Local, Sums, complete, divergence};
-use crate::space::lane::Lanes;
+use crate::space::lane::{Real, dot};
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
 
@@ -17,29 +17,19 @@ pub(super) const NEAREST: f32 = 0.15;
 
 /// w = r_e / r - 1 (Eq. 3) from the squared distance; zero for r = 0 and beyond `reach`, r_e / h.
 /// Below `core` it stays as it is there.
-///
-/// # Safety
-/// The processor has the features of `L`.
 #[inline(always)]
-unsafe fn weight<L: Lanes>(q2: L::F, reach: f32, core: f32) -> L::F {
-    unsafe {
-        let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let q = L::max(L::sqrt(q2), L::splat(core));
-        let w = L::sub(L::div(L::splat(reach), q), one);
-        L::if_less(zero, q2, L::max(w, zero))
-    }
+fn weight<F: Real>(q2: F, reach: f32, core: f32) -> F {
+    let (zero, one) = (q2.splat(0.0), q2.splat(1.0));
+    let q = q2.sqrt().max(q2.splat(core));
+    let w = q2.splat(reach) / q - one;
+    w.max(zero).if_less(zero, q2)
 }
 
 /// w / q^2, the weight of gradients (Eq. 5).
-///
-/// # Safety
-/// The processor has the features of `L`.
 #[inline(always)]
-unsafe fn steep<L: Lanes>(q2: L::F, reach: f32, core: f32) -> L::F {
-    unsafe {
-        let near = L::splat(core * core);
-        L::div(weight::<L>(q2, reach, core), L::max(q2, near))
-    }
+fn steep<F: Real>(q2: F, reach: f32, core: f32) -> F {
+    let near = q2.splat(core * core);
+    weight(q2, reach, core) / q2.max(near)
 }
 
 /// What a pass over gradients knows of free surfaces.
@@ -60,15 +50,10 @@ impl Surface<'_> {
     }
 
     /// The weight of gradients, `f` inside and -W' / q near a surface; `slope`: W' / q.
-    ///
-    /// # Safety
-    /// The processor has the features of `L`.
     #[inline(always)]
-    unsafe fn blend<L: Lanes>(&self, near: L::F, f: L::F, slope: L::F) -> L::F {
-        unsafe {
-            let smooth = L::mul(L::splat(-self.even as f32), slope);
-            L::fma(near, L::sub(smooth, f), f)
-        }
+    fn blend<F: Real>(&self, near: F, f: F, slope: F) -> F {
+        let smooth = slope * -self.even as f32;
+        near.mul_add(smooth - f, f)
     }
 }
 
@@ -86,24 +71,22 @@ pub struct Weights<const FLAGGED: bool> {
 
 impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 7]) -> L::F {
-        unsafe {
-            let mut w = weight::<L>(pair.q2, self.reach, NEAREST);
-            if FLAGGED {
-                let whole = L::mul(w, pair.own[0]);
-                w = L::mul(whole, pair.other[0]);
-                sum[6] = L::add(sum[6], L::sub(whole, w));
-            } else {
-                w = L::mul(w, L::mul(pair.own[1], pair.other[1]));
-            }
-            sum[0] = L::fma(w, pair.q2, sum[0]);
-            sum[1] = L::fma(w, pair.other[3], sum[1]);
-            for a in 0..3 {
-                sum[2 + a] = L::fma(w, pair.d[a], sum[2 + a]);
-            }
-            sum[5] = L::fma(w, pair.own[3], sum[5]);
-            w
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 7]) -> F {
+        let mut w = weight(pair.q2, self.reach, NEAREST);
+        if FLAGGED {
+            let whole = w * pair.own[0];
+            w = whole * pair.other[0];
+            sum[6] += whole - w;
+        } else {
+            w = w * (pair.own[1] * pair.other[1]);
         }
+        sum[0] = w.mul_add(pair.q2, sum[0]);
+        sum[1] = w.mul_add(pair.other[3], sum[1]);
+        for a in 0..3 {
+            sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
+        }
+        sum[5] = w.mul_add(pair.own[3], sum[5]);
+        w
     }
 }
 
@@ -135,31 +118,29 @@ impl<const CORRECTED: bool, const BLENDED: bool> Pass<21> for Look<'_, CORRECTED
         }
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 21]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach, NEAREST));
-            let smooth = Smooth::w_apart::<L>(q, pair.q2);
-            sum[1] = L::add(sum[1], smooth);
-            let slope = Smooth::slope_lanes::<L>(q);
-            let mut f = steep::<L>(pair.q2, self.reach, self.core);
-            if BLENDED {
-                f = self.surface.blend::<L>(pair.own[5], f, slope);
-            }
-            let (mut g, mut v) = (pair.d, pair.d);
-            for a in 0..3 {
-                sum[2 + a] = L::fma(slope, pair.d[a], sum[2 + a]);
-                g[a] = L::mul(f, pair.d[a]);
-                v[a] = L::sub(pair.own[a], pair.other[a]);
-            }
-            sum[20] = L::fma(smooth, L::dot(v, v), sum[20]);
-            for (k, [a, b]) in AXES.into_iter().enumerate() {
-                sum[5 + k] = L::fma(g[a], pair.d[b], sum[5 + k]);
-            }
-            for a in 0..3 {
-                for b in 0..3 {
-                    sum[11 + 3 * a + b] = L::fma(v[a], g[b], sum[11 + 3 * a + b]);
-                }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 21]) {
+        let q = pair.q2.sqrt();
+        sum[0] += weight(pair.q2, self.reach, NEAREST);
+        let smooth = Smooth::w_apart(q, pair.q2);
+        sum[1] += smooth;
+        let slope = Smooth::slope_lanes(q);
+        let mut f = steep(pair.q2, self.reach, self.core);
+        if BLENDED {
+            f = self.surface.blend(pair.own[5], f, slope);
+        }
+        let (mut g, mut v) = (pair.d, pair.d);
+        for a in 0..3 {
+            sum[2 + a] = slope.mul_add(pair.d[a], sum[2 + a]);
+            g[a] = f * pair.d[a];
+            v[a] = pair.own[a] - pair.other[a];
+        }
+        sum[20] = smooth.mul_add(dot(v, v), sum[20]);
+        for (k, [a, b]) in AXES.into_iter().enumerate() {
+            sum[5 + k] = g[a].mul_add(pair.d[b], sum[5 + k]);
+        }
+        for a in 0..3 {
+            for b in 0..3 {
+                sum[11 + 3 * a + b] = v[a].mul_add(g[b], sum[11 + 3 * a + b]);
             }
         }
     }
@@ -191,8 +172,8 @@ pub struct Number {
 impl Pass<1> for Number {
     type Out = f64;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 1]) {
-        unsafe { sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach, NEAREST)) }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        sum[0] += weight(pair.q2, self.reach, NEAREST)
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
@@ -219,22 +200,20 @@ impl<const SYMMETRIC: bool, const BLENDED: bool> Pass<3> for PressureSlope<'_, S
         }
     }
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let p = if SYMMETRIC {
-                L::add(pair.other[0], pair.own[0])
-            } else {
-                L::sub(pair.other[0], pair.own[1])
-            };
-            let mut f = steep::<L>(pair.q2, self.reach, self.core);
-            if BLENDED {
-                let slope = Smooth::slope_lanes::<L>(L::sqrt(pair.q2));
-                f = self.surface.blend::<L>(pair.own[5], f, slope);
-            }
-            f = L::mul(f, p);
-            for a in 0..3 {
-                sum[a] = L::fma(f, pair.d[a], sum[a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let p = if SYMMETRIC {
+            pair.other[0] + pair.own[0]
+        } else {
+            pair.other[0] - pair.own[1]
+        };
+        let mut f = steep(pair.q2, self.reach, self.core);
+        if BLENDED {
+            let slope = Smooth::slope_lanes(pair.q2.sqrt());
+            f = self.surface.blend(pair.own[5], f, slope);
+        }
+        f = f * p;
+        for a in 0..3 {
+            sum[a] = f.mul_add(pair.d[a], sum[a]);
         }
     }
     #[inline(always)]
@@ -254,12 +233,10 @@ pub struct Viscous {
 impl Pass<3> for Viscous {
     type Out = [f32; 3];
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 3]) {
-        unsafe {
-            let w = weight::<L>(pair.q2, self.reach, NEAREST);
-            for a in 0..3 {
-                sum[a] = L::fma(w, L::sub(pair.other[a], pair.own[a]), sum[a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+        let w = weight(pair.q2, self.reach, NEAREST);
+        for a in 0..3 {
+            sum[a] = w.mul_add(pair.other[a] - pair.own[a], sum[a]);
         }
     }
     #[inline(always)]
@@ -278,16 +255,14 @@ pub struct Around {
 impl Pass<5> for Around {
     type Out = Sums<f32>;
     #[inline(always)]
-    unsafe fn pair<L: Lanes>(&self, pair: &Pair<L>, sum: &mut [L::F; 5]) {
-        unsafe {
-            let q = L::sqrt(pair.q2);
-            sum[0] = L::add(sum[0], weight::<L>(pair.q2, self.reach, NEAREST));
-            let w = Smooth::w_apart::<L>(q, pair.q2);
-            sum[1] = L::add(sum[1], w);
-            let slope = Smooth::slope_lanes::<L>(q);
-            for a in 0..3 {
-                sum[2 + a] = L::fma(slope, pair.d[a], sum[2 + a]);
-            }
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 5]) {
+        let q = pair.q2.sqrt();
+        sum[0] += weight(pair.q2, self.reach, NEAREST);
+        let w = Smooth::w_apart(q, pair.q2);
+        sum[1] += w;
+        let slope = Smooth::slope_lanes(q);
+        for a in 0..3 {
+            sum[2 + a] = slope.mul_add(pair.d[a], sum[2 + a]);
         }
     }
     #[inline(always)]

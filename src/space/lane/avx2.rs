@@ -1,6 +1,6 @@
 //! AVX2 + FMA.
 
-use super::{COMPRESS, Half, Lanes, Record, WIDTH};
+use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, operators};
 use std::arch::x86_64::*;
 
 /// Of the fixed-point coordinates.
@@ -39,63 +39,69 @@ unsafe fn transpose(r: [__m256; 4]) -> [__m256; 4] {
     }
 }
 
-impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
-    type F = __m256;
-    type I = __m256i;
+/// Eight f32 in a register. There is one only where the processor has AVX2 and FMA: that is why the
+/// functions below may use them.
+#[derive(Clone, Copy, Debug)]
+pub struct F32x8(__m256);
+
+macro_rules! of_f32 {
+    ($($name:ident $with:ident $a:ident $($b:ident)*;)*) => {$(
+        #[inline(always)]
+        fn $name($a: F32x8, $($b: F32x8),*) -> F32x8 {
+            F32x8(unsafe { $with($a.0, $($b.0),*) })
+        }
+    )*};
+}
+
+of_f32! {
+    sum _mm256_add_ps a b;
+    difference _mm256_sub_ps a b;
+    product _mm256_mul_ps a b;
+    quotient _mm256_div_ps a b;
+    fused _mm256_fmadd_ps a b c;
+    root _mm256_sqrt_ps a;
+    larger _mm256_max_ps a b;
+    smaller _mm256_min_ps a b;
+}
+
+operators!([] F32x8: sum, difference, product, quotient);
+
+impl Real for F32x8 {
     #[inline(always)]
-    unsafe fn splat(x: f32) -> __m256 {
-        unsafe { _mm256_set1_ps(x) }
+    fn splat(self, x: f32) -> Self {
+        F32x8(unsafe { _mm256_set1_ps(x) })
     }
     #[inline(always)]
-    unsafe fn constant(x: f64) -> __m256 {
-        unsafe { _mm256_set1_ps(x as f32) }
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        fused(self, b, c)
     }
     #[inline(always)]
-    unsafe fn add(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_add_ps(a, b) }
+    fn sqrt(self) -> Self {
+        root(self)
     }
     #[inline(always)]
-    unsafe fn sub(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_sub_ps(a, b) }
+    fn abs(self) -> Self {
+        F32x8(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
     #[inline(always)]
-    unsafe fn mul(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_mul_ps(a, b) }
+    fn max(self, b: Self) -> Self {
+        larger(self, b)
     }
     #[inline(always)]
-    unsafe fn div(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_div_ps(a, b) }
+    fn min(self, b: Self) -> Self {
+        smaller(self, b)
     }
     #[inline(always)]
-    unsafe fn fma(a: __m256, b: __m256, c: __m256) -> __m256 {
-        unsafe { _mm256_fmadd_ps(a, b, c) }
+    fn if_less(self, a: Self, b: Self) -> Self {
+        F32x8(unsafe { _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0), self.0) })
     }
     #[inline(always)]
-    unsafe fn sqrt(a: __m256) -> __m256 {
-        unsafe { _mm256_sqrt_ps(a) }
+    fn less_mask(self, b: Self) -> u32 {
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, b.0)) as u32 }
     }
     #[inline(always)]
-    unsafe fn abs(a: __m256) -> __m256 {
-        unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), a) }
-    }
-    #[inline(always)]
-    unsafe fn max(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_max_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn min(a: __m256, b: __m256) -> __m256 {
-        unsafe { _mm256_min_ps(a, b) }
-    }
-    #[inline(always)]
-    unsafe fn if_less(a: __m256, b: __m256, value: __m256) -> __m256 {
-        unsafe { _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b), value) }
-    }
-    #[inline(always)]
-    unsafe fn less_mask(a: __m256, b: __m256) -> u32 {
-        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32 }
-    }
-    #[inline(always)]
-    unsafe fn sum(a: __m256) -> f32 {
+    fn sum(self) -> f32 {
+        let a = self.0;
         unsafe {
             let q = _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
             let h = _mm_add_ps(q, _mm_movehl_ps(q, q));
@@ -103,13 +109,26 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
         }
     }
     #[inline(always)]
-    unsafe fn to_array(a: __m256) -> [f32; WIDTH] {
+    fn to_array(self) -> [f32; WIDTH] {
         let mut out = [0.0; WIDTH];
-        unsafe { _mm256_storeu_ps(out.as_mut_ptr(), a) };
+        unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
         out
     }
+}
+
+impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
+    type F = F32x8;
+    type I = __m256i;
     #[inline(always)]
-    unsafe fn gather(records: *const Record, index: *const u32) -> ([__m256i; 3], [__m256; 5]) {
+    unsafe fn splat(x: f32) -> F32x8 {
+        F32x8(unsafe { _mm256_set1_ps(x) })
+    }
+    #[inline(always)]
+    unsafe fn constant(x: f64) -> F32x8 {
+        F32x8(unsafe { _mm256_set1_ps(x as f32) })
+    }
+    #[inline(always)]
+    unsafe fn gather(records: *const Record, index: *const u32) -> ([__m256i; 3], [F32x8; 5]) {
         unsafe {
             let mut half = [[_mm256_setzero_ps(); 4]; 2];
             for k in 0..4 {
@@ -131,11 +150,11 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
                 _mm256_castps_si256(y),
                 _mm256_castps_si256(z),
             ];
-            ([x, y, z], [d, e, f, g, h])
+            ([x, y, z], [d, e, f, g, h].map(F32x8))
         }
     }
     #[inline(always)]
-    unsafe fn gather_halves(points: *const Half, index: *const u16) -> ([__m256i; 3], __m256) {
+    unsafe fn gather_halves(points: *const Half, index: *const u16) -> ([__m256i; 3], F32x8) {
         unsafe {
             let mut joined = [_mm256_setzero_ps(); 4];
             for (k, joined) in joined.iter_mut().enumerate() {
@@ -153,23 +172,24 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
                     _mm256_castps_si256(y),
                     _mm256_castps_si256(z),
                 ],
-                word,
+                F32x8(word),
             )
         }
     }
     #[inline(always)]
-    unsafe fn load(words: *const f32) -> __m256 {
-        unsafe { _mm256_loadu_ps(words) }
+    unsafe fn load(words: *const f32) -> F32x8 {
+        F32x8(unsafe { _mm256_loadu_ps(words) })
     }
     #[inline(always)]
     unsafe fn load_fixed(words: *const i32) -> __m256i {
         unsafe { _mm256_loadu_si256(words as *const __m256i) }
     }
     #[inline(always)]
-    unsafe fn difference(own: i32, other: __m256i) -> __m256 {
-        unsafe {
+    unsafe fn difference(own: i32, other: __m256i) -> F32x8 {
+        F32x8(unsafe {
             if !ABSOLUTE {
-                return _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_set1_epi32(own), other));
+                let d = _mm256_sub_epi32(_mm256_set1_epi32(own), other);
+                return F32x8(_mm256_cvtepi32_ps(d));
             }
             let own = _mm256_set1_ps(own as u32 as f32);
             let d = _mm256_sub_ps(own, unsigned(other));
@@ -179,14 +199,14 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
             let half = _mm256_set1_ps(-0.5 * TURN);
             let below = _mm256_cmp_ps::<_CMP_LT_OQ>(d, half);
             _mm256_add_ps(d, _mm256_and_ps(below, turn))
-        }
+        })
     }
     #[inline(always)]
-    unsafe fn first(count: usize, value: __m256, other: __m256) -> __m256 {
+    unsafe fn first(count: usize, value: F32x8, other: F32x8) -> F32x8 {
         unsafe {
             let lane = _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
             let mask = _mm256_cmp_ps::<_CMP_LT_OQ>(lane, _mm256_set1_ps(count as f32));
-            _mm256_blendv_ps(other, value, mask)
+            F32x8(_mm256_blendv_ps(other.0, value.0, mask))
         }
     }
     #[inline(always)]
@@ -217,74 +237,83 @@ macro_rules! both {
 }
 
 #[inline(always)]
-unsafe fn widen(a: __m256) -> [__m256d; 2] {
+unsafe fn widen(a: F32x8) -> F64x8 {
     unsafe {
-        [
-            _mm256_cvtps_pd(_mm256_castps256_ps128(a)),
-            _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(a)),
-        ]
+        F64x8([
+            _mm256_cvtps_pd(_mm256_castps256_ps128(a.0)),
+            _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(a.0)),
+        ])
     }
 }
 
-impl Lanes for Avx2Double {
-    type F = [__m256d; 2];
-    type I = __m256i;
+/// As [`F32x8`], eight f64 in two registers.
+#[derive(Clone, Copy, Debug)]
+pub struct F64x8([__m256d; 2]);
+
+macro_rules! of_f64 {
+    ($($name:ident $with:ident $a:ident $($b:ident)*;)*) => {$(
+        #[inline(always)]
+        fn $name($a: F64x8, $($b: F64x8),*) -> F64x8 {
+            let $a = $a.0;
+            $(let $b = $b.0;)*
+            F64x8(unsafe { both!($with, $a $(, $b)*) })
+        }
+    )*};
+}
+
+of_f64! {
+    sum64 _mm256_add_pd a b;
+    difference64 _mm256_sub_pd a b;
+    product64 _mm256_mul_pd a b;
+    quotient64 _mm256_div_pd a b;
+    fused64 _mm256_fmadd_pd a b c;
+    root64 _mm256_sqrt_pd a;
+    larger64 _mm256_max_pd a b;
+    smaller64 _mm256_min_pd a b;
+}
+
+operators!([] F64x8: sum64, difference64, product64, quotient64);
+
+impl Real for F64x8 {
     #[inline(always)]
-    unsafe fn splat(x: f32) -> [__m256d; 2] {
-        unsafe { [_mm256_set1_pd(x as f64); 2] }
+    fn splat(self, x: f32) -> Self {
+        F64x8(unsafe { [_mm256_set1_pd(x as f64); 2] })
     }
     #[inline(always)]
-    unsafe fn constant(x: f64) -> [__m256d; 2] {
-        unsafe { [_mm256_set1_pd(x); 2] }
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        fused64(self, b, c)
     }
     #[inline(always)]
-    unsafe fn add(a: [__m256d; 2], b: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_add_pd, a, b) }
+    fn sqrt(self) -> Self {
+        root64(self)
     }
     #[inline(always)]
-    unsafe fn sub(a: [__m256d; 2], b: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_sub_pd, a, b) }
-    }
-    #[inline(always)]
-    unsafe fn mul(a: [__m256d; 2], b: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_mul_pd, a, b) }
-    }
-    #[inline(always)]
-    unsafe fn div(a: [__m256d; 2], b: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_div_pd, a, b) }
-    }
-    #[inline(always)]
-    unsafe fn fma(a: [__m256d; 2], b: [__m256d; 2], c: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_fmadd_pd, a, b, c) }
-    }
-    #[inline(always)]
-    unsafe fn sqrt(a: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_sqrt_pd, a) }
-    }
-    #[inline(always)]
-    unsafe fn abs(a: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe {
+    fn abs(self) -> Self {
+        let a = self.0;
+        F64x8(unsafe {
             let sign = [_mm256_set1_pd(-0.0); 2];
             both!(_mm256_andnot_pd, sign, a)
-        }
+        })
     }
     #[inline(always)]
-    unsafe fn max(a: [__m256d; 2], b: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_max_pd, a, b) }
+    fn max(self, b: Self) -> Self {
+        larger64(self, b)
     }
     #[inline(always)]
-    unsafe fn min(a: [__m256d; 2], b: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe { both!(_mm256_min_pd, a, b) }
+    fn min(self, b: Self) -> Self {
+        smaller64(self, b)
     }
     #[inline(always)]
-    unsafe fn if_less(a: [__m256d; 2], b: [__m256d; 2], value: [__m256d; 2]) -> [__m256d; 2] {
-        unsafe {
+    fn if_less(self, a: Self, b: Self) -> Self {
+        let (value, a, b) = (self.0, a.0, b.0);
+        F64x8(unsafe {
             let mask = both!(_mm256_cmp_pd::<_CMP_LT_OQ>, a, b);
             both!(_mm256_and_pd, mask, value)
-        }
+        })
     }
     #[inline(always)]
-    unsafe fn less_mask(a: [__m256d; 2], b: [__m256d; 2]) -> u32 {
+    fn less_mask(self, b: Self) -> u32 {
+        let (a, b) = (self.0, b.0);
         unsafe {
             let mask = both!(_mm256_cmp_pd::<_CMP_LT_OQ>, a, b);
             let [low, high] = both!(_mm256_movemask_pd, mask);
@@ -292,7 +321,8 @@ impl Lanes for Avx2Double {
         }
     }
     #[inline(always)]
-    unsafe fn sum(a: [__m256d; 2]) -> f32 {
+    fn sum(self) -> f32 {
+        let a = self.0;
         unsafe {
             let q = _mm256_add_pd(a[0], a[1]);
             let h = _mm_add_pd(_mm256_castpd256_pd128(q), _mm256_extractf128_pd::<1>(q));
@@ -300,34 +330,42 @@ impl Lanes for Avx2Double {
         }
     }
     #[inline(always)]
-    unsafe fn to_array(a: [__m256d; 2]) -> [f32; WIDTH] {
+    fn to_array(self) -> [f32; WIDTH] {
+        let a = self.0;
         unsafe {
             let [low, high] = both!(_mm256_cvtpd_ps, a);
-            Words::to_array(_mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high))
+            F32x8(_mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high)).to_array()
         }
     }
+}
+
+impl Lanes for Avx2Double {
+    type F = F64x8;
+    type I = __m256i;
     #[inline(always)]
-    unsafe fn gather(
-        records: *const Record,
-        index: *const u32,
-    ) -> ([__m256i; 3], [[__m256d; 2]; 5]) {
+    unsafe fn splat(x: f32) -> F64x8 {
+        F64x8(unsafe { [_mm256_set1_pd(x as f64); 2] })
+    }
+    #[inline(always)]
+    unsafe fn constant(x: f64) -> F64x8 {
+        F64x8(unsafe { [_mm256_set1_pd(x); 2] })
+    }
+    #[inline(always)]
+    unsafe fn gather(records: *const Record, index: *const u32) -> ([__m256i; 3], [F64x8; 5]) {
         unsafe {
             let (at, [a, b, c, d, e]) = Words::gather(records, index);
             (at, [widen(a), widen(b), widen(c), widen(d), widen(e)])
         }
     }
     #[inline(always)]
-    unsafe fn gather_halves(
-        points: *const Half,
-        index: *const u16,
-    ) -> ([__m256i; 3], [__m256d; 2]) {
+    unsafe fn gather_halves(points: *const Half, index: *const u16) -> ([__m256i; 3], F64x8) {
         unsafe {
             let (at, word) = Words::gather_halves(points, index);
             (at, widen(word))
         }
     }
     #[inline(always)]
-    unsafe fn load(words: *const f32) -> [__m256d; 2] {
+    unsafe fn load(words: *const f32) -> F64x8 {
         unsafe { widen(Words::load(words)) }
     }
     #[inline(always)]
@@ -335,17 +373,17 @@ impl Lanes for Avx2Double {
         unsafe { Words::load_fixed(words) }
     }
     #[inline(always)]
-    unsafe fn difference(own: i32, other: __m256i) -> [__m256d; 2] {
+    unsafe fn difference(own: i32, other: __m256i) -> F64x8 {
         unsafe {
             let d = _mm256_sub_epi32(_mm256_set1_epi32(own), other);
-            [
+            F64x8([
                 _mm256_cvtepi32_pd(_mm256_castsi256_si128(d)),
                 _mm256_cvtepi32_pd(_mm256_extracti128_si256::<1>(d)),
-            ]
+            ])
         }
     }
     #[inline(always)]
-    unsafe fn first(count: usize, value: [__m256d; 2], other: [__m256d; 2]) -> [__m256d; 2] {
+    unsafe fn first(count: usize, value: F64x8, other: F64x8) -> F64x8 {
         unsafe {
             let lane = [
                 _mm256_setr_pd(0.0, 1.0, 2.0, 3.0),
@@ -353,7 +391,8 @@ impl Lanes for Avx2Double {
             ];
             let count = [_mm256_set1_pd(count as f64); 2];
             let mask = both!(_mm256_cmp_pd::<_CMP_LT_OQ>, lane, count);
-            both!(_mm256_blendv_pd, other, value, mask)
+            let (other, value) = (other.0, value.0);
+            F64x8(both!(_mm256_blendv_pd, other, value, mask))
         }
     }
     #[inline(always)]

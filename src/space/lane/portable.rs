@@ -1,6 +1,6 @@
 //! The scalar twins: same operations, one lane after the other.
 
-use super::{COMPRESS, Half, Lanes, Record, WIDTH};
+use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, operators};
 use num_traits::{AsPrimitive, Float};
 use std::marker::PhantomData;
 
@@ -11,91 +11,146 @@ pub struct Scalar<T, const ABSOLUTE: bool>(PhantomData<T>);
 /// The twin of the default lanes.
 pub type Portable = Scalar<f32, false>;
 
+/// Eight numbers of the scalar twins.
+#[derive(Clone, Copy, Debug)]
+pub struct Eight<T>([T; WIDTH]);
+
 #[inline(always)]
 fn each<T>(f: impl Fn(usize) -> T) -> [T; WIDTH] {
     std::array::from_fn(f)
 }
 
+/// What the numbers of a lane can do.
+pub trait Number: Float + AsPrimitive<f32> + Send + Sync {
+    fn of(x: f32) -> Self;
+}
+
+impl Number for f32 {
+    #[inline(always)]
+    fn of(x: f32) -> f32 {
+        x
+    }
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn of(x: f32) -> f64 {
+        x as f64
+    }
+}
+
+#[inline(always)]
+fn sum<T: Number>(a: Eight<T>, b: Eight<T>) -> Eight<T> {
+    Eight(each(|k| a.0[k] + b.0[k]))
+}
+
+#[inline(always)]
+fn difference<T: Number>(a: Eight<T>, b: Eight<T>) -> Eight<T> {
+    Eight(each(|k| a.0[k] - b.0[k]))
+}
+
+#[inline(always)]
+fn product<T: Number>(a: Eight<T>, b: Eight<T>) -> Eight<T> {
+    Eight(each(|k| a.0[k] * b.0[k]))
+}
+
+#[inline(always)]
+fn quotient<T: Number>(a: Eight<T>, b: Eight<T>) -> Eight<T> {
+    Eight(each(|k| a.0[k] / b.0[k]))
+}
+
+operators!([T: Number] Eight<T>: sum, difference, product, quotient);
+
+impl<T: Number> Real for Eight<T> {
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self {
+        Eight([T::of(x); WIDTH])
+    }
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        Eight(each(|k| self.0[k].mul_add(b.0[k], c.0[k])))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Eight(each(|k| self.0[k].sqrt()))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Eight(each(|k| self.0[k].abs()))
+    }
+    #[inline(always)]
+    fn max(self, b: Self) -> Self {
+        Eight(each(|k| {
+            if self.0[k] > b.0[k] {
+                self.0[k]
+            } else {
+                b.0[k]
+            }
+        }))
+    }
+    #[inline(always)]
+    fn min(self, b: Self) -> Self {
+        Eight(each(|k| {
+            if self.0[k] < b.0[k] {
+                self.0[k]
+            } else {
+                b.0[k]
+            }
+        }))
+    }
+    #[inline(always)]
+    fn if_less(self, a: Self, b: Self) -> Self {
+        Eight(each(|k| {
+            if a.0[k] < b.0[k] {
+                self.0[k]
+            } else {
+                T::zero()
+            }
+        }))
+    }
+    #[inline(always)]
+    fn less_mask(self, b: Self) -> u32 {
+        (0..WIDTH).fold(0, |m, k| m | (((self.0[k] < b.0[k]) as u32) << k))
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        let a = self.0;
+        let q = [a[0] + a[4], a[1] + a[5], a[2] + a[6], a[3] + a[7]];
+        ((q[0] + q[2]) + (q[1] + q[3])).as_()
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f32; WIDTH] {
+        each(|k| self.0[k].as_())
+    }
+}
+
 impl<T, const ABSOLUTE: bool> Lanes for Scalar<T, ABSOLUTE>
 where
-    T: Float + AsPrimitive<f32> + Send + Sync,
+    T: Number,
     f32: AsPrimitive<T>,
     f64: AsPrimitive<T>,
     i32: AsPrimitive<T>,
     u32: AsPrimitive<T>,
 {
-    type F = [T; WIDTH];
+    type F = Eight<T>;
     type I = [i32; WIDTH];
     #[inline(always)]
-    unsafe fn splat(x: f32) -> [T; WIDTH] {
-        [x.as_(); WIDTH]
+    unsafe fn splat(x: f32) -> Eight<T> {
+        Eight([x.as_(); WIDTH])
     }
     #[inline(always)]
-    unsafe fn constant(x: f64) -> [T; WIDTH] {
-        [x.as_(); WIDTH]
-    }
-    #[inline(always)]
-    unsafe fn add(a: [T; WIDTH], b: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| a[k] + b[k])
-    }
-    #[inline(always)]
-    unsafe fn sub(a: [T; WIDTH], b: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| a[k] - b[k])
-    }
-    #[inline(always)]
-    unsafe fn mul(a: [T; WIDTH], b: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| a[k] * b[k])
-    }
-    #[inline(always)]
-    unsafe fn div(a: [T; WIDTH], b: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| a[k] / b[k])
-    }
-    #[inline(always)]
-    unsafe fn fma(a: [T; WIDTH], b: [T; WIDTH], c: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| a[k].mul_add(b[k], c[k]))
-    }
-    #[inline(always)]
-    unsafe fn sqrt(a: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| a[k].sqrt())
-    }
-    #[inline(always)]
-    unsafe fn abs(a: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| a[k].abs())
-    }
-    #[inline(always)]
-    unsafe fn max(a: [T; WIDTH], b: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| if a[k] > b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    unsafe fn min(a: [T; WIDTH], b: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| if a[k] < b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    unsafe fn if_less(a: [T; WIDTH], b: [T; WIDTH], value: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| if a[k] < b[k] { value[k] } else { T::zero() })
-    }
-    #[inline(always)]
-    unsafe fn less_mask(a: [T; WIDTH], b: [T; WIDTH]) -> u32 {
-        (0..WIDTH).fold(0, |m, k| m | (((a[k] < b[k]) as u32) << k))
-    }
-    #[inline(always)]
-    unsafe fn sum(a: [T; WIDTH]) -> f32 {
-        let q = [a[0] + a[4], a[1] + a[5], a[2] + a[6], a[3] + a[7]];
-        ((q[0] + q[2]) + (q[1] + q[3])).as_()
-    }
-    #[inline(always)]
-    unsafe fn to_array(a: [T; WIDTH]) -> [f32; WIDTH] {
-        each(|k| a[k].as_())
+    unsafe fn constant(x: f64) -> Eight<T> {
+        Eight([x.as_(); WIDTH])
     }
     #[inline(always)]
     unsafe fn gather(
         records: *const Record,
         index: *const u32,
-    ) -> ([[i32; WIDTH]; 3], [[T; WIDTH]; 5]) {
+    ) -> ([[i32; WIDTH]; 3], [Eight<T>; 5]) {
         unsafe {
             let records: [&Record; WIDTH] = each(|k| &*records.add(*index.add(k) as usize));
             let at = std::array::from_fn(|a| each(|k| records[k].at(a)));
-            let payload = std::array::from_fn(|c| each(|k| records[k].payload(c).as_()));
+            let payload = std::array::from_fn(|c| Eight(each(|k| records[k].payload(c).as_())));
             (at, payload)
         }
     }
@@ -103,38 +158,38 @@ where
     unsafe fn gather_halves(
         points: *const Half,
         index: *const u16,
-    ) -> ([[i32; WIDTH]; 3], [T; WIDTH]) {
+    ) -> ([[i32; WIDTH]; 3], Eight<T>) {
         unsafe {
             let points: [Half; WIDTH] = each(|k| *points.add(*index.add(k) as usize));
             let at = std::array::from_fn(|a| each(|k| points[k].0[a] as i32));
-            (at, each(|k| f32::from_bits(points[k].0[3]).as_()))
+            (at, Eight(each(|k| f32::from_bits(points[k].0[3]).as_())))
         }
     }
     #[inline(always)]
-    unsafe fn load(words: *const f32) -> [T; WIDTH] {
+    unsafe fn load(words: *const f32) -> Eight<T> {
         let words = unsafe { std::ptr::read_unaligned(words as *const [f32; WIDTH]) };
-        each(|k| words[k].as_())
+        Eight(each(|k| words[k].as_()))
     }
     #[inline(always)]
     unsafe fn load_fixed(words: *const i32) -> [i32; WIDTH] {
         unsafe { std::ptr::read_unaligned(words as *const [i32; WIDTH]) }
     }
     #[inline(always)]
-    unsafe fn difference(own: i32, other: [i32; WIDTH]) -> [T; WIDTH] {
+    unsafe fn difference(own: i32, other: [i32; WIDTH]) -> Eight<T> {
         if !ABSOLUTE {
-            return each(|k| own.wrapping_sub(other[k]).as_());
+            return Eight(each(|k| own.wrapping_sub(other[k]).as_()));
         }
         // From the low corner on, as a coordinate would be.
         let (turn, half): (T, T) = (4294967296.0.as_(), 2147483648.0.as_());
-        each(|k| {
+        Eight(each(|k| {
             let d = (own as u32).as_() - (other[k] as u32).as_();
             let d = if half < d { d - turn } else { d };
             if d < -half { d + turn } else { d }
-        })
+        }))
     }
     #[inline(always)]
-    unsafe fn first(count: usize, value: [T; WIDTH], other: [T; WIDTH]) -> [T; WIDTH] {
-        each(|k| if k < count { value[k] } else { other[k] })
+    unsafe fn first(count: usize, value: Eight<T>, other: Eight<T>) -> Eight<T> {
+        Eight(each(|k| if k < count { value.0[k] } else { other.0[k] }))
     }
     #[inline(always)]
     unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize {

@@ -2,7 +2,7 @@
 
 use crate::space::column::{Columns, Place};
 use crate::space::grid::{Grid, WIDE};
-use crate::space::lane::{Lanes, WIDTH};
+use crate::space::lane::{Lanes, Real, WIDTH, dot};
 use crate::space::row::separation;
 
 /// Most targets of a block.
@@ -72,7 +72,7 @@ impl Block {
         }
         Bounds {
             centre,
-            half: unsafe { L::splat3(half) },
+            half: unsafe { [L::splat(half[0]), L::splat(half[1]), L::splat(half[2])] },
             scale: unsafe { scale.lanes::<L>() },
         }
     }
@@ -94,9 +94,9 @@ impl<L: Lanes> Bounds<L> {
         unsafe {
             let mut d = separation::<L>(self.centre, L::load_fixed_at(at, j), self.scale);
             for a in 0..3 {
-                d[a] = L::max(L::sub(L::abs(d[a]), self.half[a]), L::splat(0.0));
+                d[a] = (d[a].abs() - self.half[a]).max(L::splat(0.0));
             }
-            let mask = L::less_mask(L::dot(d, d), L::splat(1.0));
+            let mask = dot(d, d).less_mask(L::splat(1.0));
             mask & u32::MAX >> (u32::BITS as usize - left.min(WIDTH))
         }
     }

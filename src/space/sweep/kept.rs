@@ -6,7 +6,7 @@ use super::block::{Block, Bounds};
 use super::{FAR, Field, Pair, Pass, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::WIDE;
-use crate::space::lane::{self, Half, Job, Lanes, WIDTH};
+use crate::space::lane::{self, Half, Job, Lanes, WIDTH, dot};
 use crate::space::row::{CHUNK, Near, Search, separation};
 use rayon::prelude::*;
 
@@ -245,14 +245,14 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
                     let (whole, left) = row.split_at(count - count % WIDTH);
                     for group in whole.chunks_exact(WIDTH) {
                         let pair = gathered::<L>(&chunk.copied, group, own);
-                        pass.pair::<L>(&pair, &mut sum);
+                        pass.pair(&pair, &mut sum);
                     }
                     if !left.is_empty() {
                         let mut pair = gathered::<L>(&chunk.copied, left, own);
                         pair.q2 = L::first(count % WIDTH, pair.q2, L::splat(FAR));
-                        pass.pair::<L>(&pair, &mut sum);
+                        pass.pair(&pair, &mut sum);
                     }
-                    pass.finish(i, total::<L, N>(&sum), out);
+                    pass.finish(i, total(&sum), out);
                 }
             }
         }
@@ -265,7 +265,7 @@ unsafe fn gathered<L: Lanes>(
     candidates: &[Half],
     places: &[u16],
     (at, own, scale): ([i32; 3], [L::F; 6], [L::F; 3]),
-) -> Pair<L> {
+) -> Pair<L::F> {
     unsafe {
         let (other, word) = L::gather_halves(candidates.as_ptr(), places.as_ptr());
         let d = separation::<L>(at, other, scale);
@@ -273,7 +273,7 @@ unsafe fn gathered<L: Lanes>(
         other[0] = word;
         Pair {
             d,
-            q2: L::dot(d, d),
+            q2: dot(d, d),
             own,
             other,
         }

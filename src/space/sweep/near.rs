@@ -5,7 +5,7 @@ use super::block::{Block, Bounds, MEMBERS};
 use super::{FAR, Pair, Pass, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::{Grid, Scale, WIDE};
-use crate::space::lane::{self, Job, Lanes, WIDTH};
+use crate::space::lane::{self, Job, Lanes, WIDTH, dot};
 use crate::space::row::{CHUNK, Source, separation};
 use rayon::prelude::*;
 
@@ -133,7 +133,7 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
                 block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
                 for (k, sum) in sums.iter().enumerate().take(count) {
                     let target = targets[begin + k] as usize;
-                    pass.finish(target, total::<L, N>(sum), &mut self.out[begin + k]);
+                    pass.finish(target, total(sum), &mut self.out[begin + k]);
                 }
             }
             begin += count;
@@ -185,12 +185,12 @@ impl Carrying {
                 let mut sum = *sums;
                 for group in 0..whole {
                     let pair = near.pair(group, away, own);
-                    pass.pair::<L>(&pair, &mut sum);
+                    pass.pair(&pair, &mut sum);
                 }
                 if left > 0 {
                     let mut pair = near.pair(whole, away, own);
                     pair.q2 = L::first(left, pair.q2, L::splat(FAR));
-                    pass.pair::<L>(&pair, &mut sum);
+                    pass.pair(&pair, &mut sum);
                 }
                 *sums = sum;
             }
@@ -263,12 +263,12 @@ impl<L: Lanes, const W: usize> Near<L, W> {
 
     /// A group of candidates and a target that is `away` from the centre.
     #[inline(always)]
-    unsafe fn pair(&self, group: usize, away: [L::F; 3], own: [L::F; 6]) -> Pair<L> {
+    unsafe fn pair(&self, group: usize, away: [L::F; 3], own: [L::F; 6]) -> Pair<L::F> {
         unsafe {
             let d = [
-                L::sub(self.away[0][group], away[0]),
-                L::sub(self.away[1][group], away[1]),
-                L::sub(self.away[2][group], away[2]),
+                self.away[0][group] - away[0],
+                self.away[1][group] - away[1],
+                self.away[2][group] - away[2],
             ];
             let zero = L::splat(0.0);
             let mut words = [zero; 6];
@@ -277,7 +277,7 @@ impl<L: Lanes, const W: usize> Near<L, W> {
             }
             Pair {
                 d,
-                q2: L::dot(d, d),
+                q2: dot(d, d),
                 own,
                 other: words,
             }

@@ -173,7 +173,7 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
 
     fn rebuild(&mut self) {
         let start = cpu_seconds();
-        self.flow.confine(|_| false, |_, _| ());
+        self.flow.confine(|_| false, &mut []);
         self.flow.sort();
         let cells = &self.flow.liquid_cells;
         cells.permute(&mut self.held, &mut self.force);

@@ -2,7 +2,7 @@
 
 use crate::space::dilate::dilate;
 use crate::space::grid::Grid;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::sort::Cells;
 
 /// Marked cells of a grid.
@@ -27,10 +27,9 @@ impl Band {
     pub fn mark_runs(&mut self, start: &[u32], is: impl Fn(usize) -> bool + Sync) {
         let n = start.len() - 1;
         self.mark.resize(n, false);
-        let mark = Slots::new(&mut self.mark);
-        each(n, |cell| {
+        each_mut(&mut self.mark[..n], |cell, mark| {
             let mut run = start[cell] as usize..start[cell + 1] as usize;
-            *unsafe { mark.at(cell) } = run.any(&is);
+            *mark = run.any(&is);
         });
     }
 
@@ -49,11 +48,10 @@ impl Band {
     pub fn flags(&self, cells: &Cells, flags: &mut Vec<bool>) {
         let (mark, start) = (&self.mark, &cells.start);
         flags.resize(start[mark.len()] as usize, false);
-        let flags = Slots::new(flags);
-        each(mark.len(), |cell| {
-            for i in start[cell] as usize..start[cell + 1] as usize {
-                *unsafe { flags.at(i) } = mark[cell];
-            }
+        // Along the cells, as the particles are.
+        each_mut(&mut flags[..], |i, flag| {
+            let cell = start.partition_point(|first| *first as usize <= i) - 1;
+            *flag = mark[cell];
         });
     }
 

@@ -2,14 +2,12 @@
 //!
 //! Time step: 0.25 sqrt(h / |g|) (Monaghan 1992). Test: tests/validation/wall.rs (hydrostatic).
 
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 
 /// Adds `g`, m/s^2, to every acceleration.
 pub fn add(g: [f64; 3], into: &mut [[f32; 3]]) {
     let n = into.len();
-    let into = Slots::new(into);
-    each(n, |i| {
-        let a = unsafe { into.at(i) };
+    each_mut(&mut into[..n], |_, a| {
         (0..3).for_each(|c| a[c] += g[c] as f32);
     });
 }

@@ -55,7 +55,7 @@ use super::wetting::Wetting;
 use super::wetting::typed::Typed;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
-use crate::space::parallel::{Slots, each, slots3};
+use crate::space::parallel::scatter;
 use crate::space::sweep::{self, Field, Kept, Pass};
 use counted::Counted;
 use energy::Energy;
@@ -268,15 +268,13 @@ impl Tension {
 
     /// Adds the accelerations to `into`, indexed by liquid particle.
     pub fn add(&self, into: &mut [[f32; 3]]) {
-        let into = Slots::new(into);
-        each(self.reached.len(), |k| {
-            let a = unsafe { into.at(self.reached[k] as usize) };
+        let mut none = vec![(); self.reached.len().max(self.near.len())]; // of no size
+        scatter(&self.reached, &mut none, [&mut *into], |k, _, [a]| {
             (0..3).for_each(|c| a[c] += self.force[k][c]);
         });
         let own = self.wetting.is_some() && self.form == TensionForm::RawColour;
         if self.form == TensionForm::NormalisedColour || own {
-            each(self.near.len(), |k| {
-                let a = unsafe { into.at(self.near[k] as usize) };
+            scatter(&self.near, &mut none, [&mut *into], |k, _, [a]| {
                 (0..3).for_each(|c| a[c] += self.normals[k].1[c]);
             });
         }
@@ -371,12 +369,18 @@ impl Tension {
             *v = u.map(|u| u as f32);
         });
         self.clear(flow);
-        let payload = slots3(&mut self.payload);
-        each(self.near.len(), |k| {
-            for a in 0..3 {
-                *unsafe { payload[a].at(self.near[k] as usize) } = self.normals[k].0[a];
-            }
-        });
+        let payload = self.payload.each_mut().map(|word| &mut word[..]);
+        scatter(
+            &self.near,
+            &mut self.normals,
+            payload,
+            |_, normal, payload| {
+                payload
+                    .into_iter()
+                    .zip(normal.0)
+                    .for_each(|(word, n)| *word = n);
+            },
+        );
         flow.turn(&mut self.payload);
     }
 }

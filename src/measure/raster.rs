@@ -16,7 +16,7 @@ mod sorted;
 use rayon::prelude::*;
 
 use crate::scene::{Dimension, Domain, Side};
-use crate::space::lane::wide;
+use crate::space::lane::vectorised;
 use sorted::{Sorted, with_images};
 
 /// Nodes along an edge of a block.
@@ -256,18 +256,7 @@ impl Raster {
     }
 
     fn sum(&self, sorted: &Sorted, index: usize, out: &mut [f32]) {
-        #[cfg(target_arch = "x86_64")]
-        if wide() {
-            return unsafe { self.sum_avx2(sorted, index, out) };
-        }
-        self.sum_block(sorted, index, out)
-    }
-
-    /// The same operations, eight lanes at a time.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    unsafe fn sum_avx2(&self, sorted: &Sorted, index: usize, out: &mut [f32]) {
-        self.sum_block(sorted, index, out)
+        vectorised(|| self.sum_block(sorted, index, out))
     }
 
     /// (1) at the nodes of one block, in units of the nominal volume.

@@ -17,7 +17,7 @@ use crate::space::column;
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
 use crate::space::mirror::{Mirror, Planes};
-use crate::space::parallel::{each, larger, slots3};
+use crate::space::parallel::{each_mut, larger, three};
 use crate::space::row::Rows;
 use crate::space::sort::Cells;
 use rayon::prelude::*;
@@ -274,18 +274,17 @@ impl Flow {
     pub fn confine(
         &mut self,
         doomed: impl Fn(usize) -> bool + Sync,
-        turned: impl Fn(usize, usize) + Sync,
+        turned: &mut [[f32; 3]],
     ) -> Option<Vec<u32>> {
         self.hold_back();
         self.fold_back(turned);
         let (domain, grid) = (&self.domain, &self.grid);
         let n = self.particles.len();
         let outside = {
-            let at = slots3(&mut self.particles.position);
             let outside = std::sync::atomic::AtomicBool::new(false);
-            each(n, |i| {
+            each_mut(three(&mut self.particles.position, n), |i, at| {
                 for a in 0..3 {
-                    let x = unsafe { at[a].at(i) };
+                    let x = &mut *at[a];
                     let left = *x < 0.0 && domain.boundary[a][0] == Side::Open;
                     let right = *x > domain.size[a] && domain.boundary[a][1] == Side::Open;
                     if left || right || doomed(i) {

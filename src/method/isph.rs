@@ -33,7 +33,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::scene::{Closure, Gradient, Isph as Settings, PoissonSource};
 use crate::space::grid::Scale;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::sweep;
 use pass::{Around, Look, PressureSlope, Weights};
 use std::marker::PhantomData;
@@ -103,9 +103,8 @@ impl<K: Kernel> Isph<K> {
         let planar = p.case.dimension.count() == 2;
         let scene = (&p.flow.grid, p.case.h, planar);
         let (local, records, rows) = (&p.local, &p.flow.records, &p.flow.rows);
-        let out = Slots::new(&mut p.scheme.mirrored);
-        each(n, |i| {
-            *unsafe { out.at(i) } = surface::is_surface(&local[i], i, rows.row(i), records, scene)
+        each_mut(&mut p.scheme.mirrored[..n], |i, out| {
+            *out = surface::is_surface(&local[i], i, rows.row(i), records, scene)
         });
     }
 
@@ -152,8 +151,8 @@ impl<K: Kernel> Scheme for Isph<K> {
         p.around.resize(n, Default::default());
         let scale = p.scale();
         (p.scheme.explicit)(&p.flow, scale, &mut p.around);
-        let (around, held) = (&p.around, Slots::new(&mut p.held));
-        each(n, |i| *unsafe { held.at(i) } = around[i].own);
+        let around = &p.around;
+        each_mut(&mut p.held[..n], |i, held| *held = around[i].own);
     }
 
     fn threshold(_: &Projection<Self>, _: usize) -> Option<bool> {
@@ -247,10 +246,9 @@ impl<K: Kernel> Scheme for Isph<K> {
             false => Self::slope_with::<false>(p),
         }
         let (factor, rho0) = (-p.factor(1) / p.case.density, p.case.density);
-        let (local, marks, push) = (&p.local, &p.marks, Slots::new(&mut p.push));
+        let (local, marks) = (&p.local, &p.marks);
         let x = &p.unknown;
-        each(n, |i| {
-            let push = unsafe { push.at(i) };
+        each_mut(&mut p.push[..n], |i, push| {
             let sum = push.map(|s| factor * s as f64);
             let corrected = if symmetric {
                 sum

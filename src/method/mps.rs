@@ -39,7 +39,7 @@ use super::projection::correction::times;
 use super::projection::{Projection, Scheme, surface};
 use crate::kernel::WendlandC2;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::sweep;
 use pass::{Around, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
 
@@ -331,9 +331,8 @@ impl Scheme for Mps {
         // d = r_i - r_j: the sign of (3) and that of the acceleration cancel.
         let factor = p.scheme.gradient_factor(&p.case) / (p.case.h * p.case.density);
         let corrected = p.scheme.is_corrected();
-        let (local, push) = (&p.local, Slots::new(&mut p.push));
-        each(n, |i| {
-            let push = unsafe { push.at(i) };
+        let local = &p.local;
+        each_mut(&mut p.push[..n], |i, push| {
             let mut sum = push.map(|s| factor * s as f64);
             if corrected {
                 sum = times(&local[i].correction, sum);

@@ -34,7 +34,7 @@ use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
 use crate::space::grid::Scale;
-use crate::space::parallel::{Slots, each, max};
+use crate::space::parallel::{each_mut, max};
 use std::marker::PhantomData;
 
 /// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
@@ -212,13 +212,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let is = |i| self.flow.crosses(i) && scale * around[i].sum < MIST;
             mist.extend((0..around.len()).map(is));
         }
-        let held = Slots::new(&mut self.held);
         let doomed = |i: usize| !mist.is_empty() && mist[i];
-        let turned = |i: usize, a: usize| {
-            let a = unsafe { &mut held.at(i)[a] };
-            *a = -*a;
-        };
-        if let Some(keep) = self.flow.confine(doomed, turned) {
+        if let Some(keep) = self.flow.confine(doomed, &mut self.held) {
             if !self.rate.is_empty() {
                 super::flow::retain(&mut self.rate, &keep);
             }
@@ -245,14 +240,16 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn show_crushed(&mut self) {
         let (model, around, scale) = (&self.model, &self.around, self.sum_factor());
         let most = model.settings.sound_speed_factor.powi(-2);
-        let density = Slots::new(&mut self.flow.particles.density);
-        each(around.len(), |i| {
-            let over = around[i].kernel_sum(scale) as f64 / model.compaction() - 1.0;
-            if over > 0.0 {
-                let rho = unsafe { density.at(i) };
-                *rho = rho.max(model.density * (1.0 + over.min(most)));
-            }
-        });
+        each_mut(
+            &mut self.flow.particles.density[..around.len()],
+            |i, density| {
+                let over = around[i].kernel_sum(scale) as f64 / model.compaction() - 1.0;
+                if over > 0.0 {
+                    let rho = density;
+                    *rho = rho.max(model.density * (1.0 + over.min(most)));
+                }
+            },
+        );
     }
 
     /// Sorts along cells and finds neighbours; every array follows.

@@ -7,7 +7,7 @@ use crate::scene::{Domain, Side};
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
 use crate::space::mirror::{Mirror, Planes};
-use crate::space::parallel::{self, Slots, slots3};
+use crate::space::parallel::{each_mut, three};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Pass};
@@ -87,9 +87,7 @@ impl Crowd {
     /// Gives every liquid record its payload, a vector first; the wall's payload stays zero.
     pub fn load(&mut self, payload: impl Fn(usize) -> [f32; 5] + Sync) {
         let n = self.len();
-        let records = Slots::new(&mut self.records);
-        parallel::each(n, |i| {
-            let record = unsafe { records.at(i) };
+        each_mut(&mut self.records[..n], |i, record| {
             for (word, value) in record.0[3..].iter_mut().zip(payload(i)) {
                 *word = value.to_bits();
             }
@@ -139,10 +137,9 @@ impl Crowd {
     pub fn advance(&mut self, longest: f64, step: impl Fn(usize) -> [f64; 3] + Sync) -> bool {
         let n = self.len();
         let (grid, mirror) = (&self.grid, self.mirror.as_ref());
-        let position = slots3(&mut self.position);
-        parallel::each(n, |i| {
+        each_mut(three(&mut self.position, n), |i, position| {
             for (k, dx) in step(i).into_iter().enumerate() {
-                let x = unsafe { position[k].at(i) };
+                let x = &mut *position[k];
                 *x = grid.wrap(k, *x + dx);
                 if let Some(back) = mirror.and_then(|m| m.planes.back(k, *x)) {
                     *x = back;
@@ -213,10 +210,9 @@ impl Crowd {
     /// Writes positions into the records.
     fn place(&mut self) {
         let (grid, position) = (&self.grid, &self.position);
-        let records = Slots::new(&mut self.records);
-        parallel::each(position[0].len(), |i| {
+        each_mut(&mut self.records[..position[0].len()], |i, records| {
             let at = grid.fix3([0, 1, 2].map(|k| position[k][i]));
-            let record = unsafe { records.at(i) };
+            let record = records;
             for (word, at) in record.0.iter_mut().zip(at) {
                 *word = at as u32;
             }

@@ -28,7 +28,7 @@ use super::completion::Completion;
 use super::crowd::Crowd;
 use crate::kernel::Kernel;
 use crate::space::lane::Real;
-use crate::space::parallel::{self, Slots};
+use crate::space::parallel::{self, each_mut};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
@@ -142,9 +142,7 @@ pub fn densities<K: Kernel>(
 ) {
     local.resize(crowd.len(), Local::default());
     crowd.sum(measure.h, &Sum(measure), local);
-    let slots = Slots::new(local);
-    parallel::each(crowd.len(), |i| {
-        let local = unsafe { slots.at(i) };
+    each_mut(&mut local[..crowd.len()], |i, local| {
         let (gamma, slope) = completion.at(crowd.at(i));
         local.missing = gamma as f32;
         for k in 0..3 {
@@ -233,8 +231,7 @@ impl Work {
 /// The push p of (5): each of a close pair goes half of the way.
 fn part(crowd: &Crowd, push: &mut Vec<[f32; 3]>) {
     push.resize(crowd.len(), [0.0; 3]);
-    let slots = Slots::new(push);
-    parallel::each(crowd.len(), |i| {
+    each_mut(&mut push[..], |i, push| {
         let mut sum = [0.0; 3];
         crowd.neighbours(i, |d| {
             let square: f64 = d.iter().map(|d| d * d).sum();
@@ -245,7 +242,7 @@ fn part(crowd: &Crowd, push: &mut Vec<[f32; 3]>) {
                 }
             }
         });
-        unsafe { *slots.at(i) = sum.map(|s| s as f32) };
+        *push = sum.map(|s| s as f32);
     });
 }
 
@@ -259,9 +256,7 @@ fn transposed<K: Kernel>(
 ) {
     crowd.load(|i| [0.0, 0.0, 0.0, lambda[i], 0.0]);
     crowd.sum(measure.h, &Transposed(measure), out);
-    let slots = Slots::new(out);
-    parallel::each(lambda.len(), |i| {
-        let out = unsafe { slots.at(i) };
+    each_mut(&mut out[..lambda.len()], |i, out| {
         for k in 0..3 {
             out[k] += local[i].gradient[k] * lambda[i];
         }
@@ -278,9 +273,7 @@ fn direct<K: Kernel>(
 ) {
     crowd.load(|i| [step[i][0], step[i][1], step[i][2], 0.0, 0.0]);
     crowd.sum(measure.h, &Direct(measure), out);
-    let slots = Slots::new(out);
-    parallel::each(step.len(), |i| {
-        let out = unsafe { slots.at(i) };
+    each_mut(&mut out[..step.len()], |i, out| {
         let own: f32 = (0..3).map(|k| local[i].gradient[k] * step[i][k]).sum();
         *out = own - *out;
     });
@@ -293,15 +286,12 @@ fn dot(a: &[f32], b: &[f32]) -> f64 {
 
 /// a += s b.
 fn add(a: &mut [f32], s: f32, b: &[f32]) {
-    let slots = Slots::new(a);
-    parallel::each(b.len(), |i| unsafe { *slots.at(i) += s * b[i] });
+    each_mut(&mut a[..b.len()], |i, a| *a += s * b[i]);
 }
 
 /// a += b.
 fn add3(a: &mut [[f32; 3]], b: &[[f32; 3]]) {
-    let slots = Slots::new(a);
-    parallel::each(b.len(), |i| {
-        let a = unsafe { slots.at(i) };
+    each_mut(&mut a[..b.len()], |i, a| {
         for k in 0..3 {
             a[k] += b[i][k];
         }
@@ -310,8 +300,5 @@ fn add3(a: &mut [[f32; 3]], b: &[[f32; 3]]) {
 
 /// a = b + s a.
 fn scale_add(a: &mut [f32], s: f32, b: &[f32]) {
-    let slots = Slots::new(a);
-    parallel::each(b.len(), |i| unsafe {
-        *slots.at(i) = b[i] + s * *slots.at(i)
-    });
+    each_mut(&mut a[..b.len()], |i, a| *a = b[i] + s * *a);
 }

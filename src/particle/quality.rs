@@ -2,7 +2,7 @@
 
 use super::crowd::Crowd;
 use super::optimise::Local;
-use crate::space::parallel::{self, Slots};
+use crate::space::parallel::{self, each_mut};
 
 /// Bins of the histogram of nearest distances: 0.05 spacings each, the last one open.
 pub const BINS: usize = 32;
@@ -22,9 +22,8 @@ pub struct Nearest {
 pub fn nearest(crowd: &Crowd, support: f64) -> Nearest {
     let n = crowd.len();
     let mut distance = vec![0.0; n];
-    let slots = Slots::new(&mut distance);
-    parallel::each(n, |i| unsafe {
-        *slots.at(i) = crowd.nearest(i).min(support)
+    each_mut(&mut distance[..], |i, distance| {
+        *distance = crowd.nearest(i).min(support)
     });
     let mean = distance.iter().sum::<f64>() / n.max(1) as f64;
     distance.sort_by(f64::total_cmp);

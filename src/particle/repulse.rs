@@ -14,7 +14,7 @@ use super::completion::Completion;
 use super::crowd::Crowd;
 use crate::kernel::{Kernel, WendlandC2};
 use crate::space::lane::Real;
-use crate::space::parallel::{self, Slots};
+use crate::space::parallel::{self, each_mut};
 use crate::space::sweep::{Pair, Pass};
 
 /// Smoothing length of the repulsion.
@@ -56,9 +56,8 @@ pub fn step(
     let mut next = vec![[0.0f32; 3]; n];
     crowd.sum(SMOOTHING, &Push { dimension }, &mut next);
     last.resize(n, [0.0; 3]);
-    let (slots, now) = (Slots::new(&mut next), &*crowd);
-    parallel::each(n, |i| {
-        let step = unsafe { slots.at(i) };
+    let now = &*crowd;
+    each_mut(&mut next[..n], |i, step| {
         let (_, slope) = completion.at(now.at(i));
         let dx = [0, 1, 2].map(|k| {
             // (1)

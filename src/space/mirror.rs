@@ -8,7 +8,7 @@
 
 use super::grid::Grid;
 use super::lane::Record;
-use super::parallel::{Slots, each};
+use super::parallel::each_mut;
 use super::row::Source;
 use super::sort::Cells;
 
@@ -198,10 +198,9 @@ impl Mirror {
     pub fn place(&self, at: &mut [Vec<i32>; 3]) {
         for (a, at) in at.iter_mut().enumerate() {
             let (points, images) = at.split_at_mut(self.first);
-            let images = Slots::new(images);
-            each(self.len(), |k| {
+            each_mut(&mut images[..self.len()], |k, images| {
                 let point = points[self.source[k] as usize];
-                *unsafe { images.at(k) } = self.planes.reflect(a, point, self.code[k]);
+                *images = self.planes.reflect(a, point, self.code[k]);
             });
         }
     }
@@ -218,8 +217,7 @@ impl Mirror {
 
     fn copy_from(&self, records: &mut [Record], is_vector: bool, from: usize) {
         let (points, images) = records.split_at_mut(self.first);
-        let images = Slots::new(images);
-        each(self.len() - from, |k| {
+        each_mut(&mut images[..self.len() - from], |k, images| {
             let (k, code) = (from + k, self.code[from + k]);
             let point = &points[self.source[k] as usize];
             let at = [0, 1, 2].map(|a| self.planes.reflect(a, point.at(a), code));
@@ -227,7 +225,7 @@ impl Mirror {
                 true => sign(code, c) * point.payload(c),
                 false => point.payload(c),
             });
-            *unsafe { images.at(k) } = Record::new(at, payload);
+            *images = Record::new(at, payload);
         });
     }
 
@@ -245,10 +243,9 @@ impl Mirror {
 
     fn spread(&self, words: &mut [f32], sign: impl Fn(Code) -> f32 + Sync) {
         let (points, images) = words.split_at_mut(self.first);
-        let images = Slots::new(images);
-        each(self.len(), |k| {
+        each_mut(&mut images[..self.len()], |k, images| {
             let point = points[self.source[k] as usize];
-            *unsafe { images.at(k) } = sign(self.code[k]) * point;
+            *images = sign(self.code[k]) * point;
         });
     }
 

@@ -48,6 +48,97 @@ pub fn each(n: usize, f: impl Fn(usize) + Sync) {
     });
 }
 
+/// Calls `f` with every item and its number: of a slice, or of several slices of one length at once.
+pub fn each_mut<I>(items: I, f: impl Fn(usize, I::Item) + Sync + Send)
+where
+    I: IntoParallelIterator,
+    I::Iter: IndexedParallelIterator,
+{
+    let items = items.into_par_iter().enumerate().with_min_len(CHUNK);
+    items.for_each(|(i, item)| f(i, item));
+}
+
+/// The first `n` items of three components, together.
+pub fn three<T: Send>(
+    [x, y, z]: &mut [Vec<T>; 3],
+    n: usize,
+) -> impl IndexedParallelIterator<Item = [&mut T; 3]> {
+    let items = (&mut x[..n], &mut y[..n], &mut z[..n]).into_par_iter();
+    items.map(|(x, y, z)| [x, y, z])
+}
+
+/// Calls `f` with the number k of every entry of `index`, item k of `own`, and item `index[k]` of
+/// each of `into`. `index` ascends.
+pub fn scatter<S: Send, T: Send, const N: usize>(
+    index: &[u32],
+    own: &mut [S],
+    into: [&mut [T]; N],
+    f: impl Fn(usize, &mut S, [&mut T; N]) + Sync,
+) {
+    scatter_part((0, index), own, (0, into), &f);
+}
+
+/// `first`: number of the first entry of `index`; `base`: that of the first item of `into`.
+fn scatter_part<S: Send, T: Send, const N: usize>(
+    (first, index): (usize, &[u32]),
+    own: &mut [S],
+    (base, mut into): (usize, [&mut [T]; N]),
+    f: &(impl Fn(usize, &mut S, [&mut T; N]) + Sync),
+) {
+    if index.len() <= CHUNK {
+        for (k, (i, own)) in index.iter().zip(own).enumerate() {
+            f(
+                first + k,
+                own,
+                into.each_mut().map(|into| &mut into[*i as usize - base]),
+            );
+        }
+        return;
+    }
+    let middle = (index.len() / 2)
+        .next_multiple_of(CHUNK)
+        .min(index.len() - 1);
+    let next = index[middle] as usize;
+    let (low, high) = index.split_at(middle);
+    let (own_low, own_high) = own.split_at_mut(middle);
+    let mut rest: [&mut [T]; N] = std::array::from_fn(|_| Default::default());
+    let mut parts = rest.iter_mut();
+    let start = into.map(|into| {
+        let (start, end) = into.split_at_mut(next - base);
+        if let Some(rest) = parts.next() {
+            *rest = end;
+        }
+        start
+    });
+    rayon::join(
+        || scatter_part((first, low), own_low, (base, start), f),
+        || scatter_part((first + middle, high), own_high, (next, rest), f),
+    );
+}
+
+/// [`sum_in`] of what `f` makes of every item, as in [`each_mut`].
+pub fn sum_mut<const K: usize, I>(
+    parts: &mut Vec<[f64; K]>,
+    items: I,
+    f: impl Fn(usize, I::Item) -> [f64; K] + Sync + Send,
+) -> [f64; K]
+where
+    I: IntoParallelIterator,
+    I::Iter: IndexedParallelIterator,
+{
+    let add = |mut a: [f64; K], b: [f64; K]| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    };
+    let items = items.into_par_iter().enumerate();
+    parts.resize(items.len().div_ceil(CHUNK), [0.0; K]);
+    items
+        .fold_chunks(CHUNK, || [0.0; K], |sum, (i, item)| add(sum, f(i, item)))
+        .zip(parts.par_iter_mut())
+        .for_each(|(sum, part)| *part = sum);
+    parts.iter().fold([0.0; K], |s, p| add(s, *p))
+}
+
 /// The larger of two. NaN wins, so that it cannot hide.
 #[inline(always)]
 pub fn larger(a: f64, b: f64) -> f64 {

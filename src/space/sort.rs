@@ -1,7 +1,7 @@
 //! Particles along cells: a stable counting sort.
 
 use super::grid::Grid;
-use super::parallel::{Slots, each};
+use super::parallel::each_mut;
 use rayon::prelude::*;
 
 /// First particle of each cell; `start[cells]` is the number of particles.
@@ -21,10 +21,9 @@ impl Cells {
         self.order.resize(n, 0);
         self.start.clear();
         self.start.resize(grid.cells() + 1, 0);
-        let key = Slots::new(&mut self.key);
-        each(n, |i| {
+        each_mut(&mut self.key[..n], |i, key| {
             let cell = grid.cell([position[0][i], position[1][i], position[2][i]]);
-            *unsafe { key.at(i) } = grid.index(cell) as u32;
+            *key = grid.index(cell) as u32;
         });
         for &key in &self.key {
             self.start[key as usize + 1] += 1;

@@ -4,7 +4,7 @@ use super::Tension;
 use super::pass::{Colour, Difference, Volume};
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::{each_mut, scatter};
 use crate::space::row::Search;
 use crate::space::sweep::Pass;
 use std::array::from_ref;
@@ -30,9 +30,8 @@ impl Tension {
         self.kept.place(flow.at);
         // A wall particle has the bulk's volume, and colour 1.
         self.payload[0].fill((flow.mass / self.density) as f32);
-        let volumes = Slots::new(&mut self.payload[0]);
-        each(flow.density.len(), |i| {
-            *unsafe { volumes.at(i) } = (flow.mass / flow.density[i]) as f32;
+        each_mut(&mut self.payload[0][..flow.density.len()], |i, volumes| {
+            *volumes = (flow.mass / flow.density[i]) as f32;
         });
         flow.share(&mut self.payload[0]);
         self.payload[1].fill(1.0);
@@ -105,10 +104,9 @@ impl Tension {
 
     /// Sets a word of the particles near a surface from `scalars`, and of their images.
     fn set(&mut self, flow: &Surface, word: usize, of: impl Fn(f32) -> f32 + Sync) {
-        let words = Slots::new(&mut self.payload[word]);
-        let (near, sums) = (&self.near, &self.scalars);
-        each(near.len(), |k| {
-            *unsafe { words.at(near[k] as usize) } = of(sums[k]);
+        let words = &mut self.payload[word][..];
+        scatter(&self.near, &mut self.scalars, [words], |_, sum, [word]| {
+            *word = of(*sum)
         });
         flow.share(&mut self.payload[word]);
     }

@@ -33,7 +33,7 @@ use super::{FAINT, Tension};
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::space::lane::Real;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::sweep::{self, Field, Pair, Pass};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -267,10 +267,8 @@ impl Tension {
         counted.means.resize(self.reached.len(), [0.0; 2]);
         let field = self.field(flow, self.length);
         sweep::runs(field, &self.reached, &Means, &mut counted.means);
-        let curvature = Slots::new(&mut counted.curvature);
         let means = &counted.means;
-        each(means.len(), |k| {
-            let kappa = unsafe { curvature.at(k) };
+        each_mut(&mut counted.curvature[..means.len()], |k, kappa| {
             let [sum, weight] = means[k].map(f64::from);
             if weight > 0.0 {
                 *kappa = 0.5 * (*kappa + sum / weight);

@@ -35,7 +35,7 @@ use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::particle::Particles;
 use crate::space::lane::Real;
-use crate::space::parallel::{Slots, each, slots3, sum_in};
+use crate::space::parallel::{scatter, sum_in};
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
 
@@ -308,14 +308,12 @@ impl Tension {
         let unit = self.unit::<K>(flow);
         self.energy.slope.clear();
         self.energy.slope.resize(n, 0.0);
-        let slope = Slots::new(&mut self.energy.slope);
-        let payload = slots3(&mut self.payload);
-        let (near, sums) = (&self.near, Slots::new(sums));
-        each(near.len(), |k| {
-            let (i, s) = (near[k] as usize, unsafe { sums.at(k) });
-            let e = complete::<K>(d, unit, s);
-            *unsafe { slope.at(i) } = e.slope as f32;
-            (0..3).for_each(|a| *unsafe { payload[a].at(i) } = e.gradient[a] as f32);
+        let [x, y, z] = self.payload.each_mut().map(|word| &mut word[..]);
+        let words = [&mut self.energy.slope[..], x, y, z];
+        scatter(&self.near, sums, words, |_, sums, [slope, x, y, z]| {
+            let e = complete::<K>(d, unit, sums);
+            *slope = e.slope as f32;
+            [*x, *y, *z] = e.gradient.map(|g| g as f32);
         });
         flow.share(&mut self.energy.slope);
         flow.turn(&mut self.payload);

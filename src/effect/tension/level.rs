@@ -28,7 +28,7 @@ use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::space::lane::{Real, dot};
 use crate::space::mirror::PAIRS;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
 
@@ -47,12 +47,12 @@ impl Tension {
         sweep::runs(field, targets, &Curvature::<K>(PhantomData), &mut bends);
         let Stressed { u, stress, .. } = &mut self.stressed;
         stress.iter_mut().for_each(|s| s.resize(u[0].len(), 0.0));
-        let stress = stress.each_mut().map(|s| Slots::new(s));
+        let [xx, yy, zz, yz, xz, xy] = stress.each_mut().map(|s| &mut s[..bends.len()]);
         let depths = depths(self.kernel, self.dimension);
-        each(bends.len(), |k| {
+        each_mut((xx, yy, zz, yz, xz, xy), |k, (xx, yy, zz, yz, xz, xy)| {
             let root = [0, 1, 2].map(|a| u[a][k] as f64);
             let lifted = lifted(root, &bends[k], depths, self.dimension);
-            (0..6).for_each(|c| *unsafe { stress[c].at(k) } = lifted[c] as f32);
+            [*xx, *yy, *zz, *yz, *xz, *xy] = lifted.map(|c| c as f32);
         });
         self.stressed.turn_stress();
         self.bends = bends;

@@ -25,7 +25,7 @@ use crate::particle::shape::axes;
 use crate::particle::wall::is_wall;
 use crate::scene::{Dimension, Domain};
 use crate::space::lane::Real;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::sweep::{self, Pair, Pass};
 use std::collections::HashMap;
 
@@ -84,11 +84,10 @@ impl Shore {
             x.clamp(edge, size[a] - edge)
         };
         self.under.resize(flow.wall[0].len(), false);
-        let under = Slots::new(&mut self.under);
-        each(flow.wall[0].len(), |j| {
+        each_mut(&mut self.under[..flow.wall[0].len()], |j, under| {
             let x = [0, 1, 2].map(|a| inside(a, flow.wall[a][j]));
             let cell = flow.grid.index(flow.grid.cell(x));
-            *unsafe { under.at(j) } = start[cell + 1] > start[cell];
+            *under = start[cell + 1] > start[cell];
         });
         self.near
             .iter()

@@ -11,7 +11,7 @@ use crate::effect::wetting::{TIMES, Walls, Wetting};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
 use crate::space::mirror::PAIRS;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::{each_mut, scatter};
 use crate::space::sweep;
 use std::marker::PhantomData;
 
@@ -97,9 +97,8 @@ impl Tension {
     /// n with the walls' colours: of the liquid, and of wall particles; what shifts beside walls.
     fn join_walls<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
         let sums = &wetting.walls;
-        let slots = Slots::new(&mut self.normals);
-        each(self.near.len(), |k| {
-            let (normal, _) = unsafe { slots.at(k) };
+        each_mut(&mut self.normals[..self.near.len()], |k, slots| {
+            let (normal, _) = slots;
             (0..3).for_each(|a| normal[a] += sums[k].0[a]);
         });
         let pass = Walls::<K>(PhantomData);
@@ -164,23 +163,27 @@ impl Tension {
         let factor = self.force_factor::<K>(flow.mass);
         let rubs = wetting.rubs();
         let mut hold = std::mem::take(&mut wetting.friction.hold);
-        hold.resize(if rubs { feet.len() } else { 0 }, Hold::default());
-        let holds = Slots::new(&mut hold);
-        let normals = Slots::new(&mut self.normals);
-        each(feet.len(), |line| {
-            let k = feet[line] as usize;
-            let (u, own) = unsafe { normals.at(k) };
-            let i = lines[line] as usize;
-            let at = [0, 1, 2].map(|a| flow.position[a][i]);
-            let wall = wetting.walls[k].1.map(f64::from);
-            let rise = wetting.rises.of[line] as f64;
-            let (young, held) = wetting.young(u.map(f64::from), wall, at, rise);
-            *own = young.map(|y| (factor * y) as f32);
-            if rubs {
-                let [most, drive] = held.map(|f| f.map(|f| (factor * f) as f32));
-                *unsafe { holds.at(line) } = Hold { most, drive };
-            }
-        });
+        hold.resize(feet.len(), Hold::default());
+        scatter(
+            &feet,
+            &mut hold,
+            [&mut self.normals[..]],
+            |line, hold, [(u, own)]| {
+                let (k, i) = (feet[line] as usize, lines[line] as usize);
+                let at = [0, 1, 2].map(|a| flow.position[a][i]);
+                let wall = wetting.walls[k].1.map(f64::from);
+                let rise = wetting.rises.of[line] as f64;
+                let (young, held) = wetting.young(u.map(f64::from), wall, at, rise);
+                *own = young.map(|y| (factor * y) as f32);
+                if rubs {
+                    let [most, drive] = held.map(|f| f.map(|f| (factor * f) as f32));
+                    *hold = Hold { most, drive };
+                }
+            },
+        );
+        if !rubs {
+            hold.clear();
+        }
         wetting.friction.hold = hold;
         (self.lines, self.feet) = (lines, feet);
         self.wetting = Some(wetting);
@@ -231,9 +234,7 @@ impl Tension {
         wetting.force.resize(force.len(), [0.0; 3]);
         let field = flow.about(flow.position, flow.of_wall(), &self.payload, self.length);
         sweep::runs(field, &self.reached, pass, &mut wetting.force);
-        let into = Slots::new(force);
-        each(wetting.force.len(), |k| {
-            let sum = unsafe { into.at(k) };
+        each_mut(&mut force[..wetting.force.len()], |k, sum| {
             (0..3).for_each(|a| sum[a] += wetting.force[k][a]);
         });
         self.wetting = Some(wetting);

@@ -1,7 +1,7 @@
 //! A look at where particles will be.
 
 use super::Flow;
-use crate::space::parallel::{each, slots3};
+use crate::space::parallel::{each_mut, three};
 
 impl Flow {
     /// Moves particles by `ahead` s with their velocities, for a look at what is there then; what
@@ -13,12 +13,12 @@ impl Flow {
         }
         let farthest = 0.25 * self.lengths.spacing;
         let p = &mut self.particles;
-        let (x, v) = (slots3(&mut p.position), &p.velocity);
-        each(now[0].len(), |i| {
+        let v = &p.velocity;
+        each_mut(three(&mut p.position, now[0].len()), |i, x| {
             let v = [0, 1, 2].map(|a| v[a][i]);
             let speed = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
             let time = ahead.min(farthest / speed.max(f64::MIN_POSITIVE));
-            (0..3).for_each(|a| *unsafe { x[a].at(i) } += time * v[a]);
+            (0..3).for_each(|a| *x[a] += time * v[a]);
         });
         self.place();
     }

@@ -2,7 +2,7 @@
 
 use super::{Flow, HASTE, LEAST};
 use crate::space::dilate::dilate;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::row::{Search, Source, Sources};
 
 impl Flow {
@@ -43,33 +43,32 @@ impl Flow {
         }
         let (p, haste) = (&self.particles, HASTE * self.lasting);
         let (least, most) = (LEAST * equal, self.lengths.most(self.slack));
-        let allowed = Slots::new(&mut self.allowed);
-        each(n, |i| {
-            *unsafe { allowed.at(i) } = (haste * p.speed(i)).max(least).min(most) as f32
+        each_mut(&mut self.allowed[..n], |i, allowed| {
+            *allowed = (haste * p.speed(i)).max(least).min(most) as f32
         });
         let start = &self.liquid_cells.start;
         let (peaks, scratch) = (&mut self.scratch.peaks, &mut self.scratch.dilated);
         peaks.resize(start.len() - 1, 0.0);
-        let peak = Slots::new(peaks);
-        each(start.len() - 1, |cell| {
+        each_mut(&mut peaks[..start.len() - 1], |cell, peak| {
             let run = start[cell] as usize..start[cell + 1] as usize;
             let most = self.allowed[run].iter().fold(0.0, |m: f32, a| m.max(*a));
-            *unsafe { peak.at(cell) } = most;
+            *peak = most;
         });
         let longest = support - late + 2.0 * most;
         dilate(peaks, scratch, &self.grid, longest);
         self.reach.resize(n + self.wall.position[0].len(), 0.0);
         let (grid, peaks, base) = (&self.grid, &self.scratch.peaks, (support - late) as f32);
-        let (reach, allowed) = (Slots::new(&mut self.reach), &self.allowed);
+        let allowed = &self.allowed;
         let (liquid, wall) = (&self.particles.position, &self.wall.position);
         let peak = |x: [f64; 3]| peaks[grid.index(grid.cell(x))];
-        each(n, |i| {
+        let (of_liquid, of_wall) = self.reach.split_at_mut(n);
+        each_mut(of_liquid, |i, reach| {
             let x = [liquid[0][i], liquid[1][i], liquid[2][i]];
-            *unsafe { reach.at(i) } = base + allowed[i] + peak(x);
+            *reach = base + allowed[i] + peak(x);
         });
-        each(wall[0].len(), |i| {
+        each_mut(of_wall, |i, reach| {
             let x = [wall[0][i], wall[1][i], wall[2][i]];
-            *unsafe { reach.at(n + i) } = base + peak(x);
+            *reach = base + peak(x);
         });
         longest
     }

@@ -4,7 +4,7 @@ use super::{Flow, PART};
 use crate::particle::{Particles, Wall};
 use crate::space::grid::Grid;
 use crate::space::lane::{Record, WIDTH};
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use rayon::prelude::*;
 
 impl Flow {
@@ -52,11 +52,10 @@ impl Flow {
         wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
     ) {
         let (n, p, w) = (self.liquid(), &self.particles, &self.wall);
-        let records = Slots::new(&mut self.records);
-        each(n, |i| unsafe { records.at(i) }.carry(liquid(p, i)));
-        each(w.position[0].len(), |i| {
-            unsafe { records.at(n + i) }.carry(wall(w, i))
-        });
+        let (of_liquid, others) = self.records.split_at_mut(n);
+        let of_wall = &mut others[..w.position[0].len()];
+        each_mut(of_liquid, |i, record| record.carry(liquid(p, i)));
+        each_mut(of_wall, |i, record| record.carry(wall(w, i)));
         if let Some(mirror) = &self.mirror {
             mirror.copy(&mut self.records, true);
         }
@@ -65,9 +64,9 @@ impl Flow {
     /// Rewrites the payloads of the wall records, vectors first.
     pub fn pack_wall(&mut self, wall: impl Fn(usize) -> [f32; 5] + Sync) {
         let n = self.liquid();
-        let records = Slots::new(&mut self.records);
-        each(self.wall.position[0].len(), |i| {
-            unsafe { records.at(n + i) }.carry(wall(i))
+        let of_wall = n..n + self.wall.position[0].len();
+        each_mut(&mut self.records[of_wall], |i, record| {
+            record.carry(wall(i))
         });
         if let Some(mirror) = &self.mirror {
             mirror.copy_wall(&mut self.records);

@@ -2,7 +2,7 @@
 
 use super::Flow;
 use crate::scene::Side;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 
 /// How deep in a wall a particle may be, in spacings: there is the wall's first layer.
 const BEHIND: f64 = 0.5;
@@ -17,13 +17,9 @@ impl Flow {
         let p = &mut self.particles;
         for a in (0..3).filter(|&a| domain.boundary[a].contains(&Side::Wall)) {
             let [low, high] = domain.boundary[a].map(|side| side == Side::Wall);
-            let (at, velocity) = (
-                Slots::new(&mut p.position[a]),
-                Slots::new(&mut p.velocity[a]),
-            );
             let size = domain.size[a];
-            each(n, |i| {
-                let (x, v) = unsafe { (at.at(i), velocity.at(i)) };
+            let both = (&mut p.position[a][..n], &mut p.velocity[a][..n]);
+            each_mut(both, |_, (x, v)| {
                 if low && *x < -deep {
                     (*x, *v) = (0.0, v.max(0.0));
                 } else if high && *x > size + deep {
@@ -33,22 +29,27 @@ impl Flow {
         }
     }
 
-    /// Reflects whoever is beyond a mirror plane, velocity too.
-    pub(super) fn fold_back(&mut self, turned: impl Fn(usize, usize) + Sync) {
+    /// Reflects what is beyond a mirror plane: places, velocities,
+    /// and the vectors `turned`, one for each particle or none at all.
+    pub(super) fn fold_back(&mut self, turned: &mut [[f32; 3]]) {
         let Some(mirror) = &self.mirror else {
             return;
         };
         let (n, p) = (self.particles.len(), &mut self.particles);
         for a in (0..3).filter(|&a| self.domain.fold(a).is_some()) {
-            let (at, velocity) = (
-                Slots::new(&mut p.position[a]),
-                Slots::new(&mut p.velocity[a]),
-            );
-            each(n, |i| {
-                let (x, v) = unsafe { (at.at(i), velocity.at(i)) };
+            let (position, velocity) = (&mut p.position[a][..n], &mut p.velocity[a][..n]);
+            if turned.is_empty() {
+                each_mut((position, velocity), |_, (x, v)| {
+                    if let Some(inside) = mirror.planes.back(a, *x) {
+                        (*x, *v) = (inside, -*v);
+                    }
+                });
+                continue;
+            }
+            each_mut((position, velocity, &mut *turned), |_, (x, v, turned)| {
                 if let Some(inside) = mirror.planes.back(a, *x) {
                     (*x, *v) = (inside, -*v);
-                    turned(i, a);
+                    turned[a] = -turned[a];
                 }
             });
         }

@@ -3,7 +3,7 @@
 use super::Mps;
 use crate::method::projection::Projection;
 use crate::scene::MpsGradient;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 
 impl Projection<Mps> {
     /// P and Q of `PressureSlope`: p (`symmetric`), p and the least about it (`minimum`), or p and
@@ -44,8 +44,7 @@ impl Projection<Mps> {
         let square = (self.scheme.radius * self.case.spacing).powi(2);
         let unit = flow.grid.unit;
         self.scheme.least.resize(n, 0.0);
-        let least = Slots::new(&mut self.scheme.least);
-        each(n, |i| {
+        each_mut(&mut self.scheme.least[..n], |i, least| {
             let own = &flow.records[i];
             let mut lowest = pressure(i);
             for &j in flow.rows.row(i) {
@@ -55,7 +54,7 @@ impl Projection<Mps> {
                     lowest = lowest.min(pressure(j as usize));
                 }
             }
-            *unsafe { least.at(i) } = lowest;
+            *least = lowest;
         });
     }
 }

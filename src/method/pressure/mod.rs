@@ -14,7 +14,7 @@ pub mod multigrid;
 pub mod precondition;
 
 use crate::scene::Preconditioner;
-use crate::space::parallel::{Slots, each, sum_in};
+use crate::space::parallel::{each_mut, sum_in, sum_mut};
 use crate::space::sparse::Sparse;
 use multigrid::{Domain, Multigrid};
 
@@ -138,10 +138,9 @@ impl Solver {
                 ..Outcome::default()
             };
         }
-        let slots = Slots::new(&mut self.residual);
-        let [mut rr] = sum_in(&mut self.one, n, |i| {
+        let [mut rr] = sum_mut(&mut self.one, &mut self.residual[..n], |i, slots| {
             let r = right[i] - equation.row(i, x);
-            *unsafe { slots.at(i) } = r;
+            *slots = r;
             [r * r]
         });
         let mut rz = 0.0;
@@ -159,15 +158,13 @@ impl Solver {
             let last = rz;
             [rz] = sum_in(&mut self.one, n, |i| [r[i] * z[i]]);
             let beta = if iterations == 0 { 0.0 } else { rz / last };
-            let direction = Slots::new(&mut self.direction);
-            each(n, |i| {
-                let p = unsafe { direction.at(i) };
+            each_mut(&mut self.direction[..n], |i, p| {
                 *p = z[i] + beta * *p;
             });
-            let (p, image) = (&self.direction, Slots::new(&mut self.image));
-            let [pq] = sum_in(&mut self.one, n, |i| {
+            let p = &self.direction;
+            let [pq] = sum_mut(&mut self.one, &mut self.image[..n], |i, image| {
                 let q = equation.row(i, p);
-                *unsafe { image.at(i) } = q;
+                *image = q;
                 [p[i] * q]
             });
             let alpha = rz / pq;
@@ -178,13 +175,16 @@ impl Solver {
                     converged: false,
                 };
             }
-            let (q, x, r) = (&self.image, Slots::new(x), Slots::new(&mut self.residual));
-            [rr] = sum_in(&mut self.one, n, |i| {
-                *unsafe { x.at(i) } += alpha * p[i];
-                let r = unsafe { r.at(i) };
-                *r -= alpha * q[i];
-                [*r * *r]
-            });
+            let q = &self.image;
+            [rr] = sum_mut(
+                &mut self.one,
+                (&mut self.residual[..n], &mut x[..n]),
+                |i, (r, x)| {
+                    *x += alpha * p[i];
+                    *r -= alpha * q[i];
+                    [*r * *r]
+                },
+            );
         }
         unreachable!("the last iteration returns")
     }
@@ -205,7 +205,6 @@ impl Solver {
         let n = x.len();
         let [total] = sum_in(&mut self.one, n, |i| [x[i]]);
         let mean = total / n.max(1) as f64;
-        let x = Slots::new(x);
-        each(n, |i| *unsafe { x.at(i) } -= mean);
+        each_mut(&mut x[..n], |_, x| *x -= mean);
     }
 }

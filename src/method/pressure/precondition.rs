@@ -2,7 +2,7 @@
 //! definite.
 
 use super::Equation;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use rayon::prelude::*;
 
 /// Rows that one sweep of [`ssor`] takes together; fixed, so that nothing depends on threads.
@@ -10,10 +10,7 @@ const BLOCK: usize = 1024;
 
 /// M = D (Jacobi).
 pub fn diagonal(equation: &Equation, r: &[f64], z: &mut [f64]) {
-    let z = Slots::new(z);
-    each(r.len(), |i| {
-        *unsafe { z.at(i) } = r[i] / equation.diagonal[i]
-    });
+    each_mut(&mut z[..r.len()], |i, z| *z = r[i] / equation.diagonal[i]);
 }
 
 /// M = (D + L) D^-1 (D + L^T), symmetric Gauss-Seidel, within blocks of rows: couplings between

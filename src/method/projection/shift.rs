@@ -2,7 +2,7 @@
 
 use super::{Projection, Scheme};
 use crate::method::shifting::{LOOSE, Shifting};
-use crate::space::parallel::{each, slots3};
+use crate::space::parallel::{each_mut, three};
 
 impl<S: Scheme> Projection<S> {
     pub(super) fn shift(&mut self, dt: f64) {
@@ -20,23 +20,25 @@ impl<S: Scheme> Projection<S> {
             (0..3).for_each(|a| self.local[i].slope[a] -= factor * dry[a]);
         }
         let (local, tension) = (&self.local, &self.tension);
-        let x = slots3(&mut self.flow.particles.position);
-        each(local.len(), |i| {
-            let seen = &local[i];
-            if seen.kernel_sum < LOOSE {
-                return;
-            }
-            let slope = seen.slope.map(f64::from);
-            let normal = tension
-                .as_ref()
-                .map_or([0.0; 3], |t| t.root_of(i))
-                .map(f64::from);
-            let dr = if normal.iter().any(|n| *n != 0.0) {
-                shifting.near(slope, normal, seen.kernel_sum, seen.stir)
-            } else {
-                shifting.inside(slope)
-            };
-            (0..3).for_each(|a| *unsafe { x[a].at(i) } += dr[a]);
-        });
+        each_mut(
+            three(&mut self.flow.particles.position, local.len()),
+            |i, x| {
+                let seen = &local[i];
+                if seen.kernel_sum < LOOSE {
+                    return;
+                }
+                let slope = seen.slope.map(f64::from);
+                let normal = tension
+                    .as_ref()
+                    .map_or([0.0; 3], |t| t.root_of(i))
+                    .map(f64::from);
+                let dr = if normal.iter().any(|n| *n != 0.0) {
+                    shifting.near(slope, normal, seen.kernel_sum, seen.stir)
+                } else {
+                    shifting.inside(slope)
+                };
+                (0..3).for_each(|a| *x[a] += dr[a]);
+            },
+        );
     }
 }

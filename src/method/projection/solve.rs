@@ -7,7 +7,7 @@ use crate::method::pressure::Outcome;
 use crate::method::pressure::multigrid::Domain;
 use crate::method::shifting::LOOSE;
 use crate::scene::{PoissonSource, Preconditioner};
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use crate::space::sweep;
 use std::marker::PhantomData;
 
@@ -62,15 +62,18 @@ impl<S: Scheme> Projection<S> {
         self.local.resize(self.flow.liquid(), Default::default());
         S::look(self);
         let (rho0, h, closure) = (self.case.density, self.case.h, &self.closure);
-        let out = Slots::new(&mut self.flow.particles.density);
         let count = self.local.len();
-        let local = Slots::new(&mut self.local);
-        each(count, |i| {
-            let local = unsafe { local.at(i) };
-            let slope = local.slope.map(|s| h * s as f64);
-            local.density = closure.density(local.kernel_sum as f64, slope) as f32;
-            *unsafe { out.at(i) } = rho0 * local.number as f64;
-        });
+        each_mut(
+            (
+                &mut self.local[..count],
+                &mut self.flow.particles.density[..count],
+            ),
+            |_, (local, out)| {
+                let slope = local.slope.map(|s| h * s as f64);
+                local.density = closure.density(local.kernel_sum as f64, slope) as f32;
+                *out = rho0 * local.number as f64;
+            },
+        );
         if S::walls_are_dense(self) {
             S::look_at_walls(self);
             let own = self.walls.own.iter();
@@ -89,31 +92,36 @@ impl<S: Scheme> Projection<S> {
         e.share.resize(count, 0.0);
         e.right.resize(count, 0.0);
         e.place.iter_mut().for_each(|x| x.resize(count, 0.0));
-        let (surface, diagonal) = (Slots::new(&mut e.surface), Slots::new(&mut e.diagonal));
-        let (share, this, closure) = (Slots::new(&mut e.share), &*self, &self.closure);
-        each(count, |i| {
-            let diagonal = unsafe { diagonal.at(i) };
-            let sums = &this.sums[i];
-            let s = match S::flagged(this, i, *diagonal) {
-                Some(s) => s,
-                None if i >= n => 0.0,
-                None => {
-                    let local = &this.local[i];
-                    let slope = local.slope.map(|s| h * s as f64);
-                    let moment = [2, 3, 4].map(|k| sums[k] as f64);
-                    closure.surface(local.kernel_sum as f64, slope, *diagonal, moment)
-                }
-            };
-            // Who has no neighbours has no pressure.
-            let s = if *diagonal + s > 0.0 {
-                s
-            } else {
-                closure.full()
-            };
-            *diagonal += s;
-            *unsafe { surface.at(i) } = s;
-            *unsafe { share.at(i) } = sums[0] as f64 * h * h / (2.0 * d);
-        });
+        let (this, closure) = (&*self, &self.closure);
+        each_mut(
+            (
+                &mut e.diagonal[..count],
+                &mut e.surface[..count],
+                &mut e.share[..count],
+            ),
+            |i, (diagonal, surface, share)| {
+                let sums = &this.sums[i];
+                let s = match S::flagged(this, i, *diagonal) {
+                    Some(s) => s,
+                    None if i >= n => 0.0,
+                    None => {
+                        let local = &this.local[i];
+                        let slope = local.slope.map(|s| h * s as f64);
+                        let moment = [2, 3, 4].map(|k| sums[k] as f64);
+                        closure.surface(local.kernel_sum as f64, slope, *diagonal, moment)
+                    }
+                };
+                // Who has no neighbours has no pressure.
+                let s = if *diagonal + s > 0.0 {
+                    s
+                } else {
+                    closure.full()
+                };
+                *diagonal += s;
+                *surface = s;
+                *share = sums[0] as f64 * h * h / (2.0 * d);
+            },
+        );
         for a in 0..3 {
             let (liquid, wall) = (
                 &self.flow.particles.position[a],
@@ -130,12 +138,11 @@ impl<S: Scheme> Projection<S> {
     /// Right-hand side of (2), positive where the pressure must rise.
     fn set_right(&mut self, dt: f64) {
         let mut values = std::mem::take(&mut self.equation.right);
-        let right = Slots::new(&mut values);
         let this = &*self;
         let unit = S::unit(this);
         let (n, span, held) = (this.flow.liquid(), this.span(dt), this.cohesion());
-        each(this.sums.len(), |i| {
-            *unsafe { right.at(i) } = match this.settings.source {
+        each_mut(&mut values[..this.sums.len()], |i, right| {
+            *right = match this.settings.source {
                 _ if S::given(this, i) => 0.0,
                 PoissonSource::Density => {
                     let walls = &this.walls;

@@ -6,7 +6,7 @@ use crate::method::flow::retain;
 use crate::method::limit::Limits;
 use crate::method::pass::{Extrapolation, Marked};
 use crate::method::{Diverged, frame};
-use crate::space::parallel::{Slots, each, max, slots3, sum_in};
+use crate::space::parallel::{each_mut, max, sum_mut, three};
 use crate::space::sweep;
 use std::marker::PhantomData;
 
@@ -141,7 +141,7 @@ impl<S: Scheme> Projection<S> {
         }
         // All vectors that are held are made anew before they are used.
         let doomed = |i: usize| !mist.is_empty() && mist[i];
-        if let Some(keep) = self.flow.confine(doomed, |_, _| ()) {
+        if let Some(keep) = self.flow.confine(doomed, &mut []) {
             retain(&mut self.pressure, &keep);
             retain(&mut self.around, &keep);
         }
@@ -251,8 +251,9 @@ impl<S: Scheme> Projection<S> {
         let n = self.flow.liquid();
         let mut marks = std::mem::take(&mut self.marks);
         marks.resize(n, 0.0);
-        let out = Slots::new(&mut marks);
-        each(n, |i| *unsafe { out.at(i) } = f32::from(self.is_surface(i)));
+        each_mut(&mut marks[..n], |i, out| {
+            *out = f32::from(self.is_surface(i))
+        });
         self.flow
             .pack_scalars(|_, i| [marks[i], 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
         let (cells, support) = (&self.flow.liquid_cells, 2.0 * self.case.h);
@@ -312,14 +313,16 @@ impl<S: Scheme> Projection<S> {
         let n = self.flow.liquid();
         let held = &self.held;
         let p = &mut self.flow.particles;
-        let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
-        each(n, |i| {
-            for a in 0..3 {
-                let v = unsafe { v[a].at(i) };
-                *v += dt * held[i][a] as f64;
-                *unsafe { x[a].at(i) } += dt * *v;
-            }
-        });
+        each_mut(
+            (three(&mut p.position, n), three(&mut p.velocity, n)),
+            |i, (x, v)| {
+                for a in 0..3 {
+                    let v = &mut *v[a];
+                    *v += dt * held[i][a] as f64;
+                    *x[a] += dt * *v;
+                }
+            },
+        );
     }
 
     /// Rate of damping, 1/s. A relaxation whose source is density puts it right by displacements at
@@ -342,32 +345,35 @@ impl<S: Scheme> Projection<S> {
         let trapezoidal = S::TRAPEZOIDAL || theta < 1.0;
         let (push, before, friction) = (&self.push, &self.before, &self.scratch.friction);
         let p = &mut self.flow.particles;
-        let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
-        let [work] = sum_in(&mut self.scratch.parts, n, |i| {
-            for a in 0..3 {
-                let v = unsafe { v[a].at(i) };
-                let old = before[1][a][i];
-                let ahead = *v + theta * dt * push[i][a] as f64;
-                *v = damp * (old + (ahead - old) / theta);
-            }
-            let mut work = 0.0;
-            if !friction.is_empty() {
-                let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
-                let free = [*x, *y, *z];
-                [*x, *y, *z] = friction[i].slowed(free, dt);
-                work = frame::gained(free, [*x, *y, *z]);
-            }
-            for a in 0..3 {
-                let v = unsafe { v[a].at(i) };
-                let old = before[1][a][i];
-                let mean = match trapezoidal {
-                    true => 0.5 * (old + *v),
-                    false => *v,
-                };
-                *unsafe { x[a].at(i) } = before[0][a][i] + dt * mean;
-            }
-            [work]
-        });
+        let [work] = sum_mut(
+            &mut self.scratch.parts,
+            (three(&mut p.position, n), three(&mut p.velocity, n)),
+            |i, (x, mut v)| {
+                for a in 0..3 {
+                    let v = &mut *v[a];
+                    let old = before[1][a][i];
+                    let ahead = *v + theta * dt * push[i][a] as f64;
+                    *v = damp * (old + (ahead - old) / theta);
+                }
+                let mut work = 0.0;
+                if !friction.is_empty() {
+                    let [x, y, z] = v.each_mut().map(|v| &mut **v);
+                    let free = [*x, *y, *z];
+                    [*x, *y, *z] = friction[i].slowed(free, dt);
+                    work = frame::gained(free, [*x, *y, *z]);
+                }
+                for a in 0..3 {
+                    let v = &mut *v[a];
+                    let old = before[1][a][i];
+                    let mean = match trapezoidal {
+                        true => 0.5 * (old + *v),
+                        false => *v,
+                    };
+                    *x[a] = before[0][a][i] + dt * mean;
+                }
+                [work]
+            },
+        );
         self.ledger.rubbed = p.mass * work;
         self.fastest = self.speed();
     }

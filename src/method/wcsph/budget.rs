@@ -10,7 +10,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::frame;
 use crate::scene::WallPressure;
-use crate::space::parallel::{Slots, sum, sum_in};
+use crate::space::parallel::{sum, sum_in, sum_mut};
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Whether all parts of the budget are known: with dual stepping, a density from its rate,
@@ -76,12 +76,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// of the time for which they are held, half a step of `dt` s from now.
     pub(super) fn take_rates(&mut self, dt: f64) {
         let (model, p, found) = (&self.model, &self.flow.particles, &self.force);
-        let rate = Slots::new(&mut self.rate);
-        let [power] = sum_in(&mut self.control.parts, p.len(), |i| {
-            let rho = p.density[i] + 0.5 * dt * found[i][0] as f64;
-            *unsafe { rate.at(i) } = found[i][0];
-            [model.pressure(rho) / (rho * rho) * found[i][1] as f64]
-        });
+        let [power] = sum_mut(
+            &mut self.control.parts,
+            &mut self.rate[..p.len()],
+            |i, rate| {
+                let rho = p.density[i] + 0.5 * dt * found[i][0] as f64;
+                *rate = found[i][0];
+                [model.pressure(rho) / (rho * rho) * found[i][1] as f64]
+            },
+        );
         self.ledger.diffusive = p.mass * power;
     }
 

@@ -7,7 +7,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::shifting::{LOOSE, Shifting};
 use crate::method::{Diverged, frame};
-use crate::space::parallel::{Slots, each, max, slots3, sum_in};
+use crate::space::parallel::{each_mut, max, sum_mut, three};
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
@@ -78,19 +78,22 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let before = self.stored();
         self.model.sound_speed = new;
         let (model, ratio) = (&self.model, (old / new).powi(2));
-        let density = Slots::new(&mut self.flow.particles.density);
-        each(self.around.len(), |i| {
-            let rho = unsafe { density.at(i) };
-            *rho = model.density_at(ratio * model.pressure(*rho));
-        });
+        each_mut(
+            &mut self.flow.particles.density[..self.around.len()],
+            |_, rho| {
+                *rho = model.density_at(ratio * model.pressure(*rho));
+            },
+        );
         self.ledger.diffusion += self.stored() - before;
     }
 
     /// What is held over the advective step: viscosity (from `look`), gravity, tension of where
     /// particles are `ahead` s later.
     pub(super) fn hold(&mut self, ahead: f64) {
-        let (around, held) = (&self.around, Slots::new(&mut self.held));
-        each(around.len(), |i| *unsafe { held.at(i) } = around[i].vector);
+        let around = &self.around;
+        each_mut(&mut self.held[..around.len()], |i, held| {
+            *held = around[i].vector
+        });
         let (p, parts) = (&self.flow.particles, &mut self.scratch.pairs);
         self.ledger.viscous = frame::power(p, &self.held, parts);
         if let Some(g) = self.model.effects.gravity {
@@ -98,9 +101,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.add_tension_ahead(ahead);
         if let Some(tension) = &self.tension {
-            let around = Slots::new(&mut self.around);
-            let normal = |i: usize| unsafe { around.at(i) }.vector = tension.root_of(i);
-            each(self.held.len(), normal);
+            let around = &mut self.around[..self.held.len()];
+            each_mut(around, |i, around| around.vector = tension.root_of(i));
         }
         // Pressure acceleration belongs to the acoustic criterion.
         self.hardest = self.acceleration();
@@ -150,18 +152,17 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// v += dt (held + pressure acceleration), damped.
     fn kick(&mut self, dt: f64, shifts: bool) {
         let damp = 1.0 / (1.0 + self.model.damping * dt);
-        let v = slots3(&mut self.flow.particles.velocity);
         let (held, force, driven) = (&self.held, &self.force, &self.driven);
-        let push = |i: usize, force: [f32; 3]| {
-            for a in 0..3 {
-                let v = unsafe { v[a].at(i) };
+        let push = |i: usize, force: [f32; 3], v: [&mut f64; 3]| {
+            for (a, v) in v.into_iter().enumerate() {
                 *v = damp * (*v + dt * (held[i][a] + force[a]) as f64);
             }
         };
+        let v = three(&mut self.flow.particles.velocity, held.len());
         if shifts {
-            each(held.len(), |i| push(i, driven[i].0));
+            each_mut(v, |i, v| push(i, driven[i].0, v));
         } else {
-            each(held.len(), |i| push(i, force[i]));
+            each_mut(v, |i, v| push(i, force[i], v));
         }
     }
 
@@ -177,10 +178,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     fn drift_density(&mut self, dt: f64) {
         let rate = &self.rate;
-        let density = Slots::new(&mut self.flow.particles.density);
-        each(rate.len(), |i| {
-            *unsafe { density.at(i) } += dt * rate[i] as f64
-        });
+        each_mut(
+            &mut self.flow.particles.density[..rate.len()],
+            |i, density| *density += dt * rate[i] as f64,
+        );
         self.ledger.diffusion += dt * self.ledger.diffusive;
     }
 
@@ -188,10 +189,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn drift_position(&mut self, dt: f64) {
         let n = self.flow.liquid();
         let p = &mut self.flow.particles;
-        let (x, v) = (slots3(&mut p.position), &p.velocity);
-        each(n, |i| {
+        let v = &p.velocity;
+        each_mut(three(&mut p.position, n), |i, x| {
             for a in 0..3 {
-                *unsafe { x[a].at(i) } += dt * v[a][i];
+                *x[a] += dt * v[a][i];
             }
         });
     }
@@ -219,31 +220,37 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         let (around, driven) = (&self.around, &self.driven);
         let p = &mut self.flow.particles;
-        let (x, density) = (slots3(&mut p.position), Slots::new(&mut p.density));
         let twice = 2.0 * model.density * gradient;
         let g = model.effects.gravity.unwrap_or_default();
-        let [work] = sum_in(&mut self.control.parts, around.len(), |i| {
-            let support = around[i].kernel_sum(scale);
-            let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
-            let near = normal.iter().any(|n| *n != 0.0);
-            if !near && support < SURFACE {
-                return [0.0];
-            }
-            let dr = match near {
-                true => shifting.near(slope, normal, support, around[i].relative_speed()),
-                false => shifting.inside(slope),
-            };
-            (0..3).for_each(|a| *unsafe { x[a].at(i) } += dr[a]);
-            let mut work = -(0..3).map(|a| g[a] * dr[a]).sum::<f64>();
-            if !near {
-                let spread = (0..3).map(|a| dr[a] * slope[a]).sum::<f64>();
-                let rho = unsafe { density.at(i) };
-                work -= model.compression(*rho);
-                *rho += twice * spread;
-                work += model.compression(*rho);
-            }
-            [work]
-        });
+        let [work] = sum_mut(
+            &mut self.control.parts,
+            (
+                &mut p.density[..around.len()],
+                three(&mut p.position, around.len()),
+            ),
+            |i, (density, x)| {
+                let support = around[i].kernel_sum(scale);
+                let (slope, normal) = (driven[i].1.map(f64::from), around[i].vector.map(f64::from));
+                let near = normal.iter().any(|n| *n != 0.0);
+                if !near && support < SURFACE {
+                    return [0.0];
+                }
+                let dr = match near {
+                    true => shifting.near(slope, normal, support, around[i].relative_speed()),
+                    false => shifting.inside(slope),
+                };
+                (0..3).for_each(|a| *x[a] += dr[a]);
+                let mut work = -(0..3).map(|a| g[a] * dr[a]).sum::<f64>();
+                if !near {
+                    let spread = (0..3).map(|a| dr[a] * slope[a]).sum::<f64>();
+                    let rho = density;
+                    work -= model.compression(*rho);
+                    *rho += twice * spread;
+                    work += model.compression(*rho);
+                }
+                [work]
+            },
+        );
         self.ledger.shifting += p.mass * work;
     }
 }

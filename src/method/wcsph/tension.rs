@@ -9,7 +9,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::frame::gained;
 use crate::method::surface_of;
-use crate::space::parallel::{slots3, sum_in};
+use crate::space::parallel::{sum_mut, three};
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Adds a_s, found now, to `held` or `force`, whichever is given.
@@ -69,13 +69,16 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn rub(&mut self, dt: f64) {
         let friction = &self.friction;
         let mass = self.flow.particles.mass;
-        let v = slots3(&mut self.flow.particles.velocity);
-        let [work] = sum_in(&mut self.control.parts, friction.len(), |i| {
-            let [x, y, z] = [0, 1, 2].map(|a| unsafe { v[a].at(i) });
-            let before = [*x, *y, *z];
-            [*x, *y, *z] = friction[i].slowed(before, dt);
-            [gained(before, [*x, *y, *z])]
-        });
+        let [work] = sum_mut(
+            &mut self.control.parts,
+            three(&mut self.flow.particles.velocity, friction.len()),
+            |i, v| {
+                let [x, y, z] = v;
+                let before = [*x, *y, *z];
+                [*x, *y, *z] = friction[i].slowed(before, dt);
+                [gained(before, [*x, *y, *z])]
+            },
+        );
         self.ledger.walls += mass * work;
     }
 }

@@ -7,7 +7,7 @@ use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::{Diverged, Solver};
 use crate::scene::TimeStepping;
-use crate::space::parallel::{Slots, each, slots3};
+use crate::space::parallel::{each_mut, three};
 
 /// Most steps on one set of neighbour rows, so that restart points come often enough.
 const LONGEST: usize = 20;
@@ -76,24 +76,26 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let n = self.flow.liquid();
         {
             let p = &mut self.flow.particles;
-            let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
             let held = &self.held;
-            each(n, |i| {
-                for a in 0..3 {
-                    let v = unsafe { v[a].at(i) };
-                    *v += 0.5 * dt * held[i][a] as f64;
-                    *unsafe { x[a].at(i) } += dt * *v;
-                }
-            });
+            each_mut(
+                (three(&mut p.velocity, n), three(&mut p.position, n)),
+                |i, (v, x)| {
+                    for a in 0..3 {
+                        let v = &mut *v[a];
+                        *v += 0.5 * dt * held[i][a] as f64;
+                        *x[a] += dt * *v;
+                    }
+                },
+            );
         }
         self.evaluate(0.5 * dt, dt);
         let damp = 1.0 / (1.0 + self.model.damping * dt);
         {
             let p = &mut self.flow.particles;
-            let (v, held) = (slots3(&mut p.velocity), &self.held);
-            each(n, |i| {
+            let held = &self.held;
+            each_mut(three(&mut p.velocity, n), |i, v| {
                 for a in 0..3 {
-                    let v = unsafe { v[a].at(i) };
+                    let v = &mut *v[a];
                     *v = damp * (*v + 0.5 * dt * held[i][a] as f64);
                 }
             });
@@ -114,10 +116,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             Some(diffusion) => {
                 self.density_rate(diffusion, false);
                 let rate = &self.rate;
-                let density = Slots::new(&mut self.flow.particles.density);
-                each(rate.len(), |i| {
-                    *unsafe { density.at(i) } += dt * rate[i] as f64
-                });
+                each_mut(
+                    &mut self.flow.particles.density[..rate.len()],
+                    |i, density| *density += dt * rate[i] as f64,
+                );
             }
         }
         self.repack_force(ahead);

@@ -6,7 +6,7 @@ use crate::kernel::{self, Kernel};
 use crate::method::pass::{Extrapolation, WallSums};
 use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
-use crate::space::parallel::{Slots, each, sum_in};
+use crate::space::parallel::{each_mut, sum_mut};
 use crate::space::sweep;
 use std::collections::HashMap;
 
@@ -117,16 +117,18 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         // where density no longer follows.
         let (model, rate, dt) = (&self.model, &self.rate, self.last_step);
         let (torn, mass) = (model.pressure(least), self.flow.particles.mass);
-        let density = Slots::new(&mut self.flow.particles.density);
-        let [given] = sum_in(&mut self.control.parts, around.len(), |i| {
-            let rho = unsafe { density.at(i) };
-            if around[i].kernel_sum(sums) >= SURFACE || *rho >= least {
-                return [0.0];
-            }
-            let now = std::mem::replace(rho, least);
-            let before = rate.get(i).map_or(now, |rate| now - dt * *rate as f64);
-            [0.5 * (torn + model.pressure(before)) * (least - now) / (least * least)]
-        });
+        let [given] = sum_mut(
+            &mut self.control.parts,
+            &mut self.flow.particles.density[..around.len()],
+            |i, rho| {
+                if around[i].kernel_sum(sums) >= SURFACE || *rho >= least {
+                    return [0.0];
+                }
+                let now = std::mem::replace(rho, least);
+                let before = rate.get(i).map_or(now, |rate| now - dt * *rate as f64);
+                [0.5 * (torn + model.pressure(before)) * (least - now) / (least * least)]
+            },
+        );
         self.ledger.diffusion += mass * given;
     }
 
@@ -165,8 +167,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.soak();
         let (model, unit, wet) = (&self.model, self.sum_factor(), &self.walls.wet);
         let g = model.effects.gravity.unwrap_or([0.0; 3]);
-        let (sums, density) = (&self.walls.sums, Slots::new(&mut self.walls.density));
-        each(sums.len(), |i| {
+        let sums = &self.walls.sums;
+        each_mut(&mut self.walls.density[..sums.len()], |i, density| {
             let s = &sums[i];
             let lever: f64 = (0..3).map(|a| g[a] * s.lever[a] as f64).sum();
             let p = if s.weight > 0.0 {
@@ -180,7 +182,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 }
                 _ => 1.0,
             };
-            *unsafe { density.at(i) } = model.density_at(part as f64 * p);
+            *density = model.density_at(part as f64 * p);
         });
     }
 
@@ -188,10 +190,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn set_viscous_velocity(&mut self) {
         let (sums, wall) = (&self.walls.sums, &self.flow.wall);
         let own = self.flow.wall_sees_wall;
-        let viscous = Slots::new(&mut self.walls.viscous);
-        each(sums.len(), |i| {
+        each_mut(&mut self.walls.viscous[..sums.len()], |i, viscous| {
             let s = &sums[i];
-            let out = unsafe { viscous.at(i) };
+            let out = viscous;
             for a in 0..3 {
                 let u = wall.velocity[a][i] as f32;
                 out[a] = if s.weight > 0.0 && !own {

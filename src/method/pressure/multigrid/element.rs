@@ -2,7 +2,7 @@
 
 use super::super::Equation;
 use super::level::Level;
-use crate::space::parallel::{Slots, each, max};
+use crate::space::parallel::{each_mut, max};
 use rayon::prelude::*;
 
 /// Where grids are laid.
@@ -88,19 +88,21 @@ impl Elements {
         let n = equation.len();
         self.cell.resize(n, 0);
         self.part.resize(n, [0.0; 3]);
-        let (cell, part) = (Slots::new(&mut self.cell), Slots::new(&mut self.part));
         let (low, pitch, count) = (self.low, self.pitch, level.count);
-        each(n, |i| {
-            let (mut at, mut t) = ([0; 3], [0.0f32; 3]);
-            for a in (0..3).filter(|a| domain.active[*a]) {
-                let x = (equation.place[a][i] - low[a]) / pitch[a];
-                let c = x.floor();
-                t[a] = (x - c) as f32;
-                at[a] = (c as i64).rem_euclid(count[a] as i64) as usize;
-            }
-            *unsafe { cell.at(i) } = level.index(at) as u32;
-            *unsafe { part.at(i) } = t;
-        });
+        each_mut(
+            (&mut self.cell[..n], &mut self.part[..n]),
+            |i, (cell, part)| {
+                let (mut at, mut t) = ([0; 3], [0.0f32; 3]);
+                for a in (0..3).filter(|a| domain.active[*a]) {
+                    let x = (equation.place[a][i] - low[a]) / pitch[a];
+                    let c = x.floor();
+                    t[a] = (x - c) as f32;
+                    at[a] = (c as i64).rem_euclid(count[a] as i64) as usize;
+                }
+                *cell = level.index(at) as u32;
+                *part = t;
+            },
+        );
         self.order.resize(n, 0);
         self.start.clear();
         self.start.resize(level.len() + 1, 0);
@@ -176,15 +178,14 @@ impl Elements {
     /// z += N x of the grid.
     pub fn prolong(&self, level: &Level, z: &mut [f64]) {
         let n = z.len();
-        let z = Slots::new(z);
-        each(n, |u| {
+        each_mut(&mut z[..n], |u, z| {
             let mut sum = 0.0;
             for corner in 0..8 {
                 if let Some(node) = level.node_of(self.cell[u] as usize, corner) {
                     sum += weight(self.part[u], corner) * level.x[node];
                 }
             }
-            *unsafe { z.at(u) } += sum;
+            *z += sum;
         });
     }
 }

@@ -1,6 +1,6 @@
 //! A regular grid of nodes with a stencil of 27 entries a node, and how it meets the next one.
 
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 use rayon::prelude::*;
 
 /// Over-relaxation of the smoother. With absolute row sums the eigenvalues of linear elements are
@@ -117,10 +117,10 @@ impl Level {
 
     /// Nodes without liquid get the inverse 0: they stay zero.
     fn set_inverse(&mut self) {
-        let (stencil, inverse) = (&self.stencil, Slots::new(&mut self.inverse));
-        each(stencil.len(), |node| {
+        let stencil = &self.stencil;
+        each_mut(&mut self.inverse[..stencil.len()], |node, inverse| {
             let sum: f64 = stencil[node].iter().map(|e| e.abs()).sum();
-            *unsafe { inverse.at(node) } = if sum > 0.0 { RELAXATION / sum } else { 0.0 };
+            *inverse = if sum > 0.0 { RELAXATION / sum } else { 0.0 };
         });
     }
 
@@ -158,11 +158,10 @@ impl Level {
         for sweep in 0..SWEEPS {
             let first = fresh && sweep == 0;
             let grid = &*self;
-            let out = Slots::new(&mut next);
-            each(x.len(), |i| {
+            each_mut(&mut next[..x.len()], |i, out| {
                 let now = if first { 0.0 } else { x[i] };
                 let image = if first { 0.0 } else { grid.row(i, &x) };
-                *unsafe { out.at(i) } = now + grid.inverse[i] * (grid.b[i] - image);
+                *out = now + grid.inverse[i] * (grid.b[i] - image);
             });
             std::mem::swap(&mut x, &mut next);
         }
@@ -284,8 +283,10 @@ impl Level {
         let (b, x) = (&self.b, &self.x);
         let mut left = std::mem::take(&mut self.scratch);
         {
-            let (grid, left) = (&*self, Slots::new(&mut left));
-            each(b.len(), |i| *unsafe { left.at(i) } = b[i] - grid.row(i, x));
+            let grid = &*self;
+            each_mut(&mut left[..b.len()], |i, left| {
+                *left = b[i] - grid.row(i, x)
+            });
         }
         let mut b = std::mem::take(&mut coarse.b);
         let (fine, grid) = (&*self, &*coarse);

@@ -19,7 +19,7 @@ mod element;
 mod level;
 
 use super::Equation;
-use crate::space::parallel::{Slots, each};
+use crate::space::parallel::each_mut;
 pub use element::Domain;
 use element::Elements;
 use level::Level;
@@ -80,22 +80,19 @@ impl Multigrid {
     pub fn apply(&mut self, equation: &Equation, r: &[f64], z: &mut [f64]) {
         let n = r.len();
         {
-            let z = Slots::new(z);
-            each(n, |i| *unsafe { z.at(i) } = r[i] / equation.diagonal[i]);
+            each_mut(&mut z[..n], |i, z| *z = r[i] / equation.diagonal[i]);
         }
-        let residual = Slots::new(&mut self.residual);
-        each(n, |i| {
-            *unsafe { residual.at(i) } = r[i] - equation.row(i, z)
+        each_mut(&mut self.residual[..n], |i, residual| {
+            *residual = r[i] - equation.row(i, z)
         });
         self.elements.restrict(&self.residual, &mut self.levels[0]);
         self.cycle();
         self.elements.prolong(&self.levels[0], z);
-        let residual = Slots::new(&mut self.residual);
-        each(n, |i| {
-            *unsafe { residual.at(i) } = (r[i] - equation.row(i, z)) / equation.diagonal[i]
+        each_mut(&mut self.residual[..n], |i, residual| {
+            *residual = (r[i] - equation.row(i, z)) / equation.diagonal[i]
         });
-        let (z, change) = (Slots::new(z), &self.residual);
-        each(n, |i| *unsafe { z.at(i) } += change[i]);
+        let change = &self.residual;
+        each_mut(&mut z[..n], |i, z| *z += change[i]);
     }
 
     /// One V-cycle from zero over the grids.

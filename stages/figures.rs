@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
+use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
 use coronet::record::export::cell;

@@ -1,8 +1,8 @@
 //! What a study found: groups, table, figure, sentences.
 
 use anyhow::Result;
-use coronet::measure::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
-use coronet::measure::scatter::{Cloud, Mark, Scatter};
+use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
+use coronet::draw::scatter::{Cloud, Mark, Scatter};
 use coronet::measure::tradeoff::{Sample, growth, worst};
 use coronet::scene::quantity::{Unit, human};
 

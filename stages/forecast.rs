@@ -5,7 +5,8 @@
 //! [probe](crate::probe). Steps are counted along the speed that limits them: a splash is faster
 //! than the impact at first, then slows down as 1 / t until waves and jet set the pace.
 
-use coronet::measure::{gauge, section};
+use coronet::draw::section;
+use coronet::measure::gauge;
 use coronet::particle::wall::layers;
 use coronet::pipeline::Work;
 use coronet::scene::{

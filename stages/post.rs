@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use coronet::measure::post;
+use coronet::draw::post;
 use coronet::particle::Frame;
 use coronet::pipeline::{
     Context, Identity, Output, Progress, Stage, StageError, Stamp, Store, Work,

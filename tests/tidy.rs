@@ -15,6 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["effect"],
     &["method"],
     &["measure", "record"],
+    &["draw"],
     &["pipeline", "simulate"],
 ];
 

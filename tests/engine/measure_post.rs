@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use coronet::measure::canvas::{Anchor, Canvas, INK, WHITE};
-use coronet::measure::field::Field;
+use coronet::draw::canvas::{Anchor, Canvas, INK, WHITE};
+use coronet::draw::field::Field;
+use coronet::draw::letter;
+use coronet::draw::plot::{Curve, Line, Plot};
+use coronet::draw::post::{Post, PostError};
+use coronet::draw::report::Report;
+use coronet::draw::section::{self, Section};
+use coronet::draw::view::{self, Camera};
 use coronet::measure::gauge::Kind;
-use coronet::measure::letter;
-use coronet::measure::plot::{Curve, Line, Plot};
-use coronet::measure::post::{Post, PostError};
-use coronet::measure::report::Report;
-use coronet::measure::section::{self, Section};
-use coronet::measure::view::{self, Camera};
 use coronet::particle::Frame;
 use coronet::scene::{Clock, Dimension, Reference, Scene};
 

@@ -6,7 +6,7 @@
 //! fifths of the particles that would fill it.
 
 use super::canvas::{Anchor, Canvas, Colour, FAINT, INK, WHITE};
-use super::pool::Axis;
+use crate::measure::pool::Axis;
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene, Side};
 

@@ -1,9 +1,9 @@
 //! Which plots a scene gets, with the reference curves in them.
 
-use super::gauge::Kind;
 use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
-use super::series::{Reference, Series};
-use super::summary;
+use crate::measure::gauge::Kind;
+use crate::measure::series::{Reference, Series};
+use crate::measure::summary;
 use crate::scene::{Dimension, Scene};
 
 /// A run, and what it is compared with.

@@ -1,11 +1,11 @@
 //! Plots, panels and fields: files, and what the report shows of them.
 
 use super::{Post, PostError, draw_error};
-use crate::measure::canvas::{Canvas, WHITE};
-use crate::measure::field::Field;
-use crate::measure::figure::Figures;
-use crate::measure::report::Report;
-use crate::measure::view;
+use crate::draw::canvas::{Canvas, WHITE};
+use crate::draw::field::Field;
+use crate::draw::figure::Figures;
+use crate::draw::report::Report;
+use crate::draw::view;
 
 impl Post {
     pub(super) fn draw_plots(&mut self, report: &mut Report) -> Result<(), PostError> {

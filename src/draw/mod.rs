@@ -1,0 +1,14 @@
+//! Plots, pictures and the report, from measures and frames.
+//!
+//! `post` takes the frames of a run in their order, some side by side, and writes everything.
+
+pub mod canvas;
+pub mod field;
+pub mod figure;
+pub mod letter;
+pub mod plot;
+pub mod post;
+pub mod report;
+pub mod scatter;
+pub mod section;
+pub mod view;

@@ -3,35 +3,22 @@
 mod arguments;
 mod body;
 mod calibrate;
-mod cost;
+mod command;
 mod fault;
-mod figures;
-mod finding;
 mod flight;
 mod forecast;
 mod impact;
-mod inspect;
 mod jobs;
 mod journal;
-mod keep;
-mod manual;
 mod pace;
 mod pack;
-mod plan;
-mod points;
 mod post;
 mod print;
 mod probe;
-mod promise;
 mod relax;
-mod run;
 mod settings;
 mod signals;
 mod study;
-mod target;
-mod trial;
-mod tune;
-mod verdict;
 mod watch;
 
 use std::process::ExitCode;
@@ -85,18 +72,18 @@ fn help(error: &clap::Error) -> ExitCode {
 
 fn obey(command: &Command) -> Result<()> {
     match command {
-        Command::Run(arguments) => run::run(arguments),
-        Command::Study(arguments) => study::study(arguments),
-        Command::Tune(arguments) => tune::tune(arguments),
-        Command::Plan(arguments) => plan::plan(arguments),
-        Command::Verify(arguments) => keep::verify(arguments),
-        Command::Gc(arguments) => keep::sweep(arguments),
-        Command::Show(arguments) => inspect::show(arguments),
-        Command::Export(arguments) => inspect::export(arguments),
-        Command::Recover(arguments) => inspect::recover(arguments),
-        Command::Schema(arguments) => inspect::schema(arguments),
-        Command::Completions(arguments) => manual::completions(arguments.shell),
-        Command::Man(arguments) => manual::pages(&arguments.folder),
+        Command::Run(arguments) => command::run::run(arguments),
+        Command::Study(arguments) => command::study::study(arguments),
+        Command::Tune(arguments) => command::tune::tune(arguments),
+        Command::Plan(arguments) => command::plan::plan(arguments),
+        Command::Verify(arguments) => command::verify::verify(arguments),
+        Command::Gc(arguments) => command::gc::sweep(arguments),
+        Command::Show(arguments) => command::show::show(arguments),
+        Command::Export(arguments) => command::export::export(arguments),
+        Command::Recover(arguments) => command::recover::recover(arguments),
+        Command::Schema(arguments) => command::schema::schema(arguments),
+        Command::Completions(arguments) => command::completions::completions(arguments.shell),
+        Command::Man(arguments) => command::man::pages(&arguments.folder),
     }
 }
 

@@ -5,6 +5,7 @@
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write as _};
+use std::path::Path;
 use std::sync::Mutex;
 
 /// What became of standard output.
@@ -67,6 +68,22 @@ pub fn plain(text: &str) -> String {
         }
     }
     plain
+}
+
+/// Bytes for people.
+pub fn size(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1e3 => format!("{b} B"),
+        b if b < 1e6 => format!("{:.1} kB", b / 1e3),
+        b if b < 1e9 => format!("{:.1} MB", b / 1e6),
+        b if b < 1e12 => format!("{:.2} GB", b / 1e9),
+        b => format!("{:.2} TB", b / 1e12),
+    }
+}
+
+/// A path for people and for JSON, which has no other texts than Unicode.
+pub fn shown(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
 }
 
 #[cfg(test)]

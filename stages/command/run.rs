@@ -7,10 +7,11 @@ use coronet::pipeline::{self, Report, Run, Store, latest};
 use coronet::scene::numbers;
 use serde_json::json;
 
+use super::plan;
 use crate::arguments::RunArguments;
 use crate::print::out;
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, journal, plan, post, signals};
+use crate::{PROGRAM, impact, jobs, journal, post, signals};
 
 /// What a first signal is answered with.
 const STOPPING: &str = "stopping after the next checkpoint";

@@ -9,11 +9,11 @@ use coronet::scene::{Clock, file, schema};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::cost::Cost;
 use crate::fault::Usage;
-use crate::promise::{Case, Ending};
-use crate::target::{Feature, Target};
-use crate::trial::Trial;
+use crate::study::cost::Cost;
+use crate::study::promise::{Case, Ending};
+use crate::study::target::{Feature, Target};
+use crate::study::trial::Trial;
 
 /// No study file is longer, bytes.
 const LONGEST: u64 = 16 << 20;

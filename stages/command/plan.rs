@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::arguments::{PipelineArguments, PlanArguments};
 use crate::fault::Usage;
 use crate::jobs;
-use crate::keep::size;
+use crate::print::size;
 use crate::print::{note, out};
 use crate::watch::duration;
 use coronet::measure::series::Reference;

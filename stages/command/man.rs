@@ -1,22 +1,13 @@
-//! `completions` and `man`: what a package installs beside the program.
+//! `coronet man`: manual pages.
 
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use clap::CommandFactory as _;
-use clap_complete::Shell;
 use coronet::record::atomic::write_file;
 
 use crate::arguments::Arguments;
 use crate::print;
-
-/// Prints the completions of a shell.
-pub fn completions(shell: Shell) -> Result<()> {
-    let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Arguments::command(), "coronet", &mut script);
-    print::out!("{}", String::from_utf8_lossy(&script).trim_end());
-    Ok(())
-}
 
 /// Writes a manual page of the program and of each command.
 pub fn pages(folder: &Path) -> Result<()> {

@@ -8,11 +8,11 @@ use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
 use coronet::record::export::cell;
 
-use crate::cost::Cost;
 use crate::fault::Usage;
-use crate::points::{Figure, Study};
-use crate::target::{Feature, window};
-use crate::trial::{Outcome, Trial};
+use crate::study::cost::Cost;
+use crate::study::points::{Figure, Study};
+use crate::study::target::{Feature, window};
+use crate::study::trial::{Outcome, Trial};
 
 /// The measures of a point, times from contact.
 pub struct Measured {

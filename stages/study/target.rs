@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::fault::Usage;
-use crate::trial::{Outcome, Trial};
+use crate::study::trial::{Outcome, Trial};
 
 /// What the error is measured against: exactly one of `value`, `theory`, `reference` and `finest`.
 #[derive(Debug, Deserialize, JsonSchema)]

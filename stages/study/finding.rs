@@ -6,11 +6,11 @@ use coronet::draw::scatter::{Cloud, Mark, Scatter};
 use coronet::measure::tradeoff::{Sample, growth, worst};
 use coronet::scene::quantity::{Unit, human};
 
-use crate::cost::Cost;
-use crate::figures::{cells, number};
-use crate::points::Study;
-use crate::target::{Found, Target};
-use crate::trial::{Outcome, Trial};
+use crate::study::cost::Cost;
+use crate::study::figures::{cells, number};
+use crate::study::points::Study;
+use crate::study::target::{Found, Target};
+use crate::study::trial::{Outcome, Trial};
 
 /// Below this order an error does not fall with the spacing, to speak of.
 const LEVEL: f64 = 0.2;

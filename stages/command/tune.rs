@@ -16,15 +16,15 @@ use coronet::scene::{Scene, Side};
 use serde_json::json;
 
 use crate::arguments::TuneArguments;
-use crate::cost::Cost;
+use crate::command::study::{STOPPING, run};
 use crate::fault::Usage;
-use crate::finding::{groups, named, samples};
-use crate::points::load;
 use crate::print::out;
 use crate::signals;
-use crate::study::{STOPPING, run};
-use crate::target::Target;
-use crate::trial::{Outcome, Trial};
+use crate::study::cost::Cost;
+use crate::study::finding::{groups, named, samples};
+use crate::study::points::load;
+use crate::study::target::Target;
+use crate::study::trial::{Outcome, Trial};
 
 const SPACING: &str = "pack.spacing=";
 

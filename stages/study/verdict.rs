@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 
-use crate::figures::cells;
-use crate::points::Study;
-use crate::promise::Verdict;
-use crate::trial::{Outcome, Trial};
+use crate::study::figures::cells;
+use crate::study::points::Study;
+use crate::study::promise::Verdict;
+use crate::study::trial::{Outcome, Trial};
 
 /// All promises, one row each, as CSV.
 pub fn table(study: &Study, trials: &[Trial], verdicts: &[Verdict]) -> Result<Vec<u8>> {

@@ -18,13 +18,14 @@ use serde_json::json;
 
 use crate::arguments::StudyArguments;
 use crate::fault::{Stopped, Usage};
-use crate::finding::{comparison, figure, groups, samples, sentence, table};
-use crate::points::{Study, load};
 use crate::print::{note, out};
-use crate::promise::Verdict;
-use crate::trial::{Outcome, Trial};
+use crate::signals;
+use crate::study::finding::{comparison, figure, groups, samples, sentence, table};
+use crate::study::points::{Study, load};
+use crate::study::promise::Verdict;
+use crate::study::trial::{Outcome, Trial};
+use crate::study::{figures, finding, verdict};
 use crate::watch::duration;
-use crate::{figures, finding, signals, verdict};
 
 /// The table, one row a point.
 const TABLE: &str = "study.csv";

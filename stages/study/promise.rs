@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::fault;
-use crate::trial::{Outcome, Trial};
+use crate::study::trial::{Outcome, Trial};
 
 /// A named case; with axes, it is run at each of their points.
 #[derive(Debug, Deserialize, JsonSchema)]

@@ -1,74 +1,17 @@
-//! `coronet show`, `export`, `recover` and `schema`: looking at what there is.
+//! `coronet show`: what a file or a result holds.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::{Context as _, Result, bail};
-use coronet::pipeline::content::{CHECKPOINT, LOG};
+use anyhow::{Context as _, Result};
 use coronet::pipeline::{Stamp, stamp};
 use coronet::record::checkpoint::{self, Array};
-use coronet::record::export;
-use coronet::record::log::{self, LogError};
+use coronet::record::log::{self};
 use serde_json::{Value, json};
 
-use crate::arguments::{
-    ExportArguments, FileKind, Format, RecoverArguments, SchemaArguments, ShowArguments,
-};
-use crate::fault::{Untrusted, Usage};
-use crate::journal::FRAMES;
-use crate::keep::size;
-use crate::print::out;
-
-/// What a path leads to.
-enum Thing {
-    Checkpoint(PathBuf),
-    Log(PathBuf),
-    Result(PathBuf),
-    /// A folder of results: `artifacts/latest/NAME`.
-    Latest(Vec<PathBuf>),
-}
-
-fn thing(path: &Path) -> Result<Thing> {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    let cannot = |what| move || format!("cannot {what} {}", path.display());
-    let metadata = fs::metadata(path).with_context(cannot("read"))?;
-    if metadata.is_dir() {
-        if is_there(&path.join(stamp::FILE))? {
-            return Ok(Thing::Result(path.to_path_buf()));
-        }
-        let mut results = Vec::new();
-        for entry in fs::read_dir(path).with_context(cannot("list"))? {
-            let folder = entry.with_context(cannot("list"))?.path();
-            if folder.is_dir() && is_there(&folder.join(stamp::FILE))? {
-                results.push(folder);
-            }
-        }
-        results.sort();
-        if results.is_empty() {
-            let text = format!("{} is neither a result nor holds one", path.display());
-            bail!(Usage(text));
-        }
-        return Ok(Thing::Latest(results));
-    }
-    match extension {
-        Some(LOG) => Ok(Thing::Log(path.to_path_buf())),
-        Some(CHECKPOINT) => Ok(Thing::Checkpoint(path.to_path_buf())),
-        _ => bail!(Usage(format!(
-            "{} is no checkpoint (.{CHECKPOINT}), log (.{LOG}) or folder of a result",
-            path.display()
-        ))),
-    }
-}
-
-fn is_there(path: &Path) -> Result<bool> {
-    path.try_exists()
-        .with_context(|| format!("cannot read {}", path.display()))
-}
-
-/// A path for people and for JSON, which has no other texts than Unicode.
-fn shown(path: &Path) -> String {
-    path.to_string_lossy().into_owned()
-}
+use super::place::{Thing, thing};
+use crate::arguments::ShowArguments;
+use crate::print::{out, shown, size};
 
 /// What is known about a thing, in an order for people.
 type Facts = Vec<(&'static str, Value)>;
@@ -235,109 +178,4 @@ fn line(value: &Value) -> String {
         }
         other => other.to_string(),
     }
-}
-
-pub fn export(arguments: &ExportArguments) -> Result<()> {
-    let format = match arguments.to {
-        Format::Vtk => export::Format::Vtk,
-        Format::Csv => export::Format::Csv,
-        Format::Ply => export::Format::Ply,
-    };
-    let folder = &arguments.output;
-    let thing = thing(&arguments.path)?;
-    fs::create_dir_all(folder)
-        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-    let exported = match thing {
-        Thing::Checkpoint(path) => export::Exported {
-            files: vec![export::export_checkpoint(&path, folder, format)?],
-            removed: 0,
-        },
-        Thing::Log(path) => export::export_log(&path, folder, format)?,
-        Thing::Result(path) => export_result(&path, folder, format)?,
-        Thing::Latest(results) => {
-            let run = results.iter().find(|path| path.join(FRAMES).exists());
-            let Some(run) = run else {
-                let text = format!("{} has no run", arguments.path.display());
-                bail!(Usage(text));
-            };
-            export::export_log(&run.join(FRAMES), folder, format)?
-        }
-    };
-    if arguments.json {
-        let files: Vec<_> = exported.files.iter().map(|file| shown(file)).collect();
-        let object = json!({"files": files, "removed": exported.removed});
-        out!("{object}");
-        return Ok(());
-    }
-    let mut line = shown(&exported.files[0]);
-    if exported.files.len() > 1 {
-        line += &format!(" and {} more", exported.files.len() - 1);
-    }
-    if exported.removed > 0 {
-        line += &format!("; {} frames of an earlier export removed", exported.removed);
-    }
-    out!("{line}");
-    Ok(())
-}
-
-/// The frames of a run, or else each checkpoint of a result.
-fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<export::Exported> {
-    if is_there(&path.join(FRAMES))? {
-        return Ok(export::export_log(&path.join(FRAMES), folder, format)?);
-    }
-    let stamp = Stamp::read(path)?.context("no stamp")?;
-    let mut files = Vec::new();
-    for output in &stamp.outputs {
-        if output.file.ends_with(CHECKPOINT) {
-            let checkpoint = path.join(&output.file);
-            let file = export::export_checkpoint(&checkpoint, folder, format);
-            files.push(file?);
-        }
-    }
-    if files.is_empty() {
-        bail!(Usage(format!("{} holds no particles", path.display())));
-    }
-    Ok(export::Exported { files, removed: 0 })
-}
-
-pub fn recover(arguments: &RecoverArguments) -> Result<()> {
-    let mut beside = arguments.log.file_stem().unwrap_or_default().to_os_string();
-    beside.push(format!("-recovered.{LOG}"));
-    let beside = arguments.log.with_file_name(beside);
-    let new = arguments.output.clone().unwrap_or(beside);
-    let recovered = log::recover(&arguments.log, &new).map_err(|error| match error {
-        LogError::NotReplaced { .. } => Usage(error.to_string()).into(),
-        error if error.is_damage() => Untrusted(format!(
-            "{error}; nothing was written. Run the pipeline again to get the frames: it goes on \
-             from its last checkpoint"
-        ))
-        .into(),
-        error => anyhow::Error::from(error),
-    })?;
-    let (frames, last) = (recovered.frames, recovered.last_time);
-    if arguments.json {
-        let object = json!({"log": shown(&new), "frames": frames, "last_s": last,
-            "damage": recovered.damage});
-        out!("{object}");
-        return Ok(());
-    }
-    match recovered.damage {
-        None => out!("{} was complete", arguments.log.display()),
-        Some(damage) => out!("{} is damaged: {damage}", arguments.log.display()),
-    }
-    out!("{} has {frames} frames up to t = {last} s", new.display());
-    Ok(())
-}
-
-pub fn schema(arguments: &SchemaArguments) -> Result<()> {
-    let schema = match (arguments.of, arguments.markdown) {
-        (FileKind::Pipeline, false) => coronet::scene::file::json_schema(),
-        (FileKind::Pipeline, true) => coronet::scene::reference::markdown(),
-        (FileKind::Study, false) => crate::points::schema(),
-        (FileKind::Study, true) => bail!(Usage(
-            "--markdown: there is no page of studies; leave it out for the JSON schema".into()
-        )),
-    };
-    out!("{}", schema.trim_end());
-    Ok(())
 }

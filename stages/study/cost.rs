@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::trial::Outcome;
+use crate::study::trial::Outcome;
 use crate::watch::duration;
 
 /// Of the impact.

@@ -1,0 +1,15 @@
+//! What a user types: one command a file.
+
+pub mod completions;
+pub mod export;
+pub mod gc;
+pub mod man;
+mod place;
+pub mod plan;
+pub mod recover;
+pub mod run;
+pub mod schema;
+pub mod show;
+pub mod study;
+pub mod tune;
+pub mod verify;

@@ -1,0 +1,56 @@
+//! What a path of the user leads to.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail};
+use coronet::pipeline::content::{CHECKPOINT, LOG};
+use coronet::pipeline::stamp;
+
+use crate::fault::Usage;
+
+/// What a path leads to.
+pub enum Thing {
+    Checkpoint(PathBuf),
+    Log(PathBuf),
+    Result(PathBuf),
+    /// A folder of results: `artifacts/latest/NAME`.
+    Latest(Vec<PathBuf>),
+}
+
+pub fn thing(path: &Path) -> Result<Thing> {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let cannot = |what| move || format!("cannot {what} {}", path.display());
+    let metadata = fs::metadata(path).with_context(cannot("read"))?;
+    if metadata.is_dir() {
+        if is_there(&path.join(stamp::FILE))? {
+            return Ok(Thing::Result(path.to_path_buf()));
+        }
+        let mut results = Vec::new();
+        for entry in fs::read_dir(path).with_context(cannot("list"))? {
+            let folder = entry.with_context(cannot("list"))?.path();
+            if folder.is_dir() && is_there(&folder.join(stamp::FILE))? {
+                results.push(folder);
+            }
+        }
+        results.sort();
+        if results.is_empty() {
+            let text = format!("{} is neither a result nor holds one", path.display());
+            bail!(Usage(text));
+        }
+        return Ok(Thing::Latest(results));
+    }
+    match extension {
+        Some(LOG) => Ok(Thing::Log(path.to_path_buf())),
+        Some(CHECKPOINT) => Ok(Thing::Checkpoint(path.to_path_buf())),
+        _ => bail!(Usage(format!(
+            "{} is no checkpoint (.{CHECKPOINT}), log (.{LOG}) or folder of a result",
+            path.display()
+        ))),
+    }
+}
+
+pub fn is_there(path: &Path) -> Result<bool> {
+    path.try_exists()
+        .with_context(|| format!("cannot read {}", path.display()))
+}

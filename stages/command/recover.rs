@@ -1,0 +1,39 @@
+//! `coronet recover`: a log that was cut off.
+
+use anyhow::Result;
+use coronet::pipeline::content::LOG;
+use coronet::record::log::{self, LogError};
+use serde_json::json;
+
+use crate::arguments::RecoverArguments;
+use crate::fault::{Untrusted, Usage};
+use crate::print::{out, shown};
+
+pub fn recover(arguments: &RecoverArguments) -> Result<()> {
+    let mut beside = arguments.log.file_stem().unwrap_or_default().to_os_string();
+    beside.push(format!("-recovered.{LOG}"));
+    let beside = arguments.log.with_file_name(beside);
+    let new = arguments.output.clone().unwrap_or(beside);
+    let recovered = log::recover(&arguments.log, &new).map_err(|error| match error {
+        LogError::NotReplaced { .. } => Usage(error.to_string()).into(),
+        error if error.is_damage() => Untrusted(format!(
+            "{error}; nothing was written. Run the pipeline again to get the frames: it goes on \
+             from its last checkpoint"
+        ))
+        .into(),
+        error => anyhow::Error::from(error),
+    })?;
+    let (frames, last) = (recovered.frames, recovered.last_time);
+    if arguments.json {
+        let object = json!({"log": shown(&new), "frames": frames, "last_s": last,
+            "damage": recovered.damage});
+        out!("{object}");
+        return Ok(());
+    }
+    match recovered.damage {
+        None => out!("{} was complete", arguments.log.display()),
+        Some(damage) => out!("{} is damaged: {damage}", arguments.log.display()),
+    }
+    out!("{} has {frames} frames up to t = {last} s", new.display());
+    Ok(())
+}

@@ -1,0 +1,10 @@
+//! Studies: tables of runs over one store, with figures, promises and plots.
+
+pub mod cost;
+pub mod figures;
+pub mod finding;
+pub mod points;
+pub mod promise;
+pub mod target;
+pub mod trial;
+pub mod verdict;

@@ -10,8 +10,8 @@
 //!    A body first relaxes alone, at rest ([`scene::Problem::resting`]); then all bodies meet.
 //! 3. A solver steps ([`method::Solver`]). In every step it finds neighbours ([`space`]), sums over
 //!    pairs ([`space::sweep`]), adds the effects that the scene has ([`effect`]), and moves.
-//! 4. At intervals a [`particle::Frame`] goes to the log ([`record::log`]); a
-//!    [`particle::State`] goes to checkpoints ([`record::checkpoint`]).
+//! 4. At intervals a [`particle::Frame`] goes to the log ([`record::log`]), and a
+//!    [`particle::State`] to a checkpoint ([`record::checkpoint`]).
 //! 5. [`measure`] turns frames into numbers, [`draw`] turns both into plots, pictures and a report.
 //! 6. [`pipeline`] runs these stages, each only if what it reads has changed: the key of a result is
 //!    the hash of the input of its stage ([`scene::input`]).
@@ -53,10 +53,13 @@
 //! |---|---|
 //! | a setting | its field in `scene/`; its value of each preset in `scene/preset/*.toml` |
 //! | a measure | a function in `measure/`, called in `measure/gauge.rs` |
-//! | an effect | a file in `effect/`, its table in `scene/effects.rs`, the places in `method/` where accelerations are held (`wcsph/dual.rs`, `wcsph/verlet.rs`, `projection/step.rs`) and limits (`limit.rs`) |
+//! | an effect | `effect/NAME.rs`, its table in `scene/effects.rs`, `method/`: see below |
 //! | a method | a folder in `method/`, its settings in `scene/method/`, a line in `method::build` |
 //! | a format of export | a file in `record/export/`, a line in its `mod.rs` |
 //! | a plot | `draw/figure.rs` |
+//!
+//! An effect is called where accelerations are held: `method/wcsph/dual.rs`, `verlet.rs` and
+//! `method/projection/step.rs`; its limit of the time step is in `method/limit.rs`.
 //!
 //! # Words
 //!

@@ -55,7 +55,6 @@ use super::wetting::Wetting;
 use super::wetting::typed::Typed;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
-use crate::space::parallel::scatter;
 use crate::space::sweep::{self, Field, Kept, Pass};
 use counted::Counted;
 use energy::Energy;
@@ -268,15 +267,17 @@ impl Tension {
 
     /// Adds the accelerations to `into`, indexed by liquid particle.
     pub fn add(&self, into: &mut [[f32; 3]]) {
-        let mut none = vec![(); self.reached.len().max(self.near.len())]; // of no size
-        scatter(&self.reached, &mut none, [&mut *into], |k, _, [a]| {
-            (0..3).for_each(|c| a[c] += self.force[k][c]);
-        });
+        let mut give = |i: u32, force: [f32; 3]| {
+            let a = &mut into[i as usize];
+            (0..3).for_each(|c| a[c] += force[c]);
+        };
+        // Near a surface only: too few for several threads.
+        let reached = self.reached.iter().zip(&self.force);
+        reached.for_each(|(i, force)| give(*i, *force));
         let own = self.wetting.is_some() && self.form == TensionForm::RawColour;
         if self.form == TensionForm::NormalisedColour || own {
-            scatter(&self.near, &mut none, [&mut *into], |k, _, [a]| {
-                (0..3).for_each(|c| a[c] += self.normals[k].1[c]);
-            });
+            let near = self.near.iter().zip(&self.normals);
+            near.for_each(|(i, (_, own))| give(*i, *own));
         }
     }
 
@@ -369,18 +370,9 @@ impl Tension {
             *v = u.map(|u| u as f32);
         });
         self.clear(flow);
-        let payload = self.payload.each_mut().map(|word| &mut word[..]);
-        scatter(
-            &self.near,
-            &mut self.normals,
-            payload,
-            |_, normal, payload| {
-                payload
-                    .into_iter()
-                    .zip(normal.0)
-                    .for_each(|(word, n)| *word = n);
-            },
-        );
+        for (i, (normal, _)) in self.near.iter().zip(&self.normals) {
+            (0..3).for_each(|a| self.payload[a][*i as usize] = normal[a]);
+        }
         flow.turn(&mut self.payload);
     }
 }

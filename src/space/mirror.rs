@@ -198,9 +198,9 @@ impl Mirror {
     pub fn place(&self, at: &mut [Vec<i32>; 3]) {
         for (a, at) in at.iter_mut().enumerate() {
             let (points, images) = at.split_at_mut(self.first);
-            each_mut(&mut images[..self.len()], |k, images| {
+            each_mut(&mut images[..self.len()], |k, image| {
                 let point = points[self.source[k] as usize];
-                *images = self.planes.reflect(a, point, self.code[k]);
+                *image = self.planes.reflect(a, point, self.code[k]);
             });
         }
     }
@@ -217,7 +217,8 @@ impl Mirror {
 
     fn copy_from(&self, records: &mut [Record], is_vector: bool, from: usize) {
         let (points, images) = records.split_at_mut(self.first);
-        each_mut(&mut images[..self.len() - from], |k, images| {
+        let images = &mut images[from..self.len()];
+        each_mut(images, |k, image| {
             let (k, code) = (from + k, self.code[from + k]);
             let point = &points[self.source[k] as usize];
             let at = [0, 1, 2].map(|a| self.planes.reflect(a, point.at(a), code));
@@ -225,7 +226,7 @@ impl Mirror {
                 true => sign(code, c) * point.payload(c),
                 false => point.payload(c),
             });
-            *images = Record::new(at, payload);
+            *image = Record::new(at, payload);
         });
     }
 
@@ -243,9 +244,9 @@ impl Mirror {
 
     fn spread(&self, words: &mut [f32], sign: impl Fn(Code) -> f32 + Sync) {
         let (points, images) = words.split_at_mut(self.first);
-        each_mut(&mut images[..self.len()], |k, images| {
+        each_mut(&mut images[..self.len()], |k, image| {
             let point = points[self.source[k] as usize];
-            *images = sign(self.code[k]) * point;
+            *image = sign(self.code[k]) * point;
         });
     }
 

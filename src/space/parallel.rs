@@ -48,7 +48,7 @@ pub fn each(n: usize, f: impl Fn(usize) + Sync) {
     });
 }
 
-/// Calls `f` with every item and its number: of a slice, or of several slices of one length at once.
+/// Calls `f` with every item and its number: of a slice, or of several slices of one length.
 pub fn each_mut<I>(items: I, f: impl Fn(usize, I::Item) + Sync + Send)
 where
     I: IntoParallelIterator,
@@ -65,55 +65,6 @@ pub fn three<T: Send>(
 ) -> impl IndexedParallelIterator<Item = [&mut T; 3]> {
     let items = (&mut x[..n], &mut y[..n], &mut z[..n]).into_par_iter();
     items.map(|(x, y, z)| [x, y, z])
-}
-
-/// Calls `f` with the number k of every entry of `index`, item k of `own`, and item `index[k]` of
-/// each of `into`. `index` ascends.
-pub fn scatter<S: Send, T: Send, const N: usize>(
-    index: &[u32],
-    own: &mut [S],
-    into: [&mut [T]; N],
-    f: impl Fn(usize, &mut S, [&mut T; N]) + Sync,
-) {
-    scatter_part((0, index), own, (0, into), &f);
-}
-
-/// `first`: number of the first entry of `index`; `base`: that of the first item of `into`.
-fn scatter_part<S: Send, T: Send, const N: usize>(
-    (first, index): (usize, &[u32]),
-    own: &mut [S],
-    (base, mut into): (usize, [&mut [T]; N]),
-    f: &(impl Fn(usize, &mut S, [&mut T; N]) + Sync),
-) {
-    if index.len() <= CHUNK {
-        for (k, (i, own)) in index.iter().zip(own).enumerate() {
-            f(
-                first + k,
-                own,
-                into.each_mut().map(|into| &mut into[*i as usize - base]),
-            );
-        }
-        return;
-    }
-    let middle = (index.len() / 2)
-        .next_multiple_of(CHUNK)
-        .min(index.len() - 1);
-    let next = index[middle] as usize;
-    let (low, high) = index.split_at(middle);
-    let (own_low, own_high) = own.split_at_mut(middle);
-    let mut rest: [&mut [T]; N] = std::array::from_fn(|_| Default::default());
-    let mut parts = rest.iter_mut();
-    let start = into.map(|into| {
-        let (start, end) = into.split_at_mut(next - base);
-        if let Some(rest) = parts.next() {
-            *rest = end;
-        }
-        start
-    });
-    rayon::join(
-        || scatter_part((first, low), own_low, (base, start), f),
-        || scatter_part((first + middle, high), own_high, (next, rest), f),
-    );
 }
 
 /// [`sum_in`] of what `f` makes of every item, as in [`each_mut`].

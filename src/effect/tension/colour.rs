@@ -4,7 +4,7 @@ use super::Tension;
 use super::pass::{Colour, Difference, Volume};
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::space::parallel::{each_mut, scatter};
+use crate::space::parallel::each_mut;
 use crate::space::row::Search;
 use crate::space::sweep::Pass;
 use std::array::from_ref;
@@ -104,10 +104,10 @@ impl Tension {
 
     /// Sets a word of the particles near a surface from `scalars`, and of their images.
     fn set(&mut self, flow: &Surface, word: usize, of: impl Fn(f32) -> f32 + Sync) {
-        let words = &mut self.payload[word][..];
-        scatter(&self.near, &mut self.scalars, [words], |_, sum, [word]| {
-            *word = of(*sum)
-        });
+        let words = &mut self.payload[word];
+        for (i, sum) in self.near.iter().zip(&self.scalars) {
+            words[*i as usize] = of(*sum);
+        }
         flow.share(&mut self.payload[word]);
     }
 }

@@ -35,7 +35,7 @@ use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::particle::Particles;
 use crate::space::lane::Real;
-use crate::space::parallel::{scatter, sum_in};
+use crate::space::parallel::{each_mut, sum_in};
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
 
@@ -151,6 +151,8 @@ pub struct Account {
 pub struct Energy {
     /// Per particle near the surface: H n, then phi.
     sums: Vec<[f32; 4]>,
+    /// e' and g / H of each of them.
+    derived: Vec<[f32; 4]>,
     /// e' per particle, wall particle and image.
     slope: Vec<f32>,
     /// [`carried`].
@@ -163,7 +165,7 @@ pub struct Energy {
 impl Energy {
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
-        16 * self.sums.capacity()
+        16 * (self.sums.capacity() + self.derived.capacity())
             + 4 * self.slope.capacity()
             + self.shore.as_ref().map_or(0, Shore::memory)
     }
@@ -308,13 +310,21 @@ impl Tension {
         let unit = self.unit::<K>(flow);
         self.energy.slope.clear();
         self.energy.slope.resize(n, 0.0);
-        let [x, y, z] = self.payload.each_mut().map(|word| &mut word[..]);
-        let words = [&mut self.energy.slope[..], x, y, z];
-        scatter(&self.near, sums, words, |_, sums, [slope, x, y, z]| {
-            let e = complete::<K>(d, unit, sums);
-            *slope = e.slope as f32;
-            [*x, *y, *z] = e.gradient.map(|g| g as f32);
-        });
+        let (near, derived) = (&self.near, &mut self.energy.derived);
+        derived.resize(near.len(), [0.0; 4]);
+        each_mut(
+            (&mut sums[..near.len()], &mut derived[..]),
+            |_, (sums, out)| {
+                let e = complete::<K>(d, unit, sums);
+                let [x, y, z] = e.gradient;
+                *out = [e.slope, x, y, z].map(|x| x as f32);
+            },
+        );
+        for (i, [slope, gradient @ ..]) in near.iter().zip(derived) {
+            let i = *i as usize;
+            self.energy.slope[i] = *slope;
+            (0..3).for_each(|a| self.payload[a][i] = gradient[a]);
+        }
         flow.share(&mut self.energy.slope);
         flow.turn(&mut self.payload);
     }

@@ -11,7 +11,7 @@ use crate::effect::wetting::{TIMES, Walls, Wetting};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
 use crate::space::mirror::PAIRS;
-use crate::space::parallel::{each_mut, scatter};
+use crate::space::parallel::each_mut;
 use crate::space::sweep;
 use std::marker::PhantomData;
 
@@ -164,23 +164,19 @@ impl Tension {
         let rubs = wetting.rubs();
         let mut hold = std::mem::take(&mut wetting.friction.hold);
         hold.resize(feet.len(), Hold::default());
-        scatter(
-            &feet,
-            &mut hold,
-            [&mut self.normals[..]],
-            |line, hold, [(u, own)]| {
-                let (k, i) = (feet[line] as usize, lines[line] as usize);
-                let at = [0, 1, 2].map(|a| flow.position[a][i]);
-                let wall = wetting.walls[k].1.map(f64::from);
-                let rise = wetting.rises.of[line] as f64;
-                let (young, held) = wetting.young(u.map(f64::from), wall, at, rise);
-                *own = young.map(|y| (factor * y) as f32);
-                if rubs {
-                    let [most, drive] = held.map(|f| f.map(|f| (factor * f) as f32));
-                    *hold = Hold { most, drive };
-                }
-            },
-        );
+        for (line, hold) in hold.iter_mut().enumerate() {
+            let (k, i) = (feet[line] as usize, lines[line] as usize);
+            let (u, own) = &mut self.normals[k];
+            let at = [0, 1, 2].map(|a| flow.position[a][i]);
+            let wall = wetting.walls[k].1.map(f64::from);
+            let rise = wetting.rises.of[line] as f64;
+            let (young, held) = wetting.young(u.map(f64::from), wall, at, rise);
+            *own = young.map(|y| (factor * y) as f32);
+            if rubs {
+                let [most, drive] = held.map(|f| f.map(|f| (factor * f) as f32));
+                *hold = Hold { most, drive };
+            }
+        }
         if !rubs {
             hold.clear();
         }

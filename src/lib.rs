@@ -13,8 +13,8 @@
 //! 4. At intervals a [`particle::Frame`] goes to the log ([`record::log`]), and a
 //!    [`particle::State`] to a checkpoint ([`record::checkpoint`]).
 //! 5. [`measure`] turns frames into numbers, [`draw`] turns both into plots, pictures and a report.
-//! 6. [`pipeline`] runs these stages, each only if what it reads has changed: the key of a result is
-//!    the hash of the input of its stage ([`scene::input`]).
+//! 6. [`pipeline`] runs these stages, each only if what it reads has changed: the key of a result
+//!    is the hash of the input of its stage ([`scene::input`]).
 //!
 //! [`simulate`] does 1 to 3 and 5 as calls, without files.
 //!

@@ -4,6 +4,8 @@ use coronet::scene::{file, schema};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "tidy/safety.rs"]
+mod safety;
 #[path = "tidy/search.rs"]
 mod search;
 
@@ -222,30 +224,6 @@ fn nothing_is_left_undone_or_switched_off() {
                 if line.contains(&mark) {
                     faults.push(format!("{}:{}: {mark}", shown(&file), number + 1));
                 }
-            }
-        }
-    }
-    none(&faults);
-}
-
-/// Where code may be unsafe: in the room of space, and where the system is called.
-const UNSAFE: &[&str] = &["src/space/", "src/pipeline/machine", "stages/signals.rs"];
-
-#[test]
-fn unsafe_code_has_its_rooms() {
-    let mut faults = Vec::new();
-    for file in files("src", "rs").into_iter().chain(files("stages", "rs")) {
-        let path = shown(&file);
-        if UNSAFE.iter().any(|room| path.starts_with(room)) {
-            continue;
-        }
-        for (number, line) in text(&file).lines().enumerate() {
-            let code = line.split("//").next().unwrap_or("");
-            if code
-                .split(|c: char| !c.is_alphanumeric() && c != '_')
-                .any(|word| word == "unsafe")
-            {
-                faults.push(format!("{path}:{}: unsafe", number + 1));
             }
         }
     }

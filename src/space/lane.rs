@@ -13,10 +13,14 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod double;
 mod portable;
 
 #[cfg(target_arch = "x86_64")]
-pub use avx2::{Avx2, Avx2Double};
+pub use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub use double::Avx2Double;
 pub use portable::{Portable, Scalar};
 
 use crate::scene::Precision;

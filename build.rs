@@ -3,9 +3,17 @@
 use std::process::Command;
 
 fn main() {
-    // Not `stages`: their changes would then rebuild the engine, too.
     for place in ["build.rs", "src", "Cargo.toml", "Cargo.lock"] {
         println!("cargo:rerun-if-changed={place}");
+    }
+    // A release names its commit. Elsewhere a new commit or a change of `stages` alone need not
+    // build the engine again.
+    if std::env::var("PROFILE").is_ok_and(|profile| profile == "release") {
+        let moves = output("git", &["rev-parse", "--git-path", "logs/HEAD"]);
+        let moves = moves.filter(|path| std::path::Path::new(path).exists());
+        for place in moves.into_iter().chain(["stages".to_string()]) {
+            println!("cargo:rerun-if-changed={place}");
+        }
     }
     let compiler = std::env::var("RUSTC").unwrap_or("rustc".to_string());
     let version = output(&compiler, &["--version"]).unwrap_or_default();

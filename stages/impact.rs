@@ -31,9 +31,6 @@ pub const STATE: &str = "state.checkpoint";
 /// For viewers, shows all of the log.
 pub const LAYOUT: &str = "layout.json";
 
-/// What a warning says before the folder of what a diverged run leaves.
-pub const KEPT_IN: &str = "are kept in";
-
 /// Parts of the run between checkpoints that stay, for shorter runs to start from.
 const PARTS: f64 = 4.0;
 
@@ -144,8 +141,7 @@ impl Impact<'_> {
             let advanced = solver.advance(&mut |solver| frames.step(solver));
             if let Err(diverged) = advanced {
                 flight.land(context)?;
-                let work = context.work().display();
-                context.warn(&format!("checkpoints and frames so far {KEPT_IN} {work}"));
+                context.report_kept();
                 return Err(StageError::failed(diverged));
             }
             frames.check()?;

@@ -8,7 +8,7 @@ use coronet::pipeline::{Event, Progress, Report, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
-use crate::print::{note, out, plain};
+use crate::print::{note, out, plain, shown};
 
 /// Plain lines come after this time, and not more often.
 const BETWEEN: Duration = Duration::from_secs(10);
@@ -109,6 +109,16 @@ impl Watch for Screen {
             }
             Event::Progress { job, progress } => self.progress(job, progress),
             Event::Warning { job, text } => self.say(&format!("warning: {job}: {text}")),
+            Event::Kept { job, folder } => {
+                let text = format!(
+                    "checkpoints and frames so far are kept in {}",
+                    folder.display()
+                );
+                self.say(&format!("warning: {job}: {text}"));
+                if self.json {
+                    out!("{}", json!({"stage": job, "kept": shown(folder)}));
+                }
+            }
             Event::Ended { report } => self.end(report),
         }
     }

@@ -98,6 +98,12 @@ impl Context<'_> {
         self.watch.event(&Event::Warning { job, text });
     }
 
+    /// Reports where the checkpoints and frames of a job that fails stay.
+    pub fn report_kept(&self) {
+        let (job, folder) = (&self.job[..], self.work());
+        self.watch.event(&Event::Kept { job, folder });
+    }
+
     /// Keeps a sentence in the stamp.
     pub fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());

@@ -195,6 +195,11 @@ pub enum Event<'a> {
         job: &'a str,
         text: &'a str,
     },
+    /// What a job that failed has computed so far stays in a folder.
+    Kept {
+        job: &'a str,
+        folder: &'a std::path::Path,
+    },
     Ended {
         report: &'a Report,
     },

@@ -13,8 +13,7 @@ use coronet::pipeline::Stamp;
 use coronet::scene::{Scene, file};
 use serde_json::Value;
 
-use crate::fault::Stopped;
-use crate::{fault, impact};
+use crate::fault::{self, Stopped};
 
 /// How often a request to stop is looked for.
 const POLL: Duration = Duration::from_millis(20);
@@ -122,10 +121,13 @@ impl Trial {
                 bail!(Stopped(format!("point {} was stopped: {why}", self.name)));
             }
             let why = why.trim_start_matches("error: ").to_string();
-            let kept = complaint
+            let answer = String::from_utf8_lossy(&ended.stdout);
+            let lines = answer
                 .lines()
-                .find_map(|line| line.split_once(impact::KEPT_IN));
-            let work = kept.map(|(_, folder)| PathBuf::from(folder.trim()));
+                .filter_map(|line| serde_json::from_str(line).ok());
+            let mut kept =
+                lines.filter_map(|line: Value| Some(PathBuf::from(line["kept"].as_str()?)));
+            let work = kept.next();
             return Ok(Outcome::Failed { why, code, work });
         }
         self.read(&String::from_utf8_lossy(&ended.stdout))

@@ -53,13 +53,16 @@
 //! |---|---|
 //! | a setting | its field in `scene/`; its value of each preset in `scene/preset/*.toml` |
 //! | a measure | a function in `measure/`, called in `measure/gauge.rs` |
-//! | an effect | `effect/NAME.rs`, its table in `scene/effects.rs`, `method/`: see below |
+//! | an effect | `effect/NAME.rs`, its table in `scene/effects.rs`, its line in `effect/select.rs` |
 //! | a method | a folder in `method/`, its settings in `scene/method/`, a line in `method::build` |
+//! | what a method keeps of a particle | its `columns!`, with a [`particle::column::Role`] |
 //! | a format of export | a file in `record/export/`, a line in its `mod.rs` |
 //! | a plot | `draw/figure.rs` |
 //!
-//! An effect is called where accelerations are held: `method/wcsph/dual.rs`, `verlet.rs` and
-//! `method/projection/step.rs`; its limit of the time step is in `method/limit.rs`.
+//! An effect is an [`effect::Effect`]: a uniform acceleration, accelerations of particles near a
+//! surface, a limit of the step, an energy. Every method calls it through
+//! [`method::liquid::Liquid`]. Pair forces as viscosity are types of the pair sums of a method
+//! ([`effect::viscosity::PairViscosity`]).
 //!
 //! # Words
 //!
@@ -69,10 +72,12 @@
 //! | band | cells that hold or touch particles near a surface |
 //! | body | connected liquid of a scene file: a pool, a drop |
 //! | case, model | constants that a method derives from a problem |
+//! | column | an array with one entry a particle, declared with its role |
 //! | frame | what the log keeps of an instant |
 //! | hold | to keep an acceleration over a step |
 //! | image | the copy of a particle behind a mirror plane |
 //! | kernel sum | SUM V W over the neighbours: 1 inside, 0.77 at a flat surface |
+//! | liquid | what every method moves: particles, rows, walls, effects, the budget |
 //! | ledger | the work of all that is no exchange between energies of the liquid |
 //! | mist | single particles that leave the scene |
 //! | pass | what one pair of particles adds to the sums of a loop |

@@ -55,6 +55,8 @@ impl Part {
 pub struct Hand<K, V> {
     flow: Flow,
     model: Model,
+    /// m.
+    h: f64,
     viscosity: V,
     dt: f64,
     held: Vec<[f32; 3]>,
@@ -79,17 +81,17 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
         };
         let support = 2.0 * smoothing(scene);
         let lengths = Lengths {
-            spacing: model.spacing,
+            spacing: scene.spacing,
             support,
             longest: support,
             late: 0.0,
             farthest: 0.0,
         };
         let (n, wall) = (particles.len(), Wall::default());
-        let pairs = model.pairs;
+        let pairs = scene.pairs;
         let flow = Flow::new(
-            model.dimension,
-            &model.domain,
+            scene.dimension,
+            &scene.domain,
             lengths,
             pairs,
             particles,
@@ -98,6 +100,7 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
         let mut hand = Hand {
             flow: flow.expect("the box is large enough"),
             model,
+            h: smoothing(scene),
             viscosity,
             dt,
             held: vec![[0.0; 3]; n],
@@ -164,16 +167,16 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
     }
 
     fn scale(&self) -> coronet::space::grid::Scale {
-        self.flow.grid.scale(self.model.h)
+        self.flow.grid.scale(self.h)
     }
 
     fn gradient_factor(&self) -> f64 {
-        self.flow.particles.mass * K::norm(3) / self.model.h.powi(4)
+        self.flow.particles.mass * K::norm(3) / self.h.powi(4)
     }
 
     fn rebuild(&mut self) {
         let start = cpu_seconds();
-        self.flow.confine(|_| false, &mut []);
+        self.flow.confine(|_| false);
         self.flow.sort();
         let cells = &self.flow.liquid_cells;
         cells.permute(&mut self.held, &mut self.force);
@@ -221,7 +224,7 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
     fn evaluate(&mut self, ahead: f64) {
         let start = cpu_seconds();
         self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
-        let (scale, h) = (self.scale(), self.model.h);
+        let (scale, h) = (self.scale(), self.h);
         let factor = self.flow.particles.mass * K::norm(3) / h.powi(3);
         let pass = Summation {
             factor,

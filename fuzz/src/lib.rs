@@ -72,8 +72,8 @@ pub fn scene(text: &str, sets: &[String]) {
 }
 
 /// A study file, up to its points; nothing runs.
-pub fn study(path: &Path) {
-    match points::load(path) {
+pub fn study_file(path: &Path) {
+    match study::points::load(path) {
         Ok((_, trials)) => assert!(trials.iter().all(|trial| !trial.name.is_empty())),
         Err(error) => assert!(!crate::text(&error).is_empty()),
     }

@@ -16,5 +16,5 @@ fuzz_target!(|bytes: &[u8]| {
             include_bytes!("../../scenes/study/pool-reference.csv"),
         );
     });
-    coronet_fuzz::study(&file("study.toml", bytes));
+    coronet_fuzz::study_file(&file("study.toml", bytes));
 });

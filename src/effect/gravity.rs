@@ -1,13 +1,15 @@
-//! Gravity, or any uniform body force: a = g.
+//! Gravity: a = g, with the energy of height -m g . x.
 //!
-//! Time step: 0.25 sqrt(h / |g|) (Monaghan 1992). Test: tests/validation/wall.rs (hydrostatic).
+//! Time step: 0.25 sqrt(h / |a|) (Monaghan 1992), that of every acceleration. Test:
+//! tests/validation/wall.rs (hydrostatic).
 
-use crate::space::parallel::each_mut;
+use super::{Effect, Uniform};
 
-/// Adds `g`, m/s^2, to every acceleration.
-pub fn add(g: [f64; 3], into: &mut [[f32; 3]]) {
-    let n = into.len();
-    each_mut(&mut into[..n], |_, a| {
-        (0..3).for_each(|c| a[c] += g[c] as f32);
-    });
+/// g, m/s^2.
+pub struct Gravity(pub [f64; 3]);
+
+impl Effect for Gravity {
+    fn uniform(&self, _: f64) -> Option<Uniform> {
+        Some(Uniform::Constant(self.0))
+    }
 }

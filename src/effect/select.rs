@@ -1,8 +1,11 @@
 //! The only place where a scene becomes types. An absent effect becomes `()` or `None`.
 
+use super::Effect;
+use super::active::ActiveEffects;
+use super::gravity::Gravity;
 use super::tension::Tension;
 use super::tension::shore::Shore;
-use super::viscosity::{Cleary, Morris, PairViscosity, TwoTerm};
+use super::viscosity::{Cleary, Morris, Newtonian, PairViscosity, TwoTerm};
 use super::wetting::typed::Typed;
 use super::wetting::{Setting, Wetting};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
@@ -62,6 +65,18 @@ pub fn flat_strength(settings: &Sph, dimension: usize) -> f64 {
         kernel::plane(settings.kernel, dimension, z).powi(2) * step
     };
     1.0 / (0..CELLS).map(square).sum::<f64>()
+}
+
+/// The effects of a scene as a solver calls them; `tension`: that of [`tension`], or normals.
+pub fn active(effects: &Effects, tension: Option<Tension>) -> ActiveEffects {
+    let mut others: Vec<Box<dyn Effect>> = Vec::new();
+    if let Some(gravity) = effects.gravity {
+        others.push(Box::new(Gravity(gravity)));
+    }
+    if let Some(dynamic) = effects.mu() {
+        others.push(Box::new(Newtonian { dynamic }));
+    }
+    ActiveEffects { others, tension }
 }
 
 /// The tension that the scene asks for, with strength `alpha`. `h` in m, `density` in kg/m^3.

@@ -38,10 +38,11 @@
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
 mod colour;
+mod contract;
 pub mod counted;
 pub mod energy;
 pub mod level;
-mod memory;
+
 mod pass;
 pub mod shore;
 mod stressed;

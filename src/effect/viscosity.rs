@@ -11,6 +11,7 @@
 //! Time step: 0.125 h^2 / nu (Morris, Fox & Zhu 1997). (2) conserves linear momentum only, (3)
 //! angular momentum too. Tests: tests/engine/method_operator.rs, tests/engine/effect_select.rs.
 
+use super::Effect;
 use crate::space::lane::{Real, dot};
 
 /// The viscous part of a pair force, in units of m norm / h^(d+1).
@@ -84,5 +85,18 @@ impl PairViscosity for Cleary {
         for a in 0..3 {
             sum[a] = f.mul_add(d[a], sum[a]);
         }
+    }
+}
+
+/// What viscosity limits, whatever the form of its pairs.
+pub struct Newtonian {
+    /// mu, Pa s.
+    pub dynamic: f64,
+}
+
+impl Effect for Newtonian {
+    /// 0.125 h^2 / nu (Morris, Fox & Zhu 1997).
+    fn limit(&self, h: f64, density: f64) -> Option<(&'static str, f64)> {
+        Some(("viscous", 0.125 * h * h * density / self.dynamic))
     }
 }

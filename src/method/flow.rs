@@ -11,6 +11,7 @@ mod pack;
 mod wall;
 
 use crate::effect::surface::Extra;
+use crate::particle::column::{Columns, Sort, Spare};
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Pairs, Side};
 use crate::space::column;
@@ -89,8 +90,10 @@ pub struct Flow {
     longest: f64,
     /// How often rows were found.
     pub sorted: u64,
-    /// Mass that left through open sides, kg, and the number of particles.
-    pub removed: (f64, u64),
+    /// Particles that the last [`Flow::confine`] reflected, and the axis of the plane.
+    pub reflected: Vec<(u32, u8)>,
+    /// Room for sorting columns.
+    pub spare: Spare,
     /// Whether the rows of the wall list wall neighbours too.
     pub wall_sees_wall: bool,
     scratch: Scratch,
@@ -98,9 +101,6 @@ pub struct Flow {
 
 #[derive(Default)]
 struct Scratch {
-    f64s: Vec<f64>,
-    u32s: Vec<u32>,
-    u8s: Vec<u8>,
     /// Per cell: the largest allowance in and about it.
     peaks: Vec<f32>,
     dilated: Vec<f32>,
@@ -153,7 +153,8 @@ impl Flow {
             reach: Vec::new(),
             longest: 0.0,
             sorted: 0,
-            removed: (0.0, 0),
+            reflected: Vec::new(),
+            spare: Spare::default(),
             wall_sees_wall: false,
             scratch: Scratch::default(),
         })
@@ -268,74 +269,47 @@ impl Flow {
     }
 
     /// Wraps periodic axes, puts back what is behind the first layer of a wall or behind a mirror
-    /// plane, and removes what left through open sides or is `doomed`; returns the kept indices if
-    /// any went, for arrays that the caller holds. `turned` hears of who was reflected, and the
-    /// axis, for the vectors that the caller holds.
-    pub fn confine(
-        &mut self,
-        doomed: impl Fn(usize) -> bool + Sync,
-        turned: &mut [[f32; 3]],
-    ) -> Option<Vec<u32>> {
+    /// plane, and finds what left through open sides or is `doomed`: returns the indices of what
+    /// is left if anything went.
+    pub fn confine(&mut self, doomed: impl Fn(usize) -> bool + Sync) -> Option<Vec<u32>> {
         self.hold_back();
-        self.fold_back(turned);
+        self.fold_back();
         let (domain, grid) = (&self.domain, &self.grid);
         let n = self.particles.len();
-        let outside = {
-            let outside = std::sync::atomic::AtomicBool::new(false);
-            each_mut(three(&mut self.particles.position, n), |i, at| {
-                for a in 0..3 {
-                    let x = &mut *at[a];
-                    let left = *x < 0.0 && domain.boundary[a][0] == Side::Open;
-                    let right = *x > domain.size[a] && domain.boundary[a][1] == Side::Open;
-                    if left || right || doomed(i) {
-                        outside.store(true, std::sync::atomic::Ordering::Relaxed);
-                    }
-                    *x = grid.wrap(a, *x);
+        let outside = std::sync::atomic::AtomicBool::new(false);
+        each_mut(three(&mut self.particles.position, n), |i, at| {
+            for a in 0..3 {
+                let x = &mut *at[a];
+                let left = *x < 0.0 && domain.boundary[a][0] == Side::Open;
+                let right = *x > domain.size[a] && domain.boundary[a][1] == Side::Open;
+                if left || right || doomed(i) {
+                    outside.store(true, std::sync::atomic::Ordering::Relaxed);
                 }
-            });
-            outside.into_inner()
+                *x = grid.wrap(a, *x);
+            }
+        });
+        outside.into_inner().then(|| self.inside(doomed))
+    }
+
+    fn inside(&self, doomed: impl Fn(usize) -> bool) -> Vec<u32> {
+        let within = |i: usize, a: usize| {
+            let (x, sides) = (self.particles.position[a][i], self.domain.boundary[a]);
+            let left = x < 0.0 && sides[0] == Side::Open;
+            let right = x > self.domain.size[a] && sides[1] == Side::Open;
+            !left && !right
         };
-        outside.then(|| self.remove(doomed))
+        let is = |i: &usize| !doomed(*i) && (0..3).all(|a| within(*i, a));
+        let kept = (0..self.particles.len()).filter(is);
+        kept.map(|i| i as u32).collect()
     }
 
-    fn remove(&mut self, doomed: impl Fn(usize) -> bool) -> Vec<u32> {
-        let keep: Vec<u32> = (0..self.particles.len())
-            .filter(|&i| {
-                !doomed(i)
-                    && (0..3).all(|a| {
-                        let (x, sides) = (self.position(i)[a], self.domain.boundary[a]);
-                        let left = x < 0.0 && sides[0] == Side::Open;
-                        let right = x > self.domain.size[a] && sides[1] == Side::Open;
-                        !left && !right
-                    })
-            })
-            .map(|i| i as u32)
-            .collect();
-        let gone = self.particles.len() - keep.len();
-        self.removed.1 += gone as u64;
-        self.removed.0 += gone as f64 * self.particles.mass;
-        let p = &mut self.particles;
-        for a in 0..3 {
-            retain(&mut p.position[a], &keep);
-            retain(&mut p.velocity[a], &keep);
-        }
-        retain(&mut p.density, &keep);
-        retain(&mut p.id, &keep);
-        retain(&mut p.body, &keep);
-        keep
-    }
-
-    /// Sorts the liquid along cells; the caller permutes its own arrays by `liquid_cells`.
+    /// Sorts the particles along cells; the caller sorts its own columns by `liquid_cells`.
     pub fn sort(&mut self) {
         self.liquid_cells.sort(&self.grid, &self.particles.position);
-        let (cells, s, p) = (&self.liquid_cells, &mut self.scratch, &mut self.particles);
-        for a in 0..3 {
-            cells.permute(&mut p.position[a], &mut s.f64s);
-            cells.permute(&mut p.velocity[a], &mut s.f64s);
-        }
-        cells.permute(&mut p.density, &mut s.f64s);
-        cells.permute(&mut p.id, &mut s.u32s);
-        cells.permute(&mut p.body, &mut s.u8s);
+        self.particles.visit(&mut Sort {
+            cells: &self.liquid_cells,
+            spare: &mut self.spare,
+        });
     }
 
     /// Brings `at` to the current positions.
@@ -365,9 +339,7 @@ impl Flow {
         let cells = (self.liquid_cells.order.capacity() * 8
             + self.liquid_cells.start.capacity() * 4) as f64
             / n;
-        let scratch = self.scratch.f64s.capacity() as f64 * 8.0 / n
-            + self.scratch.u32s.capacity() as f64 * 4.0 / n
-            + self.scratch.u8s.capacity() as f64 / n;
+        let scratch = self.spare.memory() as f64 / n;
         let building = self.rows.scratch()
             + self.wall_rows.scratch()
             + self.mirror.as_ref().map_or(0, Mirror::memory);
@@ -375,12 +347,4 @@ impl Flow {
         let rows = (self.rows.entries() + self.wall_rows.entries()) as f64 * 4.0 / n;
         (bare, bare + rows + 4.0)
     }
-}
-
-/// Keeps `data[keep[k]]`, in that order.
-pub fn retain<T: Copy>(data: &mut Vec<T>, keep: &[u32]) {
-    for (new, &old) in keep.iter().enumerate() {
-        data[new] = data[old as usize];
-    }
-    data.truncate(keep.len());
 }

@@ -128,26 +128,6 @@ pub fn stored(
     p.mass * energy
 }
 
-/// What every frame tells of mass, momentum, kg m/s, and the last step: the largest speed, m/s, its
-/// length, s, and how many there were.
-pub fn progress(
-    flow: &Flow,
-    [x, y, z]: [f64; 3],
-    (fastest, last_step, steps): (f64, f64, u64),
-) -> [(&'static str, f64); 8] {
-    let p = &flow.particles;
-    [
-        ("mass_kg", p.mass * p.len() as f64),
-        ("mass_removed_kg", flow.removed.0),
-        ("momentum_x_kg_m_s", x),
-        ("momentum_y_kg_m_s", y),
-        ("momentum_z_kg_m_s", z),
-        ("speed_max_m_s", fastest),
-        ("time_step_s", last_step),
-        ("steps", steps as f64),
-    ]
-}
-
 /// Standard deviation of density from `density`, both kg/m^3, of the particles that `is` names.
 pub fn deviation(flow: &Flow, density: f64, is: impl Fn(usize) -> bool + Sync) -> f64 {
     let [squares, count] = sum(flow.liquid(), |i| {

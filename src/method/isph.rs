@@ -89,20 +89,24 @@ impl<K: Kernel> Isph<K> {
             gradient: p.factor(1),
             full: full as f32,
             active: p.active(),
-            marks: &p.marks,
+            marks: &p.own.marks,
             kernel: PhantomData,
         };
-        let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
-        sweep::rows(records, rows, scale, &pass, &mut p.local);
+        let (records, rows, scale) = (
+            &p.liquid.flow.records,
+            &p.liquid.flow.rows,
+            p.liquid.scale(),
+        );
+        sweep::rows(records, rows, scale, &pass, &mut p.own.local);
     }
 
     /// Flags of the first closure.
     fn detect(p: &mut Projection<Self>) {
-        let n = p.flow.liquid();
+        let n = p.liquid.len();
         p.scheme.mirrored.resize(n, false);
-        let planar = p.case.dimension.count() == 2;
-        let scene = (&p.flow.grid, p.case.h, planar);
-        let (local, records, rows) = (&p.local, &p.flow.records, &p.flow.rows);
+        let planar = p.liquid.case.dimension.count() == 2;
+        let scene = (&p.liquid.flow.grid, p.liquid.case.h, planar);
+        let (local, records, rows) = (&p.own.local, &p.liquid.flow.records, &p.liquid.flow.rows);
         each_mut(&mut p.scheme.mirrored[..n], |i, out| {
             *out = surface::is_surface(&local[i], i, rows.row(i), records, scene)
         });
@@ -110,8 +114,12 @@ impl<K: Kernel> Isph<K> {
 
     fn slope_with<const SYMMETRIC: bool>(p: &mut Projection<Self>) {
         let pass = PressureSlope::<K, SYMMETRIC>(PhantomData);
-        let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
-        sweep::rows(records, rows, scale, &pass, &mut p.push);
+        let (records, rows, scale) = (
+            &p.liquid.flow.records,
+            &p.liquid.flow.rows,
+            p.liquid.scale(),
+        );
+        sweep::rows(records, rows, scale, &pass, &mut p.own.push);
     }
 }
 
@@ -141,18 +149,18 @@ impl<K: Kernel> Scheme for Isph<K> {
     }
 
     fn look_around(p: &mut Projection<Self>) {
-        let rho0 = p.case.density;
+        let rho0 = p.liquid.case.density;
         let weight = (1.0 / (rho0 * rho0)) as f32;
         p.pack_velocity(weight);
         if p.scheme.is_viscous {
             p.pack_no_slip(weight);
         }
-        let n = p.flow.liquid();
-        p.around.resize(n, Default::default());
-        let scale = p.scale();
-        (p.scheme.explicit)(&p.flow, scale, &mut p.around);
-        let around = &p.around;
-        each_mut(&mut p.held[..n], |i, held| *held = around[i].own);
+        let n = p.liquid.len();
+        p.own.around.resize(n, Default::default());
+        let scale = p.liquid.scale();
+        (p.scheme.explicit)(&p.liquid.flow, scale, &mut p.own.around);
+        let around = &p.own.around;
+        each_mut(&mut p.own.held[..n], |i, held| *held = around[i].own);
     }
 
     fn threshold(_: &Projection<Self>, _: usize) -> Option<bool> {
@@ -172,7 +180,11 @@ impl<K: Kernel> Scheme for Isph<K> {
             own: 0.0,
             kernel: PhantomData,
         };
-        let (records, rows, scale) = (&p.flow.records, &p.flow.wall_rows, p.scale());
+        let (records, rows, scale) = (
+            &p.liquid.flow.records,
+            &p.liquid.flow.wall_rows,
+            p.liquid.scale(),
+        );
         sweep::rows(records, rows, scale, &pass, &mut p.walls.density);
     }
 
@@ -182,13 +194,13 @@ impl<K: Kernel> Scheme for Isph<K> {
 
     /// The weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)).
     fn couple(p: &mut Projection<Self>) {
-        let (local, walls) = (&p.local, &p.walls);
-        p.flow.pack_scalars(
+        let (local, walls) = (&p.own.local, &p.walls);
+        p.liquid.flow.pack_scalars(
             |_, i| [local[i].kernel_sum, 1.0 / local[i].density, 0.0, 0.0, 0.0],
             |_, j| [walls.density[j] as f32, 1.0, 0.0, walls.offset[j], 0.0],
         );
-        p.walls.number(p.flow.liquid());
-        let layout = p.walls.layout(&p.flow, p.case.h);
+        p.walls.number(p.liquid.len());
+        let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
         let e = &mut p.equation;
         let (sparse, degree, sums) = (&mut e.coupling, &mut e.diagonal, &mut p.sums);
         match p.settings.source {
@@ -217,19 +229,19 @@ impl<K: Kernel> Scheme for Isph<K> {
     }
 
     fn dense(p: &Projection<Self>, i: usize) -> [f64; 2] {
-        [p.local[i].density as f64; 2]
+        [p.own.local[i].density as f64; 2]
     }
 
     fn unit(p: &Projection<Self>) -> f64 {
-        2.0 * p.factor(2) / p.case.density
+        2.0 * p.factor(2) / p.liquid.case.density
     }
 
     fn slope(p: &mut Projection<Self>) {
-        let n = p.flow.liquid();
+        let n = p.liquid.len();
         let printed = p.is_printed();
-        let (x, walls, local) = (&p.unknown, &p.walls, &p.local);
+        let (x, walls, local) = (&p.unknown, &p.walls, &p.own.local);
         let thin = |dense: f64| if printed { 1.0 / (dense * dense) } else { 1.0 };
-        p.flow.pack_scalars(
+        p.liquid.flow.pack_scalars(
             |_, i| {
                 let p = x[i] * thin(local[i].kernel_sum as f64);
                 [p as f32, 0.0, 0.0, 0.0, 0.0]
@@ -239,16 +251,16 @@ impl<K: Kernel> Scheme for Isph<K> {
                 [(p * thin(walls.density[j])) as f32, 0.0, 0.0, 0.0, 0.0]
             },
         );
-        p.push.resize(n, [0.0; 3]);
+        p.own.push.resize(n, [0.0; 3]);
         let symmetric = p.scheme.gradient == Gradient::Symmetric;
         match symmetric {
             true => Self::slope_with::<true>(p),
             false => Self::slope_with::<false>(p),
         }
-        let (factor, rho0) = (-p.factor(1) / p.case.density, p.case.density);
-        let (local, marks) = (&p.local, &p.marks);
+        let (factor, rho0) = (-p.factor(1) / p.liquid.case.density, p.liquid.case.density);
+        let (local, marks) = (&p.own.local, &p.own.marks);
         let x = &p.unknown;
-        each_mut(&mut p.push[..n], |i, push| {
+        each_mut(&mut p.own.push[..n], |i, push| {
             let sum = push.map(|s| factor * s as f64);
             let corrected = if symmetric {
                 sum

@@ -2,8 +2,8 @@
 //! in 2-D), negative where it was taken, and the energy of its surface. With those of motion,
 //! height and compression the budget closes: what is left over came from nowhere.
 
-use crate::effect::tension::energy::Account;
-use crate::particle::State;
+use crate::effect::Account;
+use crate::particle::column::{Scalar, Scalars};
 
 /// Work of what is no exchange between the energies of the liquid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,9 +35,21 @@ pub struct Ledger {
     before: Option<f64>,
 }
 
+impl Scalars for Ledger {
+    fn scalars(&mut self, see: &mut dyn FnMut(&'static str, &mut dyn Scalar)) {
+        see("surface_energy_J", &mut self.surface);
+        see("viscosity_work_J", &mut self.viscosity);
+        see("diffusion_work_J", &mut self.diffusion);
+        see("shifting_work_J", &mut self.shifting);
+        see("removal_work_J", &mut self.removal);
+        see("wall_work_J", &mut self.walls);
+        see("diffusion_power_W", &mut self.diffusive);
+    }
+}
+
 impl Ledger {
-    /// Of frames and states, by name.
-    pub fn scalars(&self) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+    /// Of frames, by name.
+    pub fn works(&self) -> impl Iterator<Item = (&'static str, f64)> + use<> {
         let surface = self.surface.map(|energy| ("surface_energy_J", energy));
         let works = [
             ("viscosity_work_J", self.viscosity),
@@ -47,27 +59,6 @@ impl Ledger {
             ("wall_work_J", self.walls),
         ];
         surface.into_iter().chain(works)
-    }
-
-    /// What a state keeps beside.
-    pub fn held(&self) -> (&'static str, f64) {
-        ("diffusion_power_W", self.diffusive)
-    }
-
-    /// As kept in the scalars of a state.
-    pub fn of(state: &State) -> Ledger {
-        let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
-        let work = |name: &str| named(name).unwrap_or(0.0);
-        Ledger {
-            viscosity: work("viscosity_work_J"),
-            diffusion: work("diffusion_work_J"),
-            shifting: work("shifting_work_J"),
-            removal: work("removal_work_J"),
-            walls: work("wall_work_J"),
-            surface: named("surface_energy_J"),
-            diffusive: work("diffusion_power_W"),
-            ..Ledger::default()
-        }
     }
 
     /// Books a step of `dt` s: what is held over it, the surface at its end, known in its middle,
@@ -85,9 +76,9 @@ impl Ledger {
         self.surface = Some(middle + 0.5 * dt * self.rising);
     }
 
-    /// Takes what the tension adds in the middle of a step.
-    pub fn see(&mut self, tension: Account) {
-        self.before = self.surface.replace(tension.energy);
-        (self.lines, self.rising) = (tension.lines, tension.rate);
+    /// Takes what effects add in the middle of a step.
+    pub fn see(&mut self, account: Account) {
+        self.before = self.surface.replace(account.energy);
+        (self.lines, self.rising) = (account.lines, account.rate);
     }
 }

@@ -6,6 +6,7 @@ pub mod frame;
 pub mod isph;
 pub mod ledger;
 pub mod limit;
+pub mod liquid;
 pub mod model;
 pub mod mps;
 pub mod pass;
@@ -28,6 +29,7 @@ use crate::particle::{Frame, State, Wall};
 use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
+use liquid::Liquid;
 use model::{Case, Model};
 use pressure::Equation;
 use pressure::multigrid::Domain;
@@ -126,17 +128,18 @@ pub fn build(
     let flow = flow_of(&case, state.particles.clone(), wall)?;
     let layer = |b: &Body| matches!(b.shape, Shape::Layer { .. });
     let pool = problem.bodies.iter().any(layer);
+    let tension = tension_of(&case, strength, problem.method.shifting() > 0.0)
+        .or_else(|| normals_of(&case, &problem.method));
+    let effects = select::active(&case.effects, tension);
+    let (settings, d, h) = (case.sph, case.dimension.count(), case.h);
+    let asked = case.effects.clone();
     let parts = Parts {
         problem,
         phase,
-        flow,
-        tension: tension_of(&case, strength, problem.method.shifting() > 0.0)
-            .or_else(|| normals_of(&case, &problem.method)),
-        state,
-        pool,
+        liquid: Liquid::new(case, flow, effects, pool, &state),
+        state: &state,
     };
-    let d = case.dimension.count();
-    Ok(select::pair(&case.effects, &case.sph, d, case.h, parts))
+    Ok(select::pair(&asked, &settings, d, h, parts))
 }
 
 /// The given strength of the tension, else that of the state, else as the scene says.
@@ -195,36 +198,29 @@ fn normals_of(case: &Case, method: &Method) -> Option<Tension> {
 struct Parts<'a> {
     problem: &'a Problem,
     phase: Phase,
-    flow: Flow,
-    tension: Option<Tension>,
-    state: State,
-    pool: bool,
+    liquid: Liquid,
+    state: &'a State,
 }
 
 impl select::Visitor for Parts<'_> {
     type Out = Box<dyn Solver>;
     fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Box<dyn Solver> {
-        let (problem, phase) = (self.problem, self.phase);
-        let (flow, tension, state, pool) = (self.flow, self.tension, &self.state, self.pool);
-        match &problem.method {
+        let (liquid, state) = (self.liquid, self.state);
+        match &self.problem.method {
             Method::Wcsph(settings) => {
-                let model = Model::new(problem, settings, phase);
-                Box::new(wcsph::Wcsph::<K, V>::new(
-                    model, flow, viscosity, tension, state, pool,
-                ))
+                let model = Model::new(self.problem, settings, self.phase);
+                Box::new(wcsph::Wcsph::<K, V>::new(model, liquid, viscosity, state))
             }
             Method::Isph(settings) => {
-                let case = Case::new(problem, phase);
-                let mass = flow.particles.mass;
-                let scheme = isph::Isph::<K>::new(settings, viscosity, &case, mass);
+                let mass = liquid.flow.particles.mass;
+                let scheme = isph::Isph::<K>::new(settings, viscosity, &liquid.case, mass);
                 let parts = (settings.projection, scheme);
-                Box::new(Projection::new(case, parts, flow, tension, state, pool))
+                Box::new(Projection::new(parts, liquid, state))
             }
             Method::Mps(settings) => {
-                let case = Case::new(problem, phase);
-                let scheme = mps::Mps::new(settings, case.dimension.count());
+                let scheme = mps::Mps::new(settings, liquid.case.dimension.count());
                 let parts = (settings.projection, scheme);
-                Box::new(Projection::new(case, parts, flow, tension, state, pool))
+                Box::new(Projection::new(parts, liquid, state))
             }
         }
     }

@@ -1,11 +1,11 @@
 //! Constants of a run, derived once from the scene.
 
 use super::Phase;
+use crate::particle::column::{Scalar, Scalars};
 use crate::scene::{
     Density, Dimension, Domain, Effects, Method, Pairs, Pressure, Problem, Sph, TensionForm, Wcsph,
     numbers,
 };
-use std::ops::Deref;
 
 /// What every method derives from a problem, SI.
 #[derive(Clone, Debug)]
@@ -34,17 +34,17 @@ pub struct Case {
 #[derive(Clone, Debug)]
 pub struct Model {
     pub settings: Wcsph,
-    pub case: Case,
+    /// rho0, kg/m^3.
+    pub density: f64,
     /// c now, m/s.
     pub sound_speed: f64,
     /// Least and largest c of the run, m/s.
     pub sound_speeds: [f64; 2],
 }
 
-impl Deref for Model {
-    type Target = Case;
-    fn deref(&self) -> &Case {
-        &self.case
+impl Scalars for Model {
+    fn scalars(&mut self, see: &mut dyn FnMut(&'static str, &mut dyn Scalar)) {
+        see("sound_speed_m_s", &mut self.sound_speed);
     }
 }
 
@@ -93,7 +93,7 @@ impl Model {
         };
         Model {
             settings: settings.clone(),
-            case: Case::new(problem, phase),
+            density: problem.density,
             sound_speed: sound_speeds[1],
             sound_speeds,
         }
@@ -148,9 +148,9 @@ impl Model {
 
     /// The least density at a free surface, kg/m^3, where what is stretched tears: that of the
     /// pressure that tension holds across the finest surface, (d - 1) sigma / h.
-    pub fn torn(&self) -> Option<f64> {
-        let held = (self.dimension.count() - 1) as f64 / self.h;
-        let sigma = self.effects.sigma().unwrap_or(0.0);
+    pub fn torn(&self, case: &Case) -> Option<f64> {
+        let held = (case.dimension.count() - 1) as f64 / case.h;
+        let sigma = case.effects.sigma().unwrap_or(0.0);
         let tears = self.settings.pressure == Pressure::Tearing;
         tears.then(|| self.density_at(-held * sigma))
     }

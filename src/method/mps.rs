@@ -140,40 +140,48 @@ impl Mps {
 
     fn look_with<const CORRECTED: bool, const BLENDED: bool>(p: &mut Projection<Self>) {
         let pass = Look::<CORRECTED, BLENDED> {
-            reach: p.scheme.reach(&p.case),
-            core: p.scheme.core(&p.case),
+            reach: p.scheme.reach(&p.liquid.case),
+            core: p.scheme.core(&p.liquid.case),
             number: 1.0 / p.scheme.lattice.number,
-            value: p.scheme.gradient_factor(&p.case),
-            length: p.case.h,
+            value: p.scheme.gradient_factor(&p.liquid.case),
+            length: p.liquid.case.h,
             smooth: p.factor(0),
             active: p.active(),
             surface: Surface {
-                marks: &p.marks,
-                even: p.factor(0) / p.scheme.gradient_factor(&p.case),
+                marks: &p.own.marks,
+                even: p.factor(0) / p.scheme.gradient_factor(&p.liquid.case),
             },
         };
-        let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
-        sweep::rows(records, rows, scale, &pass, &mut p.local);
+        let (records, rows, scale) = (
+            &p.liquid.flow.records,
+            &p.liquid.flow.rows,
+            p.liquid.scale(),
+        );
+        sweep::rows(records, rows, scale, &pass, &mut p.own.local);
     }
 
     fn slope_with<const SYMMETRIC: bool, const BLENDED: bool>(p: &mut Projection<Self>) {
         let pass = PressureSlope::<SYMMETRIC, BLENDED> {
-            reach: p.scheme.reach(&p.case),
-            core: p.scheme.core(&p.case),
+            reach: p.scheme.reach(&p.liquid.case),
+            core: p.scheme.core(&p.liquid.case),
             surface: Surface {
-                marks: &p.marks,
-                even: p.factor(0) / p.scheme.gradient_factor(&p.case),
+                marks: &p.own.marks,
+                even: p.factor(0) / p.scheme.gradient_factor(&p.liquid.case),
             },
         };
-        let (records, rows, scale) = (&p.flow.records, &p.flow.rows, p.scale());
-        sweep::rows(records, rows, scale, &pass, &mut p.push);
+        let (records, rows, scale) = (
+            &p.liquid.flow.records,
+            &p.liquid.flow.rows,
+            p.liquid.scale(),
+        );
+        sweep::rows(records, rows, scale, &pass, &mut p.own.push);
     }
 
     /// Unknowns whose p is zero because n < beta n0.
     fn flag(p: &mut Projection<Self>) {
-        let n = p.flow.liquid();
+        let n = p.liquid.len();
         let threshold = p.scheme.closure == MpsClosure::Threshold;
-        let (local, walls, beta) = (&p.local, &p.walls, p.scheme.beta);
+        let (local, walls, beta) = (&p.own.local, &p.walls, p.scheme.beta);
         let inside = |i: usize| {
             let number = match i.checked_sub(n) {
                 None => local[i].number as f64,
@@ -214,31 +222,32 @@ impl Scheme for Mps {
     }
 
     fn look_around(p: &mut Projection<Self>) {
-        let n = p.flow.liquid();
-        p.held.fill([0.0; 3]);
+        let n = p.liquid.len();
+        p.own.held.fill([0.0; 3]);
         p.pack_velocity(1.0);
         let pass = Around {
-            reach: p.scheme.reach(&p.case),
+            reach: p.scheme.reach(&p.liquid.case),
             number: 1.0 / p.scheme.lattice.number,
         };
-        let scale = p.scale();
-        let (records, rows) = (&p.flow.records, &p.flow.rows);
-        p.around.resize(n, Default::default());
-        sweep::rows(records, rows, scale, &pass, &mut p.around);
-        if let Some(viscosity) = p.case.effects.mu() {
+        let scale = p.liquid.scale();
+        let (records, rows) = (&p.liquid.flow.records, &p.liquid.flow.rows);
+        p.own.around.resize(n, Default::default());
+        sweep::rows(records, rows, scale, &pass, &mut p.own.around);
+        if let Some(viscosity) = p.liquid.case.effects.mu() {
             p.pack_no_slip(1.0);
             let pass = Viscous {
-                reach: p.scheme.laplacian_reach(&p.case),
-                factor: viscosity / p.case.density * p.scheme.laplacian_factor(&p.case),
+                reach: p.scheme.laplacian_reach(&p.liquid.case),
+                factor: viscosity / p.liquid.case.density
+                    * p.scheme.laplacian_factor(&p.liquid.case),
             };
-            let (records, rows) = (&p.flow.records, &p.flow.rows);
-            sweep::rows(records, rows, scale, &pass, &mut p.held);
+            let (records, rows) = (&p.liquid.flow.records, &p.liquid.flow.rows);
+            sweep::rows(records, rows, scale, &pass, &mut p.own.held);
         }
     }
 
     fn threshold(p: &Projection<Self>, i: usize) -> Option<bool> {
         let flagged = p.scheme.closure == MpsClosure::Threshold;
-        flagged.then(|| (p.around[i].own as f64) < p.scheme.beta)
+        flagged.then(|| (p.own.around[i].own as f64) < p.scheme.beta)
     }
 
     fn look(p: &mut Projection<Self>) {
@@ -251,15 +260,19 @@ impl Scheme for Mps {
 
     fn look_at_walls(p: &mut Projection<Self>) {
         let pass = Number {
-            reach: p.scheme.reach(&p.case),
+            reach: p.scheme.reach(&p.liquid.case),
             factor: 1.0 / p.scheme.lattice.number,
         };
-        let (records, rows, scale) = (&p.flow.records, &p.flow.wall_rows, p.scale());
+        let (records, rows, scale) = (
+            &p.liquid.flow.records,
+            &p.liquid.flow.wall_rows,
+            p.liquid.scale(),
+        );
         sweep::rows(records, rows, scale, &pass, &mut p.walls.density);
     }
 
     fn wall_to_wall(p: &Projection<Self>, q: f64) -> f64 {
-        let reach = p.scheme.reach(&p.case) as f64;
+        let reach = p.scheme.reach(&p.liquid.case) as f64;
         let weight = if q > 0.0 {
             (reach / q - 1.0).max(0.0)
         } else {
@@ -271,9 +284,9 @@ impl Scheme for Mps {
     /// The weights of (4).
     fn couple(p: &mut Projection<Self>) {
         Self::flag(p);
-        let (local, walls, inside) = (&p.local, &p.walls, &p.scheme.inside);
-        let n = p.flow.liquid();
-        p.flow.pack_scalars(
+        let (local, walls, inside) = (&p.own.local, &p.walls, &p.scheme.inside);
+        let n = p.liquid.len();
+        p.liquid.flow.pack_scalars(
             |_, i| [inside[i], 1.0 / local[i].density, 0.0, 0.0, 0.0],
             |_, j| {
                 let inside = inside[n + walls.group[j] as usize];
@@ -281,8 +294,8 @@ impl Scheme for Mps {
             },
         );
         p.walls.number(n);
-        let layout = p.walls.layout(&p.flow, p.case.h);
-        let reach = p.scheme.laplacian_reach(&p.case);
+        let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
+        let reach = p.scheme.laplacian_reach(&p.liquid.case);
         let e = &mut p.equation;
         let (sparse, degree, sums) = (&mut e.coupling, &mut e.diagonal, &mut p.sums);
         match p.scheme.closure {
@@ -304,7 +317,7 @@ impl Scheme for Mps {
     }
 
     fn dense(p: &Projection<Self>, i: usize) -> [f64; 2] {
-        let local = &p.local[i];
+        let local = &p.own.local[i];
         match p.scheme.closure {
             MpsClosure::Completed => [local.density as f64; 2],
             MpsClosure::Threshold => [1.0, local.number as f64],
@@ -312,16 +325,16 @@ impl Scheme for Mps {
     }
 
     fn unit(p: &Projection<Self>) -> f64 {
-        p.scheme.laplacian_factor(&p.case) / p.case.density
+        p.scheme.laplacian_factor(&p.liquid.case) / p.liquid.case.density
     }
 
     fn slope(p: &mut Projection<Self>) {
-        let n = p.flow.liquid();
+        let n = p.liquid.len();
         if p.scheme.pressure == MpsPressure::Clipped {
             p.unknown.iter_mut().for_each(|p| *p = p.max(0.0));
-            p.pressure.copy_from_slice(&p.unknown[..n]);
+            p.own.pressure.copy_from_slice(&p.unknown[..n]);
         }
-        p.push.resize(n, [0.0; 3]);
+        p.own.push.resize(n, [0.0; 3]);
         p.pack_pressure();
         match p.scheme.gradient {
             MpsGradient::Symmetric => Self::slope_with::<true, false>(p),
@@ -329,10 +342,11 @@ impl Scheme for Mps {
             _ => Self::slope_with::<false, false>(p),
         }
         // d = r_i - r_j: the sign of (3) and that of the acceleration cancel.
-        let factor = p.scheme.gradient_factor(&p.case) / (p.case.h * p.case.density);
+        let factor =
+            p.scheme.gradient_factor(&p.liquid.case) / (p.liquid.case.h * p.liquid.case.density);
         let corrected = p.scheme.is_corrected();
-        let local = &p.local;
-        each_mut(&mut p.push[..n], |i, push| {
+        let local = &p.own.local;
+        each_mut(&mut p.own.push[..n], |i, push| {
             let mut sum = push.map(|s| factor * s as f64);
             if corrected {
                 sum = times(&local[i].correction, sum);

@@ -38,20 +38,18 @@ mod step;
 pub mod surface;
 pub(super) mod walls;
 
-use super::flow::Flow;
-use super::ledger::Ledger;
+use super::liquid::Liquid;
 use super::model::Case;
 use super::pressure::multigrid::Domain;
 use super::pressure::{Equation, Outcome, Solver as PressureSolver};
 use super::shifting::LOOSE;
 use super::{Diverged, Solver, frame};
+use crate::columns;
 use crate::effect::band::Band;
-use crate::effect::tension::Tension;
-use crate::effect::wetting::friction::Hold;
 use crate::kernel::Kernel;
+use crate::particle::column::{Entry, Role, Scalar, Scalars};
 use crate::particle::{Frame, State};
 use crate::scene::{PoissonSource, Projection as Settings};
-use crate::space::grid::Scale;
 use closed::Closed;
 use look::{Local, Sums};
 use std::mem::size_of;
@@ -75,7 +73,7 @@ pub(super) trait Scheme: Sized + Send + Sync {
     /// The kernel of walls, free surface and shifting.
     type Kernel: Kernel;
     /// What the explicit half sums beside the kernel.
-    type Own: Copy + Default + Send + Sync;
+    type Own: Entry;
     /// Sums along a row of the equation: w q^2; w c of the neighbours; w d (3); w c of the target;
     /// the method's own.
     type Row: Copy + Default + Send + Sync + Index<usize, Output = f32>;
@@ -114,35 +112,42 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn memory(&self) -> usize;
 }
 
+columns! {
+    /// What a projection keeps of a particle; `T`: what its method sums beside the kernel.
+    pub(super) struct Own<T> as this {
+        /// Pa; the last one is the first guess of the next.
+        pub pressure: f64 => Role::Persistent("pressure"),
+        /// Kernel sum at r^n, where mist is removed at the next rebuild.
+        pub kernel_sum: f32 => Role::Persistent("kernel_sum"),
+        pub around: Sums<T> => Role::Held,
+        /// Explicit acceleration, m/s^2.
+        pub held: [f32; 3] => Role::Scratch,
+        /// Whether it is at the free surface.
+        pub is_surface: bool => Role::Scratch,
+        /// Whether a particle of the surface may be in the support, and how many are.
+        pub near: bool => Role::Scratch,
+        pub marks: f32 => Role::Scratch,
+        /// The neighbourhood at r*.
+        pub local: Local => Role::Scratch,
+        /// Pressure acceleration of a step, m/s^2.
+        pub push: [f32; 3] => Role::Scratch,
+    }
+}
+
+impl<T: Entry> Entry for Sums<T> {}
+
+impl Entry for Local {}
+
 /// The solver.
 pub(super) struct Projection<S: Scheme> {
-    pub case: Case,
+    pub liquid: Liquid,
+    pub own: Own<S::Own>,
     pub settings: Settings,
     pub scheme: S,
-    pub flow: Flow,
-    tension: Option<Tension>,
-    time: f64,
-    step: u64,
-    last_step: f64,
-    /// Largest speed, m/s, and explicit acceleration, m/s^2, of the last step.
-    fastest: f64,
-    hardest: f64,
-    /// Largest speed of what is not spray, m/s.
-    connected: f64,
     /// Largest pressure, Pa.
     peak: f64,
-    /// Explicit acceleration, m/s^2.
-    pub held: Vec<[f32; 3]>,
-    pub around: Vec<Sums<S::Own>>,
-    /// Particles of the surface in the support.
-    pub marks: Vec<f32>,
-    pub local: Vec<Local>,
-    /// Pa, by liquid particle.
-    pub pressure: Vec<f64>,
-    /// The same and that of the groups of wall particles.
+    /// Pressure of the particles and of the groups of wall particles, Pa.
     pub unknown: Vec<f64>,
-    /// Pressure acceleration of a step, m/s^2.
-    pub push: Vec<[f32; 3]>,
     /// Positions and velocities at the start of a step.
     before: [[Vec<f64>; 3]; 2],
     pub walls: Walls,
@@ -151,69 +156,66 @@ pub(super) struct Projection<S: Scheme> {
     pub equation: Equation,
     pub sums: Vec<S::Row>,
     solver: PressureSolver,
+    solution: Solution,
+    band: Band,
+    /// Velocity of the walls that viscosity sees, m/s.
+    viscous: Vec<[f32; 3]>,
+}
+
+/// How the pressure was found.
+#[derive(Clone, Copy)]
+struct Solution {
     outcome: Outcome,
     /// Repeated solutions of the run.
     repeated: u64,
-    pool: bool,
-    ledger: Ledger,
-    scratch: Scratch<S::Own>,
 }
 
-/// Kept, so that a step allocates nothing.
-#[derive(Default)]
-struct Scratch<T> {
-    mist: Vec<bool>,
-    f64s: Vec<f64>,
-    around: Vec<Sums<T>>,
-    viscous: Vec<[f32; 3]>,
-    band: Band,
-    /// Whether a particle of the surface may be in the support.
-    near: Vec<bool>,
-    friction: Vec<Hold>,
-    parts: Vec<[f64; 1]>,
-    pairs: Vec<[f64; 2]>,
+impl Scalars for Solution {
+    fn scalars(&mut self, see: &mut dyn FnMut(&'static str, &mut dyn Scalar)) {
+        see("pressure_iterations", &mut self.outcome.iterations);
+        see("pressure_residual", &mut self.outcome.residual);
+        see("pressure_repeated", &mut self.repeated);
+    }
 }
 
 impl<S: Scheme> Projection<S> {
-    pub fn new(
-        case: Case,
-        (settings, scheme): (Settings, S),
-        mut flow: Flow,
-        tension: Option<Tension>,
-        state: &State,
-        pool: bool,
-    ) -> Self {
-        let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
-        flow.removed = (
-            named("removed_mass_kg").unwrap_or(0.0),
-            named("removed_particles").unwrap_or(0.0) as u64,
-        );
-        let n = flow.liquid();
-        let array = |name: &str| state.arrays.iter().find(|a| a.0 == name).map(|a| &a.1);
-        let walls = Walls::new(&case, &flow.wall);
-        let volume = flow.particles.mass / case.density;
-        let cell = case.spacing.powi(case.dimension.count() as i32);
-        let closure = scheme.completion(&case).of_volume(volume / cell);
-        let mut solver = Projection {
-            case,
-            settings,
-            scheme,
-            flow,
-            tension,
-            time: state.time,
-            step: state.step,
-            last_step: named("time_step_s").unwrap_or(0.0),
-            fastest: 0.0,
-            hardest: named("acceleration_m_s2").unwrap_or(0.0),
-            connected: 0.0,
-            peak: 0.0,
-            held: vec![[0.0; 3]; n],
+    pub fn new((settings, scheme): (Settings, S), liquid: Liquid, state: &State) -> Self {
+        let n = liquid.len();
+        let walls = Walls::new(&liquid.case, &liquid.flow.wall);
+        let volume = liquid.flow.particles.mass / liquid.case.density;
+        let cell = liquid
+            .case
+            .spacing
+            .powi(liquid.case.dimension.count() as i32);
+        let closure = scheme.completion(&liquid.case).of_volume(volume / cell);
+        let mut own = Own {
+            pressure: vec![0.0; n],
+            kernel_sum: Vec::new(),
             around: vec![Sums::default(); n],
+            held: vec![[0.0; 3]; n],
+            is_surface: Vec::new(),
+            near: Vec::new(),
             marks: Vec::new(),
             local: Vec::new(),
-            pressure: array("pressure").map_or(vec![0.0; n], Clone::clone),
-            unknown: Vec::new(),
             push: Vec::new(),
+        };
+        Liquid::load(state, &mut own);
+        let mut solution = Solution {
+            outcome: Outcome {
+                iterations: 0,
+                residual: 0.0,
+                converged: true,
+            },
+            repeated: 0,
+        };
+        solution.load(state);
+        let mut solver = Projection {
+            liquid,
+            own,
+            settings,
+            scheme,
+            peak: 0.0,
+            unknown: Vec::new(),
             before: Default::default(),
             walls,
             closure,
@@ -221,53 +223,37 @@ impl<S: Scheme> Projection<S> {
             equation: Equation::default(),
             sums: Vec::new(),
             solver: PressureSolver::default(),
-            outcome: Outcome {
-                iterations: named("pressure_iterations").unwrap_or(0.0) as usize,
-                residual: named("pressure_residual").unwrap_or(0.0),
-                converged: true,
-            },
-            repeated: named("pressure_repeated").unwrap_or(0.0) as u64,
-            pool,
-            ledger: Ledger::of(state),
-            scratch: Scratch::default(),
+            solution,
+            band: Band::default(),
+            viscous: Vec::new(),
         };
-        if let Some(sums) = array("kernel_sum") {
-            let around = solver.around.iter_mut().zip(sums);
-            around.for_each(|(s, x)| s.kernel = *x as f32);
-        }
-        solver.fastest = solver.speed();
-        solver.connected = named("connected_speed_m_s").unwrap_or(solver.fastest);
         solver.peak = solver.peak();
         solver.find_surface_energy();
         solver
     }
 
-    pub fn scale(&self) -> Scale {
-        self.flow.grid.scale(self.case.h)
-    }
-
     /// V norm / h^(d+k), V = m / rho0.
     pub fn factor(&self, k: i32) -> f64 {
-        let d = self.case.dimension.count();
-        let volume = self.flow.particles.mass / self.case.density;
-        volume * S::Kernel::norm(d) / self.case.h.powi(d as i32 + k)
+        let d = self.liquid.case.dimension.count();
+        let volume = self.liquid.flow.particles.mass / self.liquid.case.density;
+        volume * S::Kernel::norm(d) / self.liquid.case.h.powi(d as i32 + k)
     }
 
     /// norm s0^d / h^d: turns `Sums::kernel` into the kernel sum.
     fn sum_factor(&self) -> f32 {
-        let d = self.case.dimension.count();
-        (S::Kernel::norm(d) * (self.case.spacing / self.case.h).powi(d as i32)) as f32
+        let d = self.liquid.case.dimension.count();
+        (S::Kernel::norm(d) * (self.liquid.case.spacing / self.liquid.case.h).powi(d as i32)) as f32
     }
 
     /// Axes along which anything varies.
     pub fn active(&self) -> [bool; 3] {
-        self.flow.grid.unit.map(|unit| unit > 0.0)
+        self.liquid.flow.grid.unit.map(|unit| unit > 0.0)
     }
 
     /// Kernel sum of particle `i` at r^n: 1 inside.
     #[inline(always)]
     fn kernel_sum(&self, i: usize) -> f32 {
-        self.sum_factor() * self.around[i].kernel
+        self.sum_factor() * self.own.around[i].kernel
     }
 
     /// Whether particle `i` is at the free surface, at r^n: less than [`SURFACE`] of its support is
@@ -277,7 +263,7 @@ impl<S: Scheme> Projection<S> {
         if let Some(below) = S::threshold(self, i) {
             return below;
         }
-        let Sums { kernel, slope, .. } = self.around[i];
+        let Sums { kernel, slope, .. } = self.own.around[i];
         let steep = slope
             .iter()
             .map(|s| (*s as f64).powi(2))
@@ -294,15 +280,15 @@ impl<S: Scheme> Projection<S> {
 
 impl<S: Scheme> Solver for Projection<S> {
     fn time(&self) -> f64 {
-        self.time
+        self.liquid.now.time
     }
 
     fn step_count(&self) -> u64 {
-        self.step
+        self.liquid.now.step
     }
 
     fn len(&self) -> usize {
-        self.flow.liquid()
+        self.liquid.len()
     }
 
     fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
@@ -312,34 +298,10 @@ impl<S: Scheme> Solver for Projection<S> {
     }
 
     fn state(&self) -> State {
-        let own = [
-            ("removed_mass_kg", self.flow.removed.0),
-            ("removed_particles", self.flow.removed.1 as f64),
-            ("time_step_s", self.last_step),
-            ("acceleration_m_s2", self.hardest),
-            ("connected_speed_m_s", self.connected),
-        ];
-        let named = own
-            .into_iter()
-            .chain(self.solution_scalars())
-            .chain(self.ledger.scalars());
-        let mut scalars: Vec<_> = named.map(|(name, x)| (name.to_string(), x)).collect();
-        if let Some(tension) = self.tension.as_ref().filter(|t| t.pulls()) {
-            scalars.push(("tension_strength".to_string(), tension.strength));
-        }
-        // The last pressure is the first guess of the next; kernel sums decide on mist.
-        let mut arrays = vec![("pressure".to_string(), self.pressure.clone())];
-        if self.pool {
-            let sums = self.around.iter().map(|s| s.kernel as f64).collect();
-            arrays.push(("kernel_sum".to_string(), sums));
-        }
-        State {
-            time: self.time,
-            step: self.step,
-            particles: self.flow.particles.clone(),
-            scalars,
-            arrays,
-        }
+        let mut state = self.liquid.state(&self.own);
+        self.solution.save(&mut state);
+        self.liquid.ledger.save(&mut state);
+        state
     }
 
     fn frame(&self) -> Frame {
@@ -347,9 +309,9 @@ impl<S: Scheme> Solver for Projection<S> {
     }
 
     fn unrest(&self) -> (f64, f64) {
-        let supported = |i: usize| self.marks.get(i) == Some(&0.0);
-        let spread = frame::deviation(&self.flow, self.case.density, supported);
-        (self.budget()[0], spread)
+        let supported = |i: usize| self.own.marks.get(i) == Some(&0.0);
+        let spread = frame::deviation(&self.liquid.flow, self.liquid.case.density, supported);
+        (self.liquid.budget()[0], spread)
     }
 
     fn limits(&self) -> Vec<(&'static str, f64)> {
@@ -357,24 +319,16 @@ impl<S: Scheme> Solver for Projection<S> {
     }
 
     fn memory(&self) -> (f64, f64) {
-        let n = self.len().max(1) as f64;
-        let own = 8 * (self.pressure.capacity() + self.unknown.capacity())
+        let more = 8 * self.unknown.capacity()
             + 48 * self.before[0][0].capacity()
-            + 12 * (self.held.capacity() + self.push.capacity())
-            + 4 * self.marks.capacity()
-            + size_of::<Local>() * self.local.capacity()
-            + size_of::<Sums<S::Own>>() * self.around.capacity() * 2
             + size_of::<S::Row>() * self.sums.capacity()
             + self.scheme.memory()
             + self.closed.memory()
-            + self.scratch.near.capacity()
-            + std::mem::size_of::<Hold>() * self.scratch.friction.capacity()
-            + self.scratch.band.memory()
-            + self.solver.memory()
-            + self.tension.as_ref().map_or(0, Tension::memory);
-        let (bare, whole) = self.flow.memory();
-        let own = own as f64 / n;
-        (bare + own, whole + own + self.equation.memory() as f64 / n)
+            + self.band.memory()
+            + self.solver.memory();
+        let (bare, whole) = self.liquid.memory(&self.own, more);
+        let n = self.liquid.len().max(1) as f64;
+        (bare, whole + self.equation.memory() as f64 / n)
     }
 
     fn equation(&mut self) -> Option<(&mut Equation, Domain)> {

@@ -20,7 +20,7 @@ pub fn resting(problem: &Problem, body: &Particles) -> State {
     particles.body.fill(0);
     let spec = &problem.bodies[0];
     if let Some(model) = evolving(problem, AT_REST) {
-        particles.density = rest_density(&model, spec, body);
+        particles.density = rest_density(problem, &model, spec, body);
     }
     shift(&mut particles, centre(&spec.shape));
     State {
@@ -48,10 +48,10 @@ fn evolving(problem: &Problem, phase: Phase) -> Option<Model> {
 
 /// Density of `body` in packed coordinates under its pressure at rest, kg/m^3: of the column above
 /// (Stevin) in a body that stands on walls, (d-1) sigma / R (Young, Laplace) in a round one.
-fn rest_density(model: &Model, spec: &Body, body: &Particles) -> Vec<f64> {
-    let d = model.dimension.count() as f64;
+fn rest_density(problem: &Problem, model: &Model, spec: &Body, body: &Particles) -> Vec<f64> {
+    let d = problem.dimension.count() as f64;
     let laplace = |radius: f64| {
-        let pressure = (d - 1.0) * model.effects.sigma().unwrap_or(0.0) / radius;
+        let pressure = (d - 1.0) * problem.effects.sigma().unwrap_or(0.0) / radius;
         vec![model.density_at(pressure); body.len()]
     };
     let (low, high) = match &spec.shape {
@@ -62,16 +62,16 @@ fn rest_density(model: &Model, spec: &Body, body: &Particles) -> Vec<f64> {
         }
         Shape::Block { low, high } => (*low, *high),
         Shape::Layer { depth } => {
-            let [x, y, _] = model.domain.size;
+            let [x, y, _] = problem.domain.size;
             ([0.0; 3], [x, y, *depth])
         }
     };
-    let g = model.effects.gravity.unwrap_or([0.0; 3]);
+    let g = problem.effects.gravity.unwrap_or([0.0; 3]);
     let column = |i: usize, a: usize| {
         let top = if g[a] < 0.0 { high[a] } else { low[a] };
         g[a] * (body.position[a][i] - top)
     };
-    let stands = |a: &usize| model.domain.boundary[*a] != [Side::Periodic; 2];
+    let stands = |a: &usize| problem.domain.boundary[*a] != [Side::Periodic; 2];
     let pressure = |i| model.density * (0..3).filter(stands).map(|a| column(i, a)).sum::<f64>();
     (0..body.len())
         .map(|i| model.density_at(pressure(i)))
@@ -131,7 +131,7 @@ pub fn initial(input: &ImpactInput, bodies: &[Particles]) -> State {
         let relax = evolving(&scene.resting(index), AT_REST);
         // The same pressure under the other sound speed.
         let density: Vec<f64> = match (&impact, relax, input.start) {
-            (Some(impact), _, Start::Packed) => rest_density(impact, spec, body),
+            (Some(impact), _, Start::Packed) => rest_density(scene, impact, spec, body),
             (Some(impact), Some(relax), Start::Relaxed) => {
                 let ratio = (relax.sound_speed / impact.sound_speed).powi(2);
                 let excess = |rho: &f64| scene.density + ratio * (rho - scene.density);

@@ -1,9 +1,11 @@
 //! What moves: arrays of particles, and how they are first placed.
 //!
+//! What is kept for each of them beside is declared as [`column`]s.
 //! Reading order: [`shape`] (the region of a body), [`lattice`], [`wall`], [`pack`] and its steps
 //! [`poisson`], [`repulse`], [`optimise`], which use [`crowd`] (neighbours), [`completion`] and
 //! [`ellipsoid`] (free surfaces); [`quality`] (what is reported).
 
+pub mod column;
 pub mod completion;
 pub mod crowd;
 pub mod ellipsoid;
@@ -15,6 +17,8 @@ pub mod quality;
 pub mod repulse;
 pub mod shape;
 pub mod wall;
+
+use column::{Columns, Role, Viewer, Visitor};
 
 /// Liquid particles, structure of arrays, SI units, length `len()` each.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,6 +51,25 @@ impl Particles {
 
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
+    }
+}
+
+/// Checkpoints hold them by themselves.
+impl Columns for Particles {
+    fn visit(&mut self, visitor: &mut impl Visitor) {
+        let vectors = self.position.iter_mut().chain(&mut self.velocity);
+        vectors.for_each(|part| visitor.visit(Role::RolledBack, part));
+        visitor.visit(Role::RolledBack, &mut self.density);
+        visitor.visit(Role::RolledBack, &mut self.id);
+        visitor.visit(Role::RolledBack, &mut self.body);
+    }
+
+    fn view(&self, viewer: &mut impl Viewer) {
+        let vectors = self.position.iter().chain(&self.velocity);
+        vectors.for_each(|part| viewer.view(Role::RolledBack, part));
+        viewer.view(Role::RolledBack, &self.density);
+        viewer.view(Role::RolledBack, &self.id);
+        viewer.view(Role::RolledBack, &self.body);
     }
 }
 

@@ -32,6 +32,21 @@ impl Effects {
         self.tension.map(|tension| tension.coefficient)
     }
 
+    /// What acts on a body that relaxes; on one that hangs free neither gravity nor walls.
+    pub fn at_rest(&self, is_free: bool) -> Effects {
+        let mut effects = self.clone();
+        if is_free {
+            effects.gravity = None;
+            effects.wetting = None;
+        }
+        effects
+    }
+
+    /// The extremes of the acceleration that all particles have alike, m/s^2; none without.
+    pub fn body_forces(&self) -> Vec<[f64; 3]> {
+        self.gravity.into_iter().collect()
+    }
+
     /// Whether the tension has this form.
     pub fn has_tension(&self, form: TensionForm) -> bool {
         self.tension.is_some_and(|tension| tension.form == form)

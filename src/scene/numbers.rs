@@ -176,22 +176,23 @@ pub fn rest_sound_speed(scene: &Problem) -> f64 {
     stiff.max(10.0 * scene.layer_speed())
 }
 
-/// sqrt(2 g T), T from the downhill side of the box to the far end of the shape. An axis that is
-/// periodic has no downhill side.
+/// sqrt(2 a T) of the strongest body force a, T from the downhill side of the box to the far end of
+/// the shape. An axis that is periodic has no downhill side.
 fn fall_speed(scene: &Problem, shape: &Shape) -> f64 {
-    let Some(gravity) = scene.effects.gravity else {
-        return 0.0;
-    };
     let (low, high) = shape.bounds(&scene.domain, scene.dimension);
     let walled = |axis: &&usize| scene.domain.boundary[**axis][0] != Side::Periodic;
-    let energy = scene.dimension.axes().iter().filter(walled).map(|&axis| {
-        let height = match gravity[axis] < 0.0 {
-            true => high[axis],
-            false => scene.domain.size[axis] - low[axis],
-        };
-        gravity[axis].abs() * height
-    });
-    (2.0 * energy.sum::<f64>()).sqrt()
+    let fall = |force: [f64; 3]| {
+        let energy = scene.dimension.axes().iter().filter(walled).map(|&axis| {
+            let height = match force[axis] < 0.0 {
+                true => high[axis],
+                false => scene.domain.size[axis] - low[axis],
+            };
+            force[axis].abs() * height
+        });
+        (2.0 * energy.sum::<f64>()).sqrt()
+    };
+    let forces = scene.effects.body_forces().into_iter();
+    forces.map(fall).fold(0.0, f64::max)
 }
 
 /// omega R of the second mode of a drop over [`capillary_speed`], omega^2 = 8 sigma / (rho R^3)
@@ -270,8 +271,9 @@ pub fn limits(scene: &Problem) -> Vec<Row> {
         let definition = "0.25 sqrt(rho h^3 / (2 pi sigma))";
         limits.push(limit("capillary", 0.25 * square.sqrt(), definition));
     }
-    if let Some(gravity) = scene.effects.gravity {
-        let value = 0.25 * (h / length(gravity)).sqrt();
+    let forces = scene.effects.body_forces().into_iter().map(length);
+    if let Some(strongest) = forces.reduce(f64::max) {
+        let value = 0.25 * (h / strongest).sqrt();
         limits.push(limit("force", value, "0.25 sqrt(h / g)"));
     }
     limits.sort_by(|a, b| a.value.total_cmp(&b.value));

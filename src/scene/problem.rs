@@ -44,9 +44,8 @@ impl Problem {
         if body.shape.is_free() {
             let home = problem.domain.home();
             body.shape.move_to(home);
-            problem.effects.gravity = None;
-            problem.effects.wetting = None;
         }
+        problem.effects = self.effects.at_rest(body.shape.is_free());
         problem.bodies = vec![body];
         problem
     }

@@ -74,7 +74,14 @@ const SPECIFIC_ENERGY: Table = &[
     ("kJ/kg", 3),
     ("m^2/s^2", 0),
 ];
-const RATE: Table = &[("1/s", 0), ("1/ms", 3), ("/s", 0), ("s^-1", 0)];
+const RATE: Table = &[
+    ("1/s", 0),
+    ("1/ms", 3),
+    ("/s", 0),
+    ("s^-1", 0),
+    ("Hz", 0),
+    ("kHz", 3),
+];
 const ANGLE: Table = &[("deg", 0), ("degrees", 0), ("degree", 0), ("\u{b0}", 0)];
 
 const ALL: [Unit; 10] = [

@@ -215,9 +215,10 @@ fn lopsided(scene: &Problem, axis: usize) -> Option<(String, String)> {
 pub(super) fn crosswise(scene: &Problem, axis: usize) -> Option<(String, String)> {
     let name = AXES[axis];
     let domain = &scene.domain;
-    if scene.effects.gravity.is_some_and(|g| g[axis] != 0.0) {
-        let remedy = "let `effects.gravity.direction` point along the planes".to_string();
-        return Some((format!("gravity acts along {name}"), remedy));
+    let mut forces = scene.effects.body_forces().into_iter();
+    if forces.any(|force| force[axis] != 0.0) {
+        let remedy = "let its `direction` point along the planes".to_string();
+        return Some((format!("a body force acts along {name}"), remedy));
     }
     if domain
         .wall_velocity

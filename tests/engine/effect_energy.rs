@@ -3,8 +3,9 @@
 use super::cloud::{CHANNEL, Cloud, OPEN, Random, length};
 use super::method_scene::{disturbed, words};
 use super::pack_scene::{S0, scene};
+use coronet::effect::Account;
 use coronet::effect::tension::Tension;
-use coronet::effect::tension::energy::{Account, density};
+use coronet::effect::tension::energy::density;
 use coronet::effect::tension::shore::Shore;
 use coronet::kernel::{plane, slope, value};
 use coronet::method::{self, Phase, Solver, surface_of};

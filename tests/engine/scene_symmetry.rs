@@ -109,7 +109,7 @@ fn what_is_not_symmetric_is_refused_with_a_remedy() {
                 "box.symmetry='quarter'",
                 "effects.gravity.direction=[0, 1, -1]",
             ],
-            "gravity acts along y",
+            "a body force acts along y",
         ),
         (
             &[

@@ -31,6 +31,7 @@
 use super::Tension;
 use super::pass::Pull;
 use super::shore::Shore;
+use crate::effect::Account;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::particle::Particles;
@@ -133,17 +134,6 @@ impl<K: Kernel> Pass<4> for Look<K> {
     fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {
         *out = sum;
     }
-}
-
-/// What the tension adds to the budget of energy, J and W (J/m and W/m in 2-D).
-#[derive(Clone, Copy, Debug)]
-pub struct Account {
-    /// E.
-    pub energy: f64,
-    /// Its rate: minus the power of the force, `lines` left out.
-    pub rate: f64,
-    /// Power of what contact lines pull because their angle is not the mean one.
-    pub lines: f64,
 }
 
 /// Scratch memory, and the walls.

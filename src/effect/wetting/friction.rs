@@ -23,6 +23,7 @@
 use super::mean::Means;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
+use crate::particle::column::Entry;
 
 /// What holds a particle at a contact line, m/s^2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +33,8 @@ pub struct Hold {
     /// D y.
     pub drive: [f32; 3],
 }
+
+impl Entry for Hold {}
 
 impl Hold {
     fn size(&self) -> f32 {

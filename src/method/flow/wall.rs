@@ -8,7 +8,7 @@ use crate::space::parallel::each_mut;
 const BEHIND: f64 = 0.5;
 
 impl Flow {
-    /// Whoever is deeper than [`BEHIND`] in a wall, where its layers push every way and not only
+    /// What is deeper than [`BEHIND`] in a wall, where its layers push every way and not only
     /// out, goes to its surface and keeps the velocity along it. Only a particle that is shot at
     /// the wall gets there.
     pub(super) fn hold_back(&mut self) {
@@ -29,29 +29,21 @@ impl Flow {
         }
     }
 
-    /// Reflects what is beyond a mirror plane: places, velocities,
-    /// and the vectors `turned`, one for each particle or none at all.
-    pub(super) fn fold_back(&mut self, turned: &mut [[f32; 3]]) {
+    /// Reflects what is beyond a mirror plane: places and velocities; lists what it was.
+    pub(super) fn fold_back(&mut self) {
+        self.reflected.clear();
         let Some(mirror) = &self.mirror else {
             return;
         };
-        let (n, p) = (self.particles.len(), &mut self.particles);
+        let p = &mut self.particles;
         for a in (0..3).filter(|&a| self.domain.fold(a).is_some()) {
-            let (position, velocity) = (&mut p.position[a][..n], &mut p.velocity[a][..n]);
-            if turned.is_empty() {
-                each_mut((position, velocity), |_, (x, v)| {
-                    if let Some(inside) = mirror.planes.back(a, *x) {
-                        (*x, *v) = (inside, -*v);
-                    }
-                });
-                continue;
-            }
-            each_mut((position, velocity, &mut *turned), |_, (x, v, turned)| {
+            let both = p.position[a].iter_mut().zip(&mut p.velocity[a]);
+            for (i, (x, v)) in both.enumerate() {
                 if let Some(inside) = mirror.planes.back(a, *x) {
                     (*x, *v) = (inside, -*v);
-                    turned[a] = -turned[a];
+                    self.reflected.push((i as u32, a as u8));
                 }
-            });
+            }
         }
     }
 }

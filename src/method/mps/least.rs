@@ -9,14 +9,14 @@ impl Projection<Mps> {
     /// P and Q of `PressureSlope`: p (`symmetric`), p and the least about it (`minimum`), or p and
     /// itself, near a surface with its sign turned.
     pub(super) fn pack_pressure(&mut self) {
-        let n = self.flow.liquid();
+        let n = self.liquid.len();
         let gradient = self.scheme.gradient;
         if gradient == MpsGradient::Minimum {
             self.find_least();
         }
-        let (x, walls, marks) = (&self.unknown, &self.walls, &self.marks);
+        let (x, walls, marks) = (&self.unknown, &self.walls, &self.own.marks);
         let least = &self.scheme.least;
-        self.flow.pack_scalars(
+        self.liquid.flow.pack_scalars(
             |_, i| {
                 let q = match gradient {
                     MpsGradient::Symmetric => 0.0,
@@ -35,13 +35,13 @@ impl Projection<Mps> {
 
     /// The least pressure within the radius of (3) of every liquid particle, itself included.
     fn find_least(&mut self) {
-        let n = self.flow.liquid();
-        let (flow, walls, x) = (&self.flow, &self.walls, &self.unknown);
+        let n = self.liquid.len();
+        let (flow, walls, x) = (&self.liquid.flow, &self.walls, &self.unknown);
         let pressure = |j: usize| match flow.original(j).checked_sub(n) {
             None => x[flow.original(j)],
             Some(w) => x[n + walls.group[w] as usize] + walls.offset[w] as f64,
         };
-        let square = (self.scheme.radius * self.case.spacing).powi(2);
+        let square = (self.scheme.radius * self.liquid.case.spacing).powi(2);
         let unit = flow.grid.unit;
         self.scheme.least.resize(n, 0.0);
         each_mut(&mut self.scheme.least[..n], |i, least| {

@@ -40,8 +40,8 @@ impl Closed {
 impl<S: Scheme> Projection<S> {
     /// (1) for `push`. Cells and rows are those of the start of the step.
     pub(super) fn keep_momentum(&mut self) {
-        let flow = &self.flow;
-        let reach = self.case.h * 2.0 + flow.extra().most;
+        let flow = &self.liquid.flow;
+        let reach = self.liquid.case.h * 2.0 + flow.extra().most;
         let (own, walls) = (&flow.liquid_cells.start, &flow.wall_cells.start);
         let Closed { components, sums } = &mut self.closed;
         let starts: [&[u32]; 2] = [own, walls];
@@ -58,7 +58,7 @@ impl<S: Scheme> Projection<S> {
                 sums[body].open = sums[body].open.map(|open| open || walled);
             }
         }
-        let planes = [0, 1, 2].map(|a| self.case.domain.mirrors(a));
+        let planes = [0, 1, 2].map(|a| self.liquid.case.domain.mirrors(a));
         for (body, cells) in components.runs() {
             let body = &mut sums[body];
             if body.open == [true; 3] {
@@ -67,7 +67,7 @@ impl<S: Scheme> Projection<S> {
             for i in own[cells.start] as usize..own[cells.end] as usize {
                 body.count += 1;
                 for a in 0..3 {
-                    body.sum[a] += self.push[i][a] as f64;
+                    body.sum[a] += self.own.push[i][a] as f64;
                     let x = flow.particles.position[a][i];
                     let near = |plane: &f64| (x - plane).abs() < reach;
                     body.open[a] |= planes[a].iter().flatten().any(near);
@@ -79,7 +79,7 @@ impl<S: Scheme> Projection<S> {
             if body.open == [true; 3] {
                 continue;
             }
-            for push in &mut self.push[own[cells.start] as usize..own[cells.end] as usize] {
+            for push in &mut self.own.push[own[cells.start] as usize..own[cells.end] as usize] {
                 for a in (0..3).filter(|&a| !body.open[a]) {
                     push[a] = (push[a] as f64 - body.sum[a] / body.count as f64) as f32;
                 }

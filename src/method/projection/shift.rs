@@ -6,22 +6,22 @@ use crate::space::parallel::{each_mut, three};
 
 impl<S: Scheme> Projection<S> {
     pub(super) fn shift(&mut self, dt: f64) {
-        let case = &self.case;
+        let case = &self.liquid.case;
         let shifting = Shifting {
             strength: self.settings.shifting,
             h: case.h,
             dt,
-            fastest: self.connected,
+            fastest: self.liquid.now.connected_speed,
             capillary: Shifting::capillary(case.effects.sigma(), case.density, case.h),
             unit: 1.0,
         };
-        let factor = self.sum_factor() / self.case.h as f32;
-        for (i, dry) in self.tension.iter().flat_map(|t| t.dry()) {
-            (0..3).for_each(|a| self.local[i].slope[a] -= factor * dry[a]);
+        let factor = self.sum_factor() / self.liquid.case.h as f32;
+        for (i, dry) in self.liquid.effects.tension.iter().flat_map(|t| t.dry()) {
+            (0..3).for_each(|a| self.own.local[i].slope[a] -= factor * dry[a]);
         }
-        let (local, tension) = (&self.local, &self.tension);
+        let (local, tension) = (&self.own.local, &self.liquid.effects.tension);
         each_mut(
-            three(&mut self.flow.particles.position, local.len()),
+            three(&mut self.liquid.flow.particles.position, local.len()),
             |i, x| {
                 let seen = &local[i];
                 if seen.kernel_sum < LOOSE {

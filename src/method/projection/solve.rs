@@ -24,8 +24,8 @@ impl<S: Scheme> Projection<S> {
         self.guess();
         let outcome = self.solve();
         if outcome.converged {
-            let n = self.flow.liquid();
-            self.pressure.copy_from_slice(&self.unknown[..n]);
+            let n = self.liquid.len();
+            self.own.pressure.copy_from_slice(&self.unknown[..n]);
             S::slope(self);
             if self.scheme.is_corrected() {
                 self.keep_momentum();
@@ -36,37 +36,37 @@ impl<S: Scheme> Projection<S> {
 
     /// Kernel sums, divergence, corrections, and what walls are to have.
     fn look_ahead(&mut self, dt: f64) {
-        let pressure = &self.pressure;
-        self.flow.pack(
+        let pressure = &self.own.pressure;
+        self.liquid.flow.pack(
             |p, i| {
                 let [x, y, z] = [0, 1, 2].map(|a| p.velocity[a][i] as f32);
                 [x, y, z, pressure[i] as f32, 1.0]
             },
             |_, _| [0.0, 0.0, 0.0, 0.0, 1.0],
         );
-        let scale = self.scale();
+        let scale = self.liquid.scale();
         let extrapolation = Extrapolation::<S::Kernel> {
             kernel: PhantomData,
         };
-        let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.wall_rows);
         sweep::rows(records, rows, scale, &extrapolation, &mut self.walls.sums);
-        self.walls.gather(&self.flow.wall);
+        self.walls.gather(&self.liquid.flow.wall);
         let still = self.is_printed();
         let halt = self.halt(dt);
-        self.walls.set_offsets(&self.flow.wall, still, &halt);
+        self.walls.set_offsets(&self.liquid.flow.wall, still, &halt);
         let walls = &self.walls;
-        self.flow.pack_wall(|j| {
+        self.liquid.flow.pack_wall(|j| {
             let [x, y, z] = walls.velocity[walls.group[j] as usize];
             [x, y, z, 0.0, 1.0]
         });
-        self.local.resize(self.flow.liquid(), Default::default());
+        self.own.local.resize(self.liquid.len(), Default::default());
         S::look(self);
-        let (rho0, h, closure) = (self.case.density, self.case.h, &self.closure);
-        let count = self.local.len();
+        let (rho0, h, closure) = (self.liquid.case.density, self.liquid.case.h, &self.closure);
+        let count = self.own.local.len();
         each_mut(
             (
-                &mut self.local[..count],
-                &mut self.flow.particles.density[..count],
+                &mut self.own.local[..count],
+                &mut self.liquid.flow.particles.density[..count],
             ),
             |_, (local, out)| {
                 let slope = local.slope.map(|s| h * s as f64);
@@ -84,8 +84,11 @@ impl<S: Scheme> Projection<S> {
 
     /// Free surfaces, shares and places; a wall that touches nothing has p = 0.
     fn close(&mut self) {
-        let n = self.flow.liquid();
-        let (h, d) = (self.case.h, self.case.dimension.count() as f64);
+        let n = self.liquid.len();
+        let (h, d) = (
+            self.liquid.case.h,
+            self.liquid.case.dimension.count() as f64,
+        );
         let mut e = std::mem::take(&mut self.equation);
         let count = e.diagonal.len();
         e.surface.resize(count, 0.0);
@@ -105,7 +108,7 @@ impl<S: Scheme> Projection<S> {
                     Some(s) => s,
                     None if i >= n => 0.0,
                     None => {
-                        let local = &this.local[i];
+                        let local = &this.own.local[i];
                         let slope = local.slope.map(|s| h * s as f64);
                         let moment = [2, 3, 4].map(|k| sums[k] as f64);
                         closure.surface(local.kernel_sum as f64, slope, *diagonal, moment)
@@ -124,8 +127,8 @@ impl<S: Scheme> Projection<S> {
         );
         for a in 0..3 {
             let (liquid, wall) = (
-                &self.flow.particles.position[a],
-                &self.flow.wall.position[a],
+                &self.liquid.flow.particles.position[a],
+                &self.liquid.flow.wall.position[a],
             );
             e.place[a][..n].copy_from_slice(liquid);
             for (g, x) in e.place[a][n..].iter_mut().enumerate() {
@@ -140,14 +143,14 @@ impl<S: Scheme> Projection<S> {
         let mut values = std::mem::take(&mut self.equation.right);
         let this = &*self;
         let unit = S::unit(this);
-        let (n, span, held) = (this.flow.liquid(), this.span(dt), this.cohesion());
+        let (n, span, held) = (this.liquid.len(), this.span(dt), this.cohesion());
         each_mut(&mut values[..this.sums.len()], |i, right| {
             *right = match this.settings.source {
                 _ if S::given(this, i) => 0.0,
                 PoissonSource::Density => {
                     let walls = &this.walls;
                     let dense = match i.checked_sub(n) {
-                        None => this.local[i].number as f64,
+                        None => this.own.local[i].number as f64,
                         Some(g) if walls.wet[g] => walls.density[walls.contact[g] as usize],
                         Some(_) => 1.0,
                     };
@@ -157,14 +160,14 @@ impl<S: Scheme> Projection<S> {
                     // Rows count as much as their volume, 1 / n. Spray is not too thin.
                     let [n, seen] = S::dense(this, i);
                     let mut dense = seen - 1.0;
-                    if this.local[i].kernel_sum < LOOSE {
+                    if this.own.local[i].kernel_sum < LOOSE {
                         dense = dense.max(0.0);
                     }
-                    let rate = density * dense / span - this.local[i].divergence as f64;
+                    let rate = density * dense / span - this.own.local[i].divergence as f64;
                     let right = rate / (n * dt * unit) + this.sums[i][1] as f64;
                     // What is stretched at a surface tears: a sheet of one or two particles cannot
                     // get thinner, and to hold it together would take its energy.
-                    if (this.local[i].kernel_sum as f64) < SURFACE {
+                    if (this.own.local[i].kernel_sum as f64) < SURFACE {
                         right.max(0.0 - held * this.equation.diagonal[i])
                     } else {
                         right
@@ -179,13 +182,13 @@ impl<S: Scheme> Projection<S> {
     /// In which time a part of the deviation of density goes, s: a step of the scene's own speed at
     /// least, else the steps that a few fast particles shorten would ask for ever more pressure.
     fn span(&self, dt: f64) -> f64 {
-        let usual = self.settings.courant * self.case.spacing / self.case.speed;
+        let usual = self.settings.courant * self.liquid.case.spacing / self.liquid.case.speed;
         if usual.is_finite() { dt.max(usual) } else { dt }
     }
 
     /// What a surface holds before it tears, Pa: the tension of a particle of radius h.
     fn cohesion(&self) -> f64 {
-        let case = &self.case;
+        let case = &self.liquid.case;
         let sides = case.dimension.count() as f64 - 1.0;
         let sigma = case.effects.sigma().unwrap_or(0.0);
         self.settings.cohesion * sides * sigma / case.h
@@ -194,9 +197,9 @@ impl<S: Scheme> Projection<S> {
     /// What walls take in a step of which `dt` is the part theta.
     fn halt(&self, dt: f64) -> Halt {
         let theta = self.settings.theta;
-        let g = self.case.effects.gravity.unwrap_or_default();
+        let g = self.liquid.body_force.total();
         Halt {
-            density: self.case.density,
+            density: self.liquid.case.density,
             dt: dt / theta,
             late: g.map(|g| (1.0 - theta) * g),
         }
@@ -204,18 +207,20 @@ impl<S: Scheme> Projection<S> {
 
     /// The right-hand side of the group of wall particles `i`: what its offsets move.
     fn wall_flux(&self, i: usize, dt: f64) -> f64 {
-        let (h, sums) = (self.case.h, &self.sums[i]);
-        let group = i - self.flow.liquid();
-        let slope = self.walls.slope(group, &self.flow.wall, &self.halt(dt));
+        let (h, sums) = (self.liquid.case.h, &self.sums[i]);
+        let group = i - self.liquid.len();
+        let slope = self
+            .walls
+            .slope(group, &self.liquid.flow.wall, &self.halt(dt));
         let lever = |a: usize| slope[a] * h * sums[2 + a] as f64;
         (0..3).map(lever).sum::<f64>() - sums[5] as f64
     }
 
     /// First guess: the last pressure, and before walls that of the liquid.
     fn guess(&mut self) {
-        let n = self.flow.liquid();
+        let n = self.liquid.len();
         self.unknown.resize(self.equation.len(), 0.0);
-        self.unknown[..n].copy_from_slice(&self.pressure);
+        self.unknown[..n].copy_from_slice(&self.own.pressure);
         self.unknown[n..].copy_from_slice(&self.walls.guess);
     }
 
@@ -223,9 +228,9 @@ impl<S: Scheme> Projection<S> {
     pub(super) fn domain(&self) -> Domain {
         Domain {
             active: self.active(),
-            periodic: self.flow.grid.periodic,
-            size: self.case.domain.size,
-            pitch: 2.0 * self.case.h,
+            periodic: self.liquid.flow.grid.periodic,
+            size: self.liquid.case.domain.size,
+            pitch: 2.0 * self.liquid.case.h,
         }
     }
 
@@ -239,7 +244,7 @@ impl<S: Scheme> Projection<S> {
         if outcome.converged {
             return outcome;
         }
-        self.repeated += 1;
+        self.solution.repeated += 1;
         self.guess();
         let (equation, x) = (&mut self.equation, &mut self.unknown);
         let wanted = (wanted.0, PATIENCE * wanted.1);

@@ -1,9 +1,6 @@
 //! One step, as the algorithm box of Kuri et al. has it.
 
-use super::{MIST, Projection, Scheme, Scratch};
-use crate::effect::gravity;
-use crate::method::flow::retain;
-use crate::method::limit::Limits;
+use super::{MIST, Projection, Scheme};
 use crate::method::pass::{Extrapolation, Marked};
 use crate::method::{Diverged, frame};
 use crate::space::parallel::{each_mut, max, sum_mut, three};
@@ -27,20 +24,25 @@ const IDLE: f64 = 1.0;
 impl<S: Scheme> Projection<S> {
     pub(super) fn advance_step(&mut self) -> Result<(), Diverged> {
         let expected = self.next_step();
-        self.flow.lasting = if self.fastest > 0.0 { expected } else { 0.0 };
+        self.liquid.flow.lasting = if self.liquid.now.max_speed > 0.0 {
+            expected
+        } else {
+            0.0
+        };
         self.rebuild();
         self.hold(0.5 * expected);
-        self.connected = self.connected_speed();
+        self.liquid.now.connected_speed = self.max_connected_speed();
         let mut dt = self.next_step().min(expected.max(self.settings.shortest));
         self.remember();
+        self.liquid.begin_step();
         let (mut done, mut known) = (false, true);
         for attempt in 0..=HALVINGS {
             let ahead = self.settings.theta * dt;
             self.predict(ahead);
-            known = !self.flow.stale(|_| 0.0);
+            known = !self.liquid.flow.stale(|_| 0.0);
             if known {
-                self.outcome = self.project(ahead);
-                done = self.outcome.converged;
+                self.solution.outcome = self.project(ahead);
+                done = self.solution.outcome.converged;
             }
             self.peak = self.peak();
             let stable = self.elastic().max(self.settings.shortest);
@@ -52,7 +54,7 @@ impl<S: Scheme> Projection<S> {
                     break;
                 }
                 // Thrown past its neighbours: over half the step it passes fewer.
-                self.repeated += 1;
+                self.solution.repeated += 1;
             }
             self.restore();
             dt = if done && !short { stable } else { 0.5 * dt };
@@ -62,35 +64,23 @@ impl<S: Scheme> Projection<S> {
             return Err(self.unsolved(dt, known));
         }
         self.check(dt)?;
-        self.ledger.step(dt);
-        self.ledger.walls += self.ledger.rubbed;
-        if self.case.shifts(self.settings.shifting) {
+        self.liquid.ledger.step(dt);
+        self.liquid.end_step();
+        self.liquid.ledger.walls += self.liquid.ledger.rubbed;
+        if self.liquid.case.shifts(self.settings.shifting) {
             let before = self.stored();
             self.shift(dt);
-            self.ledger.shifting += self.stored() - before;
+            self.liquid.ledger.shifting += self.stored() - before;
         }
-        self.time += dt;
-        self.step += 1;
-        self.last_step = dt;
+        self.liquid.now.time += dt;
+        self.liquid.now.step += 1;
+        self.liquid.now.last_step = dt;
         Ok(())
-    }
-
-    fn limits_now(&self) -> Limits {
-        Limits {
-            h: self.case.h,
-            spacing: self.case.spacing,
-            density: self.case.density,
-            sound_speed: f64::INFINITY,
-            viscosity: self.case.effects.mu(),
-            tension: self.case.effects.sigma(),
-            speed: self.connected,
-            acceleration: self.hardest,
-        }
     }
 
     /// Every limit by name, s, least first.
     pub(super) fn step_limits(&self) -> Vec<(&'static str, f64)> {
-        let mut all = self.limits_now().all();
+        let mut all = self.liquid.limits(f64::INFINITY).all();
         all.retain(|(name, _)| *name != "acoustic");
         all.push(("advective", self.advective()));
         all.push(("pressure", self.elastic()));
@@ -100,8 +90,9 @@ impl<S: Scheme> Projection<S> {
 
     /// Spray may cross a spacing, s.
     fn advective(&self) -> f64 {
-        let connected = self.settings.courant * self.case.spacing / self.connected.max(1e-30);
-        connected.min(self.case.spacing / self.fastest.max(1e-30))
+        let connected = self.settings.courant * self.liquid.case.spacing
+            / self.liquid.now.connected_speed.max(1e-30);
+        connected.min(self.liquid.case.spacing / self.liquid.now.max_speed.max(1e-30))
     }
 
     /// Where a symmetric gradient stays stable, s.
@@ -109,16 +100,16 @@ impl<S: Scheme> Projection<S> {
         if !self.scheme.is_symmetric() {
             return f64::INFINITY;
         }
-        ELASTIC * self.case.spacing / (self.peak / self.case.density).sqrt().max(1e-30)
+        ELASTIC * self.liquid.case.spacing
+            / (self.peak / self.liquid.case.density).sqrt().max(1e-30)
     }
 
     fn next_step(&self) -> f64 {
-        let limits = self.limits_now();
-        let waves = match self.case.follows_energy() {
-            true => LAYER * limits.capillary(),
-            false => limits.capillary(),
-        };
-        let mut least = limits.force().min(limits.viscous()).min(waves);
+        let limits = self.liquid.limits(f64::INFINITY);
+        let mut least = limits.slow();
+        if self.liquid.follows_energy() {
+            least = least.min(LAYER * limits.capillary());
+        }
         if self.scheme.is_symmetric() {
             least = least.min(self.elastic());
         }
@@ -131,78 +122,73 @@ impl<S: Scheme> Projection<S> {
 
     /// Wraps, removes, sorts along cells, finds neighbours.
     pub(super) fn rebuild(&mut self) {
-        let (before, gone) = (self.stored(), self.flow.removed.1);
-        let (around, sums) = (&self.around, self.sum_factor());
-        let mist = &mut self.scratch.mist;
-        mist.clear();
-        if self.pool && self.step > 0 {
-            let is = |i: usize| self.flow.crosses(i) && sums * around[i].kernel < MIST;
-            mist.extend((0..around.len()).map(is));
-        }
-        // All vectors that are held are made anew before they are used.
-        let doomed = |i: usize| !mist.is_empty() && mist[i];
-        if let Some(keep) = self.flow.confine(doomed, &mut []) {
-            retain(&mut self.pressure, &keep);
-            retain(&mut self.around, &keep);
-        }
-        self.ledger.removal += self.stored() - before;
-        self.ledger.removes = self.flow.removed.1 > gone;
-        self.flow.sort();
-        let cells = &self.flow.liquid_cells;
-        cells.permute(&mut self.pressure, &mut self.scratch.f64s);
-        cells.permute(&mut self.around, &mut self.scratch.around);
+        let before = self.stored();
+        let sums = &self.own.kernel_sum;
+        let of = |i: usize| sums.get(i).copied().unwrap_or(1.0);
+        self.liquid.find_mist(of, MIST);
+        // All vectors that are held are found again before they are used.
+        self.liquid.confine(&mut self.own);
+        self.liquid.ledger.removal += self.stored() - before;
+        self.liquid.sort(&mut self.own);
         if self.walls.own.is_empty() && S::walls_are_dense(self) {
             self.look_along_walls();
         }
-        self.flow.find();
+        self.liquid.flow.find();
     }
 
     /// Density of wall particles by each other, once: walls stand still.
     fn look_along_walls(&mut self) {
-        self.flow.wall_sees_wall = true;
-        self.flow.find();
-        self.flow.wall_sees_wall = false;
-        let (n, unit) = (self.flow.liquid(), self.flow.grid.unit);
-        let (at, rows) = (&self.flow.at, &self.flow.wall_rows);
+        self.liquid.flow.wall_sees_wall = true;
+        self.liquid.flow.find();
+        self.liquid.flow.wall_sees_wall = false;
+        let (n, unit) = (self.liquid.len(), self.liquid.flow.grid.unit);
+        let (at, rows) = (&self.liquid.flow.at, &self.liquid.flow.wall_rows);
         let add = |j: usize, k: usize| {
             let away = |a: usize| at[a][k].wrapping_sub(at[a][j]) as f64 * unit[a];
             let r = (0..3).map(|a| away(a).powi(2)).sum::<f64>().sqrt();
-            S::wall_to_wall(self, r / self.case.h)
+            S::wall_to_wall(self, r / self.liquid.case.h)
         };
         // In the order of the walls: that of rows changes with the liquid.
         let own = |j: usize| {
             let others = rows.row(j).iter().map(|k| *k as usize);
-            let is_wall = |k: &usize| self.flow.original(*k) >= n && *k != n + j;
+            let is_wall = |k: &usize| self.liquid.flow.original(*k) >= n && *k != n + j;
             let mut others: Vec<usize> = others.filter(is_wall).collect();
             others.sort_unstable();
             add(n + j, n + j) + others.into_iter().map(|k| add(n + j, k)).sum::<f64>()
         };
-        self.walls.own = (0..self.flow.walls()).map(own).collect();
+        self.walls.own = (0..self.liquid.flow.walls()).map(own).collect();
     }
 
     /// (1) without the step: viscosity, gravity, tension at r^n.
     pub(super) fn hold(&mut self, ahead: f64) {
-        self.held.resize(self.flow.liquid(), [0.0; 3]);
+        self.liquid.set_body_force(ahead);
+        self.own.held.resize(self.liquid.len(), [0.0; 3]);
         S::look_around(self);
-        let (p, parts) = (&self.flow.particles, &mut self.scratch.pairs);
-        self.ledger.viscous = frame::power(p, &self.held, parts);
+        if self.liquid.removes_mist {
+            let (around, factor) = (&self.own.around, self.sum_factor());
+            self.own.kernel_sum.clear();
+            let sums = around.iter().map(|sums| factor * sums.kernel);
+            self.own.kernel_sum.extend(sums);
+        }
+        self.liquid.see_viscosity(&self.own.held);
         self.mark();
-        if let Some(g) = self.case.effects.gravity {
-            gravity::add(g, &mut self.held);
-        }
-        if self.case.follows_energy() {
-            self.add_tension_ahead(ahead);
-        } else {
-            self.add_tension();
-        }
-        let held = &self.held;
+        self.liquid.body_force.add(&mut self.own.held);
+        let ahead = match self.liquid.follows_energy() {
+            true => ahead,
+            false => 0.0,
+        };
+        let is_surface = &self.own.is_surface;
+        let is_surface = |i: usize| is_surface[i];
+        self.liquid
+            .add_effects(ahead, &is_surface, &mut self.own.held);
+        let held = &self.own.held;
         let square = |i: usize| held[i].iter().map(|a| (*a as f64).powi(2)).sum();
-        self.hardest = max(held.len(), square).max(0.0).sqrt();
+        self.liquid.now.max_acceleration = max(held.len(), square).max(0.0).sqrt();
     }
 
     /// Records for viscosity: velocity, unused, `weight`.
     pub(in crate::method) fn pack_velocity(&mut self, weight: f32) {
-        self.flow.pack(
+        self.liquid.flow.pack(
             |p, i| {
                 let [x, y, z] = [0, 1, 2].map(|a| p.velocity[a][i] as f32);
                 [x, y, z, 0.0, weight]
@@ -219,14 +205,14 @@ impl<S: Scheme> Projection<S> {
         if self.is_printed() || self.walls.len() == 0 {
             return;
         }
-        let scale = self.scale();
+        let scale = self.liquid.scale();
         let pass = Extrapolation::<S::Kernel> {
             kernel: PhantomData,
         };
-        let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.wall_rows);
         sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
         let sums = &self.walls.sums;
-        let still = self.flow.wall.velocity.each_ref();
+        let still = self.liquid.flow.wall.velocity.each_ref();
         let viscous = |j: usize| {
             let s = &sums[j];
             [0, 1, 2].map(|a| {
@@ -238,62 +224,43 @@ impl<S: Scheme> Projection<S> {
                 }
             })
         };
-        let seen = &mut self.scratch.viscous;
+        let seen = &mut self.viscous;
         seen.clear();
         seen.extend((0..sums.len()).map(viscous));
         let seen = &*seen;
-        self.flow
+        self.liquid
+            .flow
             .pack_wall(|j| [seen[j][0], seen[j][1], seen[j][2], 0.0, weight]);
     }
 
     /// Counts the particles of the surface in every support.
     fn mark(&mut self) {
-        let n = self.flow.liquid();
-        let mut marks = std::mem::take(&mut self.marks);
-        marks.resize(n, 0.0);
-        each_mut(&mut marks[..n], |i, out| {
-            *out = f32::from(self.is_surface(i))
-        });
-        self.flow
-            .pack_scalars(|_, i| [marks[i], 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
-        let (cells, support) = (&self.flow.liquid_cells, 2.0 * self.case.h);
-        let Scratch { band, near, .. } = &mut self.scratch;
-        band.mark(cells, |i| marks[i] > 0.0);
-        band.grow(&self.flow.grid, support);
-        band.flags(cells, near);
-        self.marks = marks;
-        let (records, rows, scale) = (&self.flow.records, &self.flow.rows, self.scale());
+        let n = self.liquid.len();
+        let mut is_surface = std::mem::take(&mut self.own.is_surface);
+        is_surface.resize(n, false);
+        each_mut(&mut is_surface[..n], |i, out| *out = self.is_surface(i));
+        let mark = |i: usize| f32::from(is_surface[i]);
+        let flow = &mut self.liquid.flow;
+        flow.pack_scalars(|_, i| [mark(i), 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+        let (cells, support) = (&flow.liquid_cells, 2.0 * self.liquid.case.h);
+        self.band.mark(cells, |i| is_surface[i]);
+        self.band.grow(&flow.grid, support);
+        self.band.flags(cells, &mut self.own.near);
+        self.own.is_surface = is_surface;
+        self.own.marks.resize(n, 0.0);
+        let (records, rows, scale) = (
+            &self.liquid.flow.records,
+            &self.liquid.flow.rows,
+            self.liquid.scale(),
+        );
         let pass = Marked {
-            near: &self.scratch.near,
+            near: &self.own.near,
         };
-        sweep::rows(records, rows, scale, &pass, &mut self.marks);
-    }
-
-    fn add_tension(&mut self) {
-        let Some(mut tension) = self.tension.take() else {
-            return;
-        };
-        let sources = self.flow.sources();
-        let flow = crate::method::surface_of(&self.flow, &sources);
-        tension.update(&flow, |i| self.is_surface(i));
-        let velocity = &self.flow.particles.velocity;
-        tension.friction(&flow, velocity, &mut self.scratch.friction);
-        if self.case.follows_energy() {
-            self.ledger.see(tension.account(&self.flow.particles));
-        }
-        tension.add(&mut self.held);
-        self.tension = Some(tension);
-    }
-
-    /// The same with the tension of where particles are `ahead` s later.
-    fn add_tension_ahead(&mut self, ahead: f64) {
-        self.flow.look_ahead(ahead, &mut self.before[0]);
-        self.add_tension();
-        self.flow.look_back(&mut self.before[0]);
+        sweep::rows(records, rows, scale, &pass, &mut self.own.marks);
     }
 
     fn remember(&mut self) {
-        let p = &self.flow.particles;
+        let p = &self.liquid.flow.particles;
         for a in 0..3 {
             self.before[0][a].clone_from(&p.position[a]);
             self.before[1][a].clone_from(&p.velocity[a]);
@@ -301,7 +268,7 @@ impl<S: Scheme> Projection<S> {
     }
 
     fn restore(&mut self) {
-        let p = &mut self.flow.particles;
+        let p = &mut self.liquid.flow.particles;
         for a in 0..3 {
             p.position[a].copy_from_slice(&self.before[0][a]);
             p.velocity[a].copy_from_slice(&self.before[1][a]);
@@ -310,9 +277,9 @@ impl<S: Scheme> Projection<S> {
 
     /// (1): v* and r*.
     fn predict(&mut self, dt: f64) {
-        let n = self.flow.liquid();
-        let held = &self.held;
-        let p = &mut self.flow.particles;
+        let n = self.liquid.len();
+        let held = &self.own.held;
+        let p = &mut self.liquid.flow.particles;
         each_mut(
             (three(&mut p.position, n), three(&mut p.velocity, n)),
             |i, (x, v)| {
@@ -329,7 +296,7 @@ impl<S: Scheme> Projection<S> {
     /// once (the top layer's lacks a quarter); carried on, the speed of that would overshoot, so
     /// that at least half of it goes in every step.
     fn damping(&self, dt: f64) -> f64 {
-        let damping = self.case.damping;
+        let damping = self.liquid.case.damping;
         if damping > 0.0 && self.is_printed() {
             damping.max(1.0 / dt)
         } else {
@@ -340,13 +307,13 @@ impl<S: Scheme> Projection<S> {
     /// (3) and (4), from a part theta of the step to all of it, damped.
     fn correct(&mut self, dt: f64) {
         let theta = self.settings.theta;
-        let n = self.flow.liquid();
+        let n = self.liquid.len();
         let damp = 1.0 / (1.0 + self.damping(dt) * dt);
         let trapezoidal = S::TRAPEZOIDAL || theta < 1.0;
-        let (push, before, friction) = (&self.push, &self.before, &self.scratch.friction);
-        let p = &mut self.flow.particles;
+        let (push, before, friction) = (&self.own.push, &self.before, &self.liquid.friction);
+        let p = &mut self.liquid.flow.particles;
         let [work] = sum_mut(
-            &mut self.scratch.parts,
+            &mut self.liquid.parts,
             (three(&mut p.position, n), three(&mut p.velocity, n)),
             |i, (x, mut v)| {
                 for a in 0..3 {
@@ -374,7 +341,7 @@ impl<S: Scheme> Projection<S> {
                 [work]
             },
         );
-        self.ledger.rubbed = p.mass * work;
-        self.fastest = self.speed();
+        self.liquid.ledger.rubbed = p.mass * work;
+        self.liquid.now.max_speed = self.liquid.max_speed();
     }
 }

@@ -8,7 +8,6 @@
 use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::frame;
 use crate::scene::WallPressure;
 use crate::space::parallel::{sum, sum_in, sum_mut};
 
@@ -19,7 +18,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.is_dual()
             && self.model.diffusion().is_some()
             && self.model.settings.wall_pressure != WallPressure::Summation
-            && (self.model.effects.tension.is_none() || self.follows_energy())
+            && (self.liquid.case.effects.tension.is_none() || self.liquid.follows_energy())
     }
 
     /// Energy of motion, height and compression, J.
@@ -27,14 +26,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if !self.books() {
             return 0.0;
         }
-        let (model, p) = (&self.model, &self.flow.particles);
-        let own = |i: usize| model.compression(p.density[i]);
-        frame::stored(p, model.effects.gravity, own, &mut self.control.parts)
+        let model = &self.model;
+        self.liquid.stored(|density| model.compression(density))
     }
 
     /// Energy of compression, J.
     pub(super) fn compression(&self) -> f64 {
-        let (model, p) = (&self.model, &self.flow.particles);
+        let (model, p) = (&self.model, &self.liquid.flow.particles);
         let [energy] = sum(p.len(), |i| [model.compression(p.density[i])]);
         p.mass * energy
     }
@@ -46,11 +44,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         let (model, walls) = (&self.model, &self.walls);
         let factor = self.gradient_factor();
-        let [power] = sum_in(&mut self.control.parts, walls.density.len(), |j| {
+        let [power] = sum_in(&mut self.liquid.parts, walls.density.len(), |j| {
             let rho = walls.density[j];
             [model.pressure(rho) / (rho * rho) * walls.sums[j].closing as f64]
         });
-        self.flow.particles.mass * factor * power
+        self.liquid.flow.particles.mass * factor * power
     }
 
     /// Books the work of walls in a step of `dt` s by the trapezoidal rule: with the velocities at
@@ -61,44 +59,38 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         } else {
             self.walls.power_since
         };
-        self.ledger.walls += 0.5 * dt * (since + self.power_of_walls());
+        self.liquid.ledger.walls += 0.5 * dt * (since + self.power_of_walls());
     }
 
     /// Books the end of the last acoustic step, of `dt` s.
     pub(super) fn close_walls(&mut self, dt: f64) {
-        if self.books() && self.flow.walls() > 0 {
+        if self.books() && self.liquid.flow.walls() > 0 {
             self.extrapolate_velocity();
-            self.ledger.walls += 0.5 * dt * self.power_of_walls();
+            self.liquid.ledger.walls += 0.5 * dt * self.power_of_walls();
         }
     }
 
     /// Takes the rates that a pass left in `force`, and the power of diffusion: that in the middle
     /// of the time for which they are held, half a step of `dt` s from now.
     pub(super) fn take_rates(&mut self, dt: f64) {
-        let (model, p, found) = (&self.model, &self.flow.particles, &self.force);
+        let (model, p, found) = (&self.model, &self.liquid.flow.particles, &self.own.force);
         let [power] = sum_mut(
-            &mut self.control.parts,
-            &mut self.rate[..p.len()],
+            &mut self.liquid.parts,
+            &mut self.own.rate[..p.len()],
             |i, rate| {
                 let rho = p.density[i] + 0.5 * dt * found[i][0] as f64;
                 *rate = found[i][0];
                 [model.pressure(rho) / (rho * rho) * found[i][1] as f64]
             },
         );
-        self.ledger.diffusive = p.mass * power;
+        self.liquid.ledger.diffusive = p.mass * power;
     }
 
     /// Finds the energy of the surface at the start of a run.
     pub(super) fn find_surface_energy(&mut self) {
-        let hardest = self.hardest;
+        let hardest = self.liquid.now.max_acceleration;
         self.rebuild();
         self.hold(0.0);
-        self.hardest = hardest;
-    }
-
-    /// Of frames and states, by name.
-    pub(super) fn budget_scalars(&self) -> impl Iterator<Item = (&'static str, f64)> + use<K, V> {
-        let ledger = self.books().then(|| self.ledger.scalars());
-        ledger.into_iter().flatten()
+        self.liquid.now.max_acceleration = hardest;
     }
 }

@@ -15,8 +15,9 @@ use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::ledger::Ledger;
+use crate::method::liquid::Moment;
 use crate::method::{Diverged, frame};
-use crate::particle::{Particles, State};
+use crate::particle::column::{Rollback, Scalar, Scalars};
 use crate::space::parallel::sum_in;
 
 /// Halvings after which a run has diverged.
@@ -31,56 +32,38 @@ const ROOM: f64 = 1.02;
 /// How long steps are, and what a rejected one goes back to.
 #[derive(Default)]
 pub(super) struct Control {
+    pub steps: Steps,
+    /// The most that (1) lets a particle have, m/s, and (2) all of them, J.
+    speed: f64,
+    energy: f64,
+    /// The state before the step.
+    particles: Rollback,
+    own: Rollback,
+    walls: Rollback,
+    now: Moment,
+    ledger: Ledger,
+    sound_speed: f64,
+}
+
+/// How the steps of a run went.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Steps {
     halvings: u32,
     /// Steps that held since they last changed.
     calm: u64,
     /// Rejected steps of the run.
     pub rejected: u64,
-    /// The most that (1) lets a particle have, m/s, and (2) all of them, J.
-    speed: f64,
-    energy: f64,
-    before: Before,
-    pub parts: Vec<[f64; 1]>,
 }
 
-/// Kept, so that a step allocates nothing.
-#[derive(Default)]
-struct Before {
-    particles: Particles,
-    rate: Vec<f32>,
-    walls: Vec<f64>,
-    sums: Vec<f32>,
-    removed: (f64, u64),
-    ledger: Ledger,
-    time: f64,
-    step: u64,
-    /// Sound speed; largest speeds, of all and of what is no spray; acceleration; last step.
-    scalars: [f64; 5],
+impl Scalars for Steps {
+    fn scalars(&mut self, see: &mut dyn FnMut(&'static str, &mut dyn Scalar)) {
+        see("step_halvings", &mut self.halvings);
+        see("steps_calm", &mut self.calm);
+        see("steps_rejected", &mut self.rejected);
+    }
 }
 
-impl Control {
-    pub fn new(state: &State) -> Self {
-        let named = |name: &str| state.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
-        let whole = |name: &str| named(name).unwrap_or(0.0) as u64;
-        Control {
-            halvings: whole("step_halvings") as u32,
-            calm: whole("steps_calm"),
-            rejected: whole("steps_rejected"),
-            speed: f64::INFINITY,
-            energy: f64::INFINITY,
-            before: Before::default(),
-            parts: Vec::new(),
-        }
-    }
-
-    pub fn scalars(&self) -> [(&'static str, f64); 3] {
-        [
-            ("step_halvings", self.halvings as f64),
-            ("steps_calm", self.calm as f64),
-            ("steps_rejected", self.rejected as f64),
-        ]
-    }
-
+impl Steps {
     /// What steps are multiplied by now.
     fn part(&self) -> f64 {
         0.5f64.powi(self.halvings as i32)
@@ -99,13 +82,22 @@ impl Control {
         self.rejected += 1;
         self.calm = 0;
     }
+}
+
+impl Control {
+    /// For a run whose steps went as in `steps`.
+    pub fn new(steps: Steps) -> Self {
+        Control {
+            steps,
+            speed: f64::INFINITY,
+            energy: f64::INFINITY,
+            ..Control::default()
+        }
+    }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let b = &self.before;
-        b.particles.id.capacity() * (7 * 8 + 5)
-            + 4 * (b.rate.capacity() + b.sums.capacity())
-            + 8 * b.walls.capacity()
+        self.particles.memory() + self.own.memory() + self.walls.memory()
     }
 }
 
@@ -117,15 +109,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     ) -> Result<(), Diverged> {
         self.remember();
         loop {
-            let part = self.control.part();
+            let part = self.control.steps.part();
             match step(self, part) {
                 Ok(()) => {
-                    self.control.held();
+                    self.control.steps.held();
                     return Ok(());
                 }
-                Err(fault) if self.control.halvings >= HALVINGS => return Err(fault),
+                Err(fault) if self.control.steps.halvings >= HALVINGS => return Err(fault),
                 Err(_) => {
-                    self.control.reject();
+                    self.control.steps.reject();
                     self.restore();
                 }
             }
@@ -134,9 +126,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (1) and (2) for a step of `dt` s.
     pub(super) fn bound(&mut self, dt: f64) {
-        let (model, p, held) = (&self.model, &self.flow.particles, &self.held);
-        let speed = 2.0 * self.fastest + 0.1 * model.sound_speed + self.hardest * dt;
-        let [energy] = sum_in(&mut self.control.parts, p.len(), |i| {
+        let (model, p, held) = (&self.model, &self.liquid.flow.particles, &self.own.held);
+        let speed = 2.0 * self.liquid.now.max_speed
+            + 0.1 * model.sound_speed
+            + self.liquid.now.max_acceleration * dt;
+        let [energy] = sum_in(&mut self.liquid.parts, p.len(), |i| {
             let mut square = 0.0;
             for (v, held) in p.velocity.iter().zip(&held[i]) {
                 square += (v[i] + *held as f64 * dt).powi(2);
@@ -151,10 +145,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// speed.
     pub(super) fn check(&self) -> Result<(), Diverged> {
         let (sound, bound) = (self.model.sound_speeds[1], self.control.speed);
-        if self.fastest <= sound.min(bound) {
+        if self.liquid.now.max_speed <= sound.min(bound) {
             return Ok(());
         }
-        let (_, speed) = frame::fastest(&self.flow);
+        let (_, speed) = frame::fastest(&self.liquid.flow);
         Err(self.fault(if bound < sound {
             format!("speed {speed:.4e} m/s above {bound:.4e} m/s, more than a step can give")
         } else {
@@ -164,12 +158,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// An error if (2) is passed.
     pub(super) fn check_energy(&mut self) -> Result<(), Diverged> {
-        let (model, p) = (&self.model, &self.flow.particles);
+        let (model, p) = (&self.model, &self.liquid.flow.particles);
         let sound = match model.diffusion() {
             Some(_) => model.sound_speed,
             None => 0.0,
         };
-        let [energy] = sum_in(&mut self.control.parts, p.len(), |i| {
+        let [energy] = sum_in(&mut self.liquid.parts, p.len(), |i| {
             let compressed = (p.density[i] / model.density - 1.0).max(0.0);
             [0.5 * p.mass * (p.speed(i).powi(2) + (sound * compressed).powi(2))]
         });
@@ -185,61 +179,33 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     fn fault(&self, what: String) -> Diverged {
         let remedy = "a larger method.wcsph.sound_speed_factor or a smaller time step";
-        let (now, (i, _)) = ((self.time, self.step), frame::fastest(&self.flow));
-        frame::fault(&self.flow, now, i, what, remedy)
+        let (now, (i, _)) = (
+            (self.liquid.now.time, self.liquid.now.step),
+            frame::fastest(&self.liquid.flow),
+        );
+        frame::fault(&self.liquid.flow, now, i, what, remedy)
     }
 
     fn remember(&mut self) {
-        let before = &mut self.control.before;
-        copy(&self.flow.particles, &mut before.particles);
-        before.rate.clone_from(&self.rate);
-        before.walls.clone_from(&self.walls.density);
-        before.sums.clear();
-        before.sums.extend(self.around.iter().map(|s| s.sum));
-        before.removed = self.flow.removed;
-        before.ledger = self.ledger;
-        (before.time, before.step) = (self.time, self.step);
-        let speeds = [self.model.sound_speed, self.fastest, self.connected];
-        before.scalars = [
-            speeds[0],
-            speeds[1],
-            speeds[2],
-            self.hardest,
-            self.last_step,
-        ];
+        let control = &mut self.control;
+        control.particles.remember(&self.liquid.flow.particles);
+        control.own.remember(&self.own);
+        control.walls.remember(&self.walls);
+        (control.now, control.ledger) = (self.liquid.now, self.liquid.ledger);
+        control.sound_speed = self.model.sound_speed;
     }
 
     fn restore(&mut self) {
-        let before = &self.control.before;
-        copy(&before.particles, &mut self.flow.particles);
-        self.rate.clone_from(&before.rate);
-        self.walls.density.clone_from(&before.walls);
-        self.around.resize(before.sums.len(), Default::default());
-        let pairs = self.around.iter_mut().zip(&before.sums);
-        pairs.for_each(|(around, sum)| around.sum = *sum);
-        self.held.resize(before.sums.len(), [0.0; 3]);
-        self.force.resize(before.sums.len(), [0.0; 3]);
-        self.flow.removed = before.removed;
-        self.ledger = before.ledger;
-        (self.time, self.step) = (before.time, before.step);
-        [
-            self.model.sound_speed,
-            self.fastest,
-            self.connected,
-            self.hardest,
-            self.last_step,
-        ] = before.scalars;
+        let control = &self.control;
+        control.particles.restore(&mut self.liquid.flow.particles);
+        control.own.restore(&mut self.own);
+        control.walls.restore(&mut self.walls);
+        let n = self.liquid.len();
+        self.own.around.resize(n, Default::default());
+        self.own.held.resize(n, [0.0; 3]);
+        self.own.force.resize(n, [0.0; 3]);
+        (self.liquid.now, self.liquid.ledger) = (control.now, control.ledger);
+        self.model.sound_speed = control.sound_speed;
+        self.tension_age = f64::INFINITY;
     }
-}
-
-/// Without an allocation where there is room.
-fn copy(from: &Particles, to: &mut Particles) {
-    for a in 0..3 {
-        to.position[a].clone_from(&from.position[a]);
-        to.velocity[a].clone_from(&from.velocity[a]);
-    }
-    to.density.clone_from(&from.density);
-    to.id.clone_from(&from.id);
-    to.body.clone_from(&from.body);
-    to.mass = from.mass;
 }

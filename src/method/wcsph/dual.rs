@@ -2,12 +2,11 @@
 //! rows once per advective step; pressure and density in acoustic sub-steps by position Verlet.
 
 use super::{SURFACE, Wcsph};
-use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::shifting::{LOOSE, Shifting};
-use crate::method::{Diverged, frame};
-use crate::space::parallel::{each_mut, max, sum_mut, three};
+use crate::method::Diverged;
+use crate::method::shifting::Shifting;
+use crate::space::parallel::{each_mut, sum_mut, three};
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
@@ -27,50 +26,50 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         part: f64,
     ) -> Result<(), Diverged> {
         let acoustic = part * acoustic;
-        let crossing = advective * self.model.h / self.connected.max(1e-30);
-        self.flow.lasting = crossing.min(MOST * self.inner(acoustic));
+        let crossing = advective * self.liquid.case.h / self.liquid.now.connected_speed.max(1e-30);
+        self.liquid.flow.lasting = crossing.min(MOST * self.inner(acoustic));
         self.rebuild();
-        self.connected = self.connected_speed();
+        let (around, scale) = (&self.own.around, self.sum_factor());
+        let kernel_sum = |i: usize| around[i].kernel_sum(scale);
+        self.liquid.now.connected_speed = self.liquid.max_connected_speed(kernel_sum);
         self.follow();
         let inner = self.inner(acoustic);
         let longest = |s: &Self| (part * s.limits_now().advective(advective)).min(MOST * inner);
         // The derivative of an energy is taken in the middle of the step (position Verlet); then
         // the step follows the accelerations of the one before.
-        let midway = self.follows_energy().then(|| longest(self));
-        self.hold(0.5 * midway.unwrap_or(0.0));
-        let outer = midway.unwrap_or_else(|| longest(self));
-        self.ledger.step(outer);
+        let expected = longest(self);
+        let follows_energy = self.liquid.follows_energy();
+        self.liquid.set_body_force(0.5 * expected);
+        self.hold(if follows_energy { 0.5 * expected } else { 0.0 });
+        let outer = if follows_energy {
+            expected
+        } else {
+            longest(self)
+        };
+        self.liquid.ledger.step(outer);
+        self.liquid.begin_step();
         self.bound(outer);
         let count = (outer / inner).ceil();
         let dt = outer / count;
-        self.last_step = dt;
+        self.liquid.now.last_step = dt;
         for k in 0..count as usize {
             self.acoustic_step(dt, k == 0)?;
         }
         self.close_walls(dt);
+        self.liquid.end_step();
         self.check_energy()
     }
 
     /// The longest acoustic step, s.
     fn inner(&self, acoustic: f64) -> f64 {
-        acoustic * self.model.h / (self.model.sound_speed + self.connected)
-    }
-
-    /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
-    fn connected_speed(&self) -> f64 {
-        let (scale, p) = (self.sum_factor(), &self.flow.particles);
-        let speed = |i: usize| match self.around[i].kernel_sum(scale) < LOOSE {
-            true => 0.0,
-            false => p.speed(i),
-        };
-        max(self.around.len(), speed).max(0.0)
+        acoustic * self.liquid.case.h / (self.model.sound_speed + self.liquid.now.connected_speed)
     }
 
     /// Lets the speed of sound follow the largest speed of the moment: up at once, down slowly.
     /// Pressures stay what they are; densities change to what these mean under the new speed.
     fn follow(&mut self) {
         let (old, [least, most]) = (self.model.sound_speed, self.model.sound_speeds);
-        let wanted = self.model.settings.sound_speed_factor * self.connected;
+        let wanted = self.model.settings.sound_speed_factor * self.liquid.now.connected_speed;
         let new = wanted.max(SLOWING * old).clamp(least, most);
         if new == old {
             return;
@@ -79,56 +78,56 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.model.sound_speed = new;
         let (model, ratio) = (&self.model, (old / new).powi(2));
         each_mut(
-            &mut self.flow.particles.density[..self.around.len()],
+            &mut self.liquid.flow.particles.density[..self.own.around.len()],
             |_, rho| {
                 *rho = model.density_at(ratio * model.pressure(*rho));
             },
         );
-        self.ledger.diffusion += self.stored() - before;
+        self.liquid.ledger.diffusion += self.stored() - before;
     }
 
-    /// What is held over the advective step: viscosity (from `look`), gravity, tension of where
+    /// What is held over the advective step: viscosity (from `look`), body forces, effects of where
     /// particles are `ahead` s later.
     pub(super) fn hold(&mut self, ahead: f64) {
-        let around = &self.around;
-        each_mut(&mut self.held[..around.len()], |i, held| {
+        let around = &self.own.around;
+        each_mut(&mut self.own.held[..around.len()], |i, held| {
             *held = around[i].vector
         });
-        let (p, parts) = (&self.flow.particles, &mut self.scratch.pairs);
-        self.ledger.viscous = frame::power(p, &self.held, parts);
-        if let Some(g) = self.model.effects.gravity {
-            gravity::add(g, &mut self.held);
-        }
-        self.add_tension_ahead(ahead);
-        if let Some(tension) = &self.tension {
-            let around = &mut self.around[..self.held.len()];
+        self.liquid.see_viscosity(&self.own.held);
+        self.liquid.body_force.add(&mut self.own.held);
+        self.add_effects_ahead(ahead);
+        if let Some(tension) = &self.liquid.effects.tension {
+            let around = &mut self.own.around[..self.own.held.len()];
             each_mut(around, |i, around| around.vector = tension.root_of(i));
         }
         // Pressure acceleration belongs to the acoustic criterion.
-        self.hardest = self.acceleration();
+        self.liquid.now.max_acceleration = self.acceleration();
     }
 
     /// Rows are made anew first if this step could let a pair be missed.
     fn acoustic_step(&mut self, dt: f64, is_first: bool) -> Result<(), Diverged> {
         if self
+            .liquid
             .flow
-            .stale(|i| HASTE * self.flow.particles.speed(i) * dt)
+            .stale(|i| HASTE * self.liquid.flow.particles.speed(i) * dt)
         {
             self.sort();
         }
-        let shifts = self.model.shifts(self.model.settings.shifting);
+        let shifts = self.liquid.case.shifts(self.model.settings.shifting);
         self.drift(0.5 * dt);
         self.pack_force(0.0);
         self.book_walls(dt, is_first);
         if shifts {
-            self.driven.resize(self.flow.liquid(), Default::default());
+            self.own
+                .driven
+                .resize(self.liquid.len(), Default::default());
             self.pair_force_and_gradient();
         } else {
             self.pair_force(());
         }
         self.kick(dt, shifts);
-        self.rub(dt);
-        self.fastest = self.speed();
+        self.liquid.rub(dt);
+        self.liquid.now.max_speed = self.liquid.max_speed();
         self.check()?;
         self.drift_position(0.5 * dt);
         if shifts {
@@ -144,21 +143,21 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 self.drift_density(0.5 * dt);
             }
         }
-        self.time += dt;
-        self.step += 1;
+        self.liquid.now.time += dt;
+        self.liquid.now.step += 1;
         Ok(())
     }
 
     /// v += dt (held + pressure acceleration), damped.
     fn kick(&mut self, dt: f64, shifts: bool) {
-        let damp = 1.0 / (1.0 + self.model.damping * dt);
-        let (held, force, driven) = (&self.held, &self.force, &self.driven);
+        let damp = 1.0 / (1.0 + self.liquid.case.damping * dt);
+        let (held, force, driven) = (&self.own.held, &self.own.force, &self.own.driven);
         let push = |i: usize, force: [f32; 3], v: [&mut f64; 3]| {
             for (a, v) in v.into_iter().enumerate() {
                 *v = damp * (*v + dt * (held[i][a] + force[a]) as f64);
             }
         };
-        let v = three(&mut self.flow.particles.velocity, held.len());
+        let v = three(&mut self.liquid.flow.particles.velocity, held.len());
         if shifts {
             each_mut(v, |i, v| push(i, driven[i].0, v));
         } else {
@@ -177,18 +176,18 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     fn drift_density(&mut self, dt: f64) {
-        let rate = &self.rate;
+        let rate = &self.own.rate;
         each_mut(
-            &mut self.flow.particles.density[..rate.len()],
+            &mut self.liquid.flow.particles.density[..rate.len()],
             |i, density| *density += dt * rate[i] as f64,
         );
-        self.ledger.diffusion += dt * self.ledger.diffusive;
+        self.liquid.ledger.diffusion += dt * self.liquid.ledger.diffusive;
     }
 
     /// Moves everything by `dt` s.
     pub(super) fn drift_position(&mut self, dt: f64) {
-        let n = self.flow.liquid();
-        let p = &mut self.flow.particles;
+        let n = self.liquid.len();
+        let p = &mut self.liquid.flow.particles;
         let v = &p.velocity;
         each_mut(three(&mut p.position, n), |i, x| {
             for a in 0..3 {
@@ -203,27 +202,27 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// a surface grad C is the shape of the surface too: there it would suck a crown back into the
     /// pool.
     fn shift(&mut self, dt: f64) {
-        let model = &self.model;
-        let d = model.dimension.count();
-        let gradient = K::norm(d) * (model.spacing / model.h).powi(d as i32) / model.h;
+        let (model, case) = (&self.model, &self.liquid.case);
+        let d = case.dimension.count();
+        let gradient = K::norm(d) * (case.spacing / case.h).powi(d as i32) / case.h;
         let shifting = Shifting {
             strength: model.settings.shifting,
-            h: model.h,
+            h: case.h,
             dt,
-            fastest: self.connected,
-            capillary: Shifting::capillary(model.effects.sigma(), model.density, model.h),
+            fastest: self.liquid.now.connected_speed,
+            capillary: Shifting::capillary(case.effects.sigma(), case.density, case.h),
             unit: gradient,
         };
         let scale = self.sum_factor();
-        for (i, dry) in self.tension.iter().flat_map(|t| t.dry()) {
-            (0..3).for_each(|a| self.driven[i].1[a] -= dry[a]);
+        for (i, dry) in self.liquid.effects.tension.iter().flat_map(|t| t.dry()) {
+            (0..3).for_each(|a| self.own.driven[i].1[a] -= dry[a]);
         }
-        let (around, driven) = (&self.around, &self.driven);
-        let p = &mut self.flow.particles;
+        let (around, driven) = (&self.own.around, &self.own.driven);
+        let p = &mut self.liquid.flow.particles;
         let twice = 2.0 * model.density * gradient;
-        let g = model.effects.gravity.unwrap_or_default();
+        let g = self.liquid.body_force.constant.unwrap_or_default();
         let [work] = sum_mut(
-            &mut self.control.parts,
+            &mut self.liquid.parts,
             (
                 &mut p.density[..around.len()],
                 three(&mut p.position, around.len()),
@@ -251,6 +250,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 [work]
             },
         );
-        self.ledger.shifting += p.mass * work;
+        self.liquid.ledger.shifting += p.mass * work;
     }
 }

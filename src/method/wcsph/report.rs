@@ -1,4 +1,4 @@
-//! What a run tells of itself: budgets, frames.
+//! Frames.
 
 use super::{SURFACE, Wcsph};
 use crate::effect::viscosity::PairViscosity;
@@ -7,31 +7,26 @@ use crate::method::frame;
 use crate::particle::Frame;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
-    /// Kinetic and potential energy, J, momentum, kg m/s.
-    pub(super) fn budget(&self) -> [f64; 5] {
-        frame::budget(&self.flow, self.model.effects.gravity)
-    }
-
     /// What the log shows.
     pub(super) fn make_frame(&self) -> Frame {
-        let [kinetic, potential, x, y, z] = self.budget();
-        let p = &self.flow.particles;
-        let moved = (self.fastest, self.last_step, self.step);
-        let mut named = vec![
+        let [kinetic, potential, momentum @ ..] = self.liquid.budget();
+        let p = &self.liquid.flow.particles;
+        let energies = [
             ("kinetic_energy_J", kinetic),
             ("potential_energy_J", potential),
             ("compression_energy_J", self.compression()),
         ];
-        named.extend(frame::progress(&self.flow, [x, y, z], moved));
-        named.push(("steps_rejected", self.control.rejected as f64));
-        named.extend(self.budget_scalars());
-        let scalars = named
+        let rejected = ("steps_rejected", self.control.steps.rejected as f64);
+        let works = self.books().then(|| self.liquid.ledger.works());
+        let named = energies
             .into_iter()
-            .map(|(name, value)| (name.to_string(), value));
+            .chain(self.liquid.progress(momentum))
+            .chain([rejected])
+            .chain(works.into_iter().flatten());
         let fields = frame::Fields {
             pressure: &|i| self.model.pressure(p.density[i]),
             surface: &|i| self.kernel_sum(i) < SURFACE,
         };
-        frame::of(self.time, p, &fields, scalars.collect())
+        self.liquid.frame(&fields, named)
     }
 }

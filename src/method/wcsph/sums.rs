@@ -11,14 +11,14 @@ use crate::space::sweep;
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// norm s0^d / h^d: turns [`Surroundings::sum`] into the kernel sum (without the particle).
     pub(super) fn sum_factor(&self) -> f32 {
-        let d = self.model.dimension.count();
-        (K::norm(d) * (self.model.spacing / self.model.h).powi(d as i32)) as f32
+        let d = self.liquid.case.dimension.count();
+        (K::norm(d) * (self.liquid.case.spacing / self.liquid.case.h).powi(d as i32)) as f32
     }
 
     /// Kernel sum of particle `i`: 1 inside, 0.77 at a flat surface.
     #[inline(always)]
     pub(super) fn kernel_sum(&self, i: usize) -> f32 {
-        self.around[i].kernel_sum(self.sum_factor())
+        self.own.around[i].kernel_sum(self.sum_factor())
     }
 
     /// Viscosity, kernel sums and their gradients of all particles.
@@ -34,7 +34,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if U::PRESENT {
             self.extrapolate_velocity();
         } else {
-            self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+            self.liquid.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
         }
         let factor = self.gradient_factor();
         let pass = Neighbourhood {
@@ -42,31 +42,43 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             viscosity,
             kernel: self.kernel,
         };
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, self.scale(), &pass, &mut self.around);
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
+        sweep::rows(
+            records,
+            rows,
+            self.liquid.scale(),
+            &pass,
+            &mut self.own.around,
+        );
+        if self.liquid.removes_mist {
+            self.own.kernel_sum.clear();
+            let sums = self.own.around.iter().map(|around| around.sum);
+            self.own.kernel_sum.extend(sums);
+        }
     }
 
     /// (1) for liquid, and for the wall if it carries its own density.
     pub(super) fn sum_density(&mut self) {
-        self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
-        let d = self.model.dimension.count();
-        let factor = self.flow.particles.mass * K::norm(d) / self.model.h.powi(d as i32);
+        self.liquid.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        let d = self.liquid.case.dimension.count();
+        let factor =
+            self.liquid.flow.particles.mass * K::norm(d) / self.liquid.case.h.powi(d as i32);
         let pass = Summation {
             factor,
             own: factor * K::w(0.0),
             kernel: self.kernel,
         };
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
+        let scale = self.liquid.scale();
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
         sweep::rows(
             records,
             rows,
             scale,
             &pass,
-            &mut self.flow.particles.density,
+            &mut self.liquid.flow.particles.density,
         );
-        if self.flow.walls() > 0 && self.flow.wall_sees_wall {
-            let rows = &self.flow.wall_rows;
+        if self.liquid.flow.walls() > 0 && self.liquid.flow.wall_sees_wall {
+            let rows = &self.liquid.flow.wall_rows;
             sweep::rows(records, rows, scale, &pass, &mut self.walls.density);
         }
     }
@@ -78,16 +90,16 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         let (model, rho0) = (&self.model, self.model.density);
         let c = model.sound_speed;
-        let lag = (2.0 * diffusion * model.h / c) as f32;
-        let gravity = [model.effects.gravity.unwrap_or_default().map(|g| g as f32)];
+        let lag = (2.0 * diffusion * self.liquid.case.h / c) as f32;
+        let gravity = [self.liquid.body_force.total().map(|g| g as f32)];
         let held = match apart {
-            true => &self.held[..],
+            true => &self.own.held[..],
             false => &gravity,
         };
         let ahead = |v: [f32; 3], f: [f32; 3]| [0, 1, 2].map(|a| v[a] + 0.5 * lag * f[a]);
         let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
         let density = &self.walls.density;
-        self.flow.pack(
+        self.liquid.flow.pack(
             |p, i| {
                 let [x, y, z] = ahead(velocity(p, i), held[i.min(held.len() - 1)]);
                 [x, y, z, excess(p.density[i]), 0.0]
@@ -105,21 +117,26 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             held,
             kernel: self.kernel,
         };
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.rate);
+        let scale = self.liquid.scale();
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.own.rate);
     }
 
     /// The same for the budget, sparing what holds the load of a tension that has an energy.
     fn density_rate_apart(&mut self, diffusion: f64) {
         let (rho0, c) = (self.model.density, self.model.sound_speed);
-        let gravity = self.model.effects.gravity.unwrap_or_default();
-        let (around, density) = (&self.around, &self.walls.density);
+        let gravity = self.liquid.body_force.total();
+        let (around, density) = (&self.own.around, &self.walls.density);
         let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
-        let tension = self.tension.as_ref().filter(|_| self.follows_energy());
+        let tension = self
+            .liquid
+            .effects
+            .tension
+            .as_ref()
+            .filter(|_| self.liquid.follows_energy());
         let load = tension.map_or(0.0, |t| t.coefficient / t.length);
         let spared = (2.0 * diffusion * c * LOAD * load / (rho0 * c * c)) as f32;
-        self.flow.pack(
+        self.liquid.flow.pack(
             |p, i| {
                 let [x, y, z] = velocity(p, i);
                 let layer = around[i].vector != [0.0; 3];
@@ -134,12 +151,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let pass = Spared {
             factor: self.gradient_factor(),
             diffusion: (2.0 * diffusion * c) as f32,
-            held: gravity.map(|g| (2.0 * diffusion * self.model.h / c * g) as f32),
+            held: gravity.map(|g| (2.0 * diffusion * self.liquid.case.h / c * g) as f32),
             kernel: self.kernel,
         };
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.force);
+        let scale = self.liquid.scale();
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.own.force);
     }
 
     /// (4) without a_s, g and viscosity, and the gradient of the kernel sum, into `driven`.
@@ -157,9 +174,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             viscosity: (),
             kernel: self.kernel,
         });
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.driven);
+        let scale = self.liquid.scale();
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.own.driven);
     }
 
     /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
@@ -177,8 +194,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             viscosity,
             kernel: self.kernel,
         };
-        let scale = self.scale();
-        let (records, rows) = (&self.flow.records, &self.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.force);
+        let scale = self.liquid.scale();
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
+        sweep::rows(records, rows, scale, &pass, &mut self.own.force);
     }
 }

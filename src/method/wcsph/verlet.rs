@@ -2,7 +2,6 @@
 //! forces see the velocity predicted to the end of the step.
 
 use super::Wcsph;
-use crate::effect::gravity;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::{Diverged, Solver};
@@ -24,7 +23,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         &mut self,
         on_step: &mut dyn FnMut(&dyn Solver),
     ) -> Result<(), Diverged> {
-        self.flow.lasting = LONGEST as f64 * self.next_step();
+        self.liquid.flow.lasting = LONGEST as f64 * self.next_step();
         self.rebuild();
         // Rates of density see the walls of the step before, which no state keeps.
         if self.model.diffusion().is_some() {
@@ -32,11 +31,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         for k in 0..LONGEST {
             let dt = self.next_step();
-            let push = self.hardest * dt;
+            let push = self.liquid.now.max_acceleration * dt;
             if k > 0
                 && self
+                    .liquid
                     .flow
-                    .stale(|i| (self.flow.particles.speed(i) + push) * dt)
+                    .stale(|i| (self.liquid.flow.particles.speed(i) + push) * dt)
             {
                 break;
             }
@@ -52,16 +52,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         Ok(())
     }
 
-    /// A step that leaves the accelerations of before if it is bad.
     fn bounded_step(&mut self, dt: f64) -> Result<(), Diverged> {
         self.bound(dt);
         self.verlet_step(dt);
-        let outcome = self.check().and_then(|()| self.check_energy());
-        if outcome.is_err() {
-            std::mem::swap(&mut self.held, &mut self.force);
-            self.tension_age = f64::INFINITY;
-        }
-        outcome
+        self.check().and_then(|()| self.check_energy())
     }
 
     fn next_step(&self) -> f64 {
@@ -73,10 +67,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     fn verlet_step(&mut self, dt: f64) {
-        let n = self.flow.liquid();
+        let n = self.liquid.len();
         {
-            let p = &mut self.flow.particles;
-            let held = &self.held;
+            let p = &mut self.liquid.flow.particles;
+            let held = &self.own.held;
             each_mut(
                 (three(&mut p.velocity, n), three(&mut p.position, n)),
                 |i, (v, x)| {
@@ -89,10 +83,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             );
         }
         self.evaluate(0.5 * dt, dt);
-        let damp = 1.0 / (1.0 + self.model.damping * dt);
+        let damp = 1.0 / (1.0 + self.liquid.case.damping * dt);
         {
-            let p = &mut self.flow.particles;
-            let held = &self.held;
+            let p = &mut self.liquid.flow.particles;
+            let held = &self.own.held;
             each_mut(three(&mut p.velocity, n), |i, v| {
                 for a in 0..3 {
                     let v = &mut *v[a];
@@ -100,35 +94,34 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 }
             });
         }
-        self.rub(dt);
-        self.fastest = self.speed();
-        self.connected = self.fastest;
-        self.time += dt;
-        self.step += 1;
-        self.last_step = dt;
+        self.liquid.rub(dt);
+        self.liquid.now.max_speed = self.liquid.max_speed();
+        self.liquid.now.connected_speed = self.liquid.now.max_speed;
+        self.liquid.now.time += dt;
+        self.liquid.now.step += 1;
+        self.liquid.now.last_step = dt;
     }
 
     /// Density and all accelerations at the current positions, into `held`.
     /// `ahead`: seconds by which the stored velocity lags.
     fn evaluate(&mut self, ahead: f64, dt: f64) {
+        self.liquid.set_body_force(dt);
         match self.model.diffusion() {
             None => self.sum_density(),
             Some(diffusion) => {
                 self.density_rate(diffusion, false);
-                let rate = &self.rate;
+                let rate = &self.own.rate;
                 each_mut(
-                    &mut self.flow.particles.density[..rate.len()],
+                    &mut self.liquid.flow.particles.density[..rate.len()],
                     |i, density| *density += dt * rate[i] as f64,
                 );
             }
         }
         self.repack_force(ahead);
         self.pair_force(self.viscosity);
-        if let Some(g) = self.model.effects.gravity {
-            gravity::add(g, &mut self.force);
-        }
-        self.add_tension_of_step(dt);
-        std::mem::swap(&mut self.held, &mut self.force);
-        self.hardest = self.acceleration();
+        self.liquid.body_force.add(&mut self.own.force);
+        self.add_effects_of_step(dt);
+        std::mem::swap(&mut self.own.held, &mut self.own.force);
+        self.liquid.now.max_acceleration = self.acceleration();
     }
 }

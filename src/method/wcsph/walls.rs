@@ -1,9 +1,11 @@
 //! What wall particles carry: density, pressure, and the velocity that viscosity sees.
 
 use super::{SURFACE, Wcsph};
+use crate::columns;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::{self, Kernel};
 use crate::method::pass::{Extrapolation, WallSums};
+use crate::particle::column::{Entry, Role};
 use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
 use crate::space::parallel::{each_mut, sum_mut};
@@ -19,19 +21,25 @@ const DAMP: f32 = 0.25;
 const STRIPS: usize = 64;
 const LIKE: f64 = 1e-6;
 
-/// One entry per wall particle, in the order of the flow's wall.
-#[derive(Default)]
-pub struct WallState {
-    /// kg/m^3.
-    pub density: Vec<f64>,
-    pub sums: Vec<WallSums>,
-    /// Kernel sum over the liquid of a wall that is wet; empty unless it matters.
-    wet: Vec<f32>,
-    /// Power of the pressure of the acoustic step before with the velocities of now, W.
-    pub power_since: f64,
-    /// The velocity that viscosity sees, m/s.
-    viscous: Vec<[f32; 3]>,
+columns! {
+    /// What is kept of a wall particle, in the order of the flow's wall.
+    #[derive(Default)]
+    pub struct WallState as this {
+        /// kg/m^3.
+        pub density: f64 => Role::RolledBack,
+        pub sums: WallSums => Role::Scratch,
+        /// Kernel sum over the liquid of a wall that is wet; empty unless it matters.
+        wet: f32 => Role::Held,
+        /// The velocity that viscosity sees, m/s.
+        viscous: [f32; 3] => Role::Scratch,
+    }
+    with {
+        /// Power of the pressure of the acoustic step before with the velocities of now, W.
+        pub power_since: f64,
+    }
 }
+
+impl Entry for WallSums {}
 
 impl WallState {
     pub fn resize(&mut self, walls: usize, density: f64) {
@@ -43,11 +51,11 @@ impl WallState {
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn extrapolate(&mut self) {
-        let scale = self.scale();
+        let scale = self.liquid.scale();
         let pass = Extrapolation {
             kernel: self.kernel,
         };
-        let (records, rows) = (&self.flow.records, &self.flow.wall_rows);
+        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.wall_rows);
         sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
     }
 
@@ -64,9 +72,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     fn write_force(&mut self, ahead: f64, moved: bool) {
         self.tear();
-        let (model, held) = (&self.model, &self.held);
+        let (model, held) = (&self.model, &self.own.held);
         let controlled = model.settings.pressure == Pressure::Controlled;
-        let (around, sums) = (&self.around, self.sum_factor());
+        let (around, sums) = (&self.own.around, self.sum_factor());
         let rho0 = model.density;
         let inverse = |rho: f64| 1.0 / (rho * rho);
         let liquid = |p: &Particles, i: usize| {
@@ -83,21 +91,21 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         };
         let wall = |_: &Wall, _: usize| [0.0, 0.0, 0.0, 0.0, inverse(rho0) as f32];
         if moved {
-            self.flow.pack(liquid, wall);
+            self.liquid.flow.pack(liquid, wall);
         } else {
-            self.flow.repack(liquid, wall);
+            self.liquid.flow.repack(liquid, wall);
         }
-        if self.flow.walls() == 0 {
+        if self.liquid.flow.walls() == 0 {
             return;
         }
-        if !self.flow.wall_sees_wall {
+        if !self.liquid.flow.wall_sees_wall {
             self.extrapolate();
             self.walls.power_since = self.power_of_walls();
             self.wall_density();
         }
         self.set_viscous_velocity();
         let (model, walls) = (&self.model, &self.walls);
-        self.flow.pack_wall(|i| {
+        self.liquid.flow.pack_wall(|i| {
             let (rho, v) = (walls.density[i], walls.viscous[i]);
             let pressure = (model.pressure(rho) * inverse(rho)) as f32;
             [v[0], v[1], v[2], pressure, inverse(rho) as f32]
@@ -109,17 +117,17 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// thinner, so that stretching it would look like expansion, and the pressure against that
     /// would take its energy.
     fn tear(&mut self) {
-        let Some(least) = self.model.torn() else {
+        let Some(least) = self.model.torn(&self.liquid.case) else {
             return;
         };
-        let (around, sums) = (&self.around, self.sum_factor());
+        let (around, sums) = (&self.own.around, self.sum_factor());
         // Pressure works by the mean of its values now and in the step before, and goes on to do so
         // where density no longer follows.
-        let (model, rate, dt) = (&self.model, &self.rate, self.last_step);
-        let (torn, mass) = (model.pressure(least), self.flow.particles.mass);
+        let (model, rate, dt) = (&self.model, &self.own.rate, self.liquid.now.last_step);
+        let (torn, mass) = (model.pressure(least), self.liquid.flow.particles.mass);
         let [given] = sum_mut(
-            &mut self.control.parts,
-            &mut self.flow.particles.density[..around.len()],
+            &mut self.liquid.parts,
+            &mut self.liquid.flow.particles.density[..around.len()],
             |i, rho| {
                 if around[i].kernel_sum(sums) >= SURFACE || *rho >= least {
                     return [0.0];
@@ -129,19 +137,19 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 [0.5 * (torn + model.pressure(before)) * (least - now) / (least * least)]
             },
         );
-        self.ledger.diffusion += mass * given;
+        self.liquid.ledger.diffusion += mass * given;
     }
 
     /// Finds, once, what wet walls see of the liquid: the kernel sum over a half-space, in a corner
     /// the product of those over two or three.
     fn soak(&mut self) {
-        let walls = self.flow.walls();
-        if !self.follows_energy() || self.walls.wet.len() == walls {
+        let walls = self.liquid.flow.walls();
+        if !self.liquid.follows_energy() || self.walls.wet.len() == walls {
             return;
         }
-        let (model, wall) = (&self.model, &self.flow.wall.position);
-        let domain = &model.domain;
-        let (kernel, dimension) = (model.sph.kernel, model.dimension.count());
+        let (case, wall) = (&self.liquid.case, &self.liquid.flow.wall.position);
+        let domain = &case.domain;
+        let (kernel, dimension) = (case.sph.kernel, case.dimension.count());
         let half = |depth: f64| {
             let step = (2.0 - depth).max(0.0) / STRIPS as f64;
             let at = |k: usize| kernel::plane(kernel, dimension, depth + (k as f64 + 0.5) * step);
@@ -154,7 +162,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             *known.entry(layer).or_insert_with(|| half(depth))
         };
         let of = |j: usize| {
-            let behind = |a: usize| (-wall[a][j]).max(wall[a][j] - domain.size[a]) / model.h;
+            let behind = |a: usize| (-wall[a][j]).max(wall[a][j] - domain.size[a]) / case.h;
             let depths = (0..3).map(behind).filter(|depth| *depth > 0.0);
             depths.map(&mut seen).product::<f64>().max(LIKE) as f32
         };
@@ -166,13 +174,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn wall_density(&mut self) {
         self.soak();
         let (model, unit, wet) = (&self.model, self.sum_factor(), &self.walls.wet);
-        let g = model.effects.gravity.unwrap_or([0.0; 3]);
+        let (g, h) = (self.liquid.body_force.total(), self.liquid.case.h);
         let sums = &self.walls.sums;
         each_mut(&mut self.walls.density[..sums.len()], |i, density| {
             let s = &sums[i];
             let lever: f64 = (0..3).map(|a| g[a] * s.lever[a] as f64).sum();
             let p = if s.weight > 0.0 {
-                (s.pressure as f64 + model.density * model.h * lever) / s.weight as f64
+                (s.pressure as f64 + model.density * h * lever) / s.weight as f64
             } else {
                 0.0
             };
@@ -188,8 +196,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// 2 u_wall - <v> (Adami et al. Eq. 23): no slip. A wall with its own density keeps u_wall.
     fn set_viscous_velocity(&mut self) {
-        let (sums, wall) = (&self.walls.sums, &self.flow.wall);
-        let own = self.flow.wall_sees_wall;
+        let (sums, wall) = (&self.walls.sums, &self.liquid.flow.wall);
+        let own = self.liquid.flow.wall_sees_wall;
         each_mut(&mut self.walls.viscous[..sums.len()], |i, viscous| {
             let s = &sums[i];
             let out = viscous;
@@ -207,7 +215,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Packs records for the advective pass, the walls with the velocity that makes no slip.
     pub(super) fn extrapolate_velocity(&mut self) {
         let w0 = (1.0 / (self.model.density * self.model.density)) as f32;
-        self.flow.pack(
+        self.liquid.flow.pack(
             |p, i| {
                 let v = super::velocity(p, i);
                 [
@@ -220,15 +228,16 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             },
             |_, _| [0.0, 0.0, 0.0, 0.0, w0],
         );
-        if self.flow.walls() == 0 {
+        if self.liquid.flow.walls() == 0 {
             return;
         }
-        if !self.flow.wall_sees_wall {
+        if !self.liquid.flow.wall_sees_wall {
             self.extrapolate();
         }
         self.set_viscous_velocity();
         let viscous = &self.walls.viscous;
-        self.flow
+        self.liquid
+            .flow
             .pack_wall(|i| [viscous[i][0], viscous[i][1], viscous[i][2], 0.0, w0]);
     }
 }

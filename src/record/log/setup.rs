@@ -48,7 +48,8 @@ impl LogSetup {
         provenance: Vec<(String, String)>,
     ) -> Self {
         let size = problem.domain.size;
-        let gravity = problem.effects.gravity.map_or(0.0, norm);
+        let forces = problem.effects.body_forces().into_iter();
+        let gravity = forces.map(norm).fold(0.0, f64::max);
         let fall = (2.0 * gravity * size[2]).sqrt();
         let fastest = problem.bodies.iter().map(|body| match body.motion {
             Motion::Uniform(velocity) => norm(velocity),

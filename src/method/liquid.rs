@@ -1,0 +1,346 @@
+//! The liquid under every method: particles, cells, rows, walls and images ([`Flow`]), effects,
+//! limits of the step, removal, the budget of energy, states and frames.
+//!
+//! A method has the arrays that its equations need, declared as columns, and hands them over where
+//! particles are sorted, removed or saved.
+
+use super::flow::Flow;
+use super::frame;
+use super::ledger::Ledger;
+use super::limit::Limits;
+use super::model::Case;
+use super::shifting::LOOSE;
+use crate::effect::active::{ActiveEffects, BodyForce};
+use crate::effect::wetting::friction::Hold;
+use crate::particle::column::{
+    Columns, Load, Memory, Reflect, Retain, Role, Save, Scalar, Scalars, Sort, Visitor,
+};
+use crate::particle::{Frame, State};
+use crate::space::grid::Scale;
+use crate::space::parallel::{max, sum_in, sum_mut, three};
+
+/// Where a run is, and what steps follow.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Simulated time, s, and steps taken.
+    pub time: f64,
+    pub step: u64,
+    /// Length of the last step, s.
+    pub last_step: f64,
+    /// Largest speed, m/s, and acceleration, m/s^2, of the last step.
+    pub max_speed: f64,
+    pub max_acceleration: f64,
+    /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
+    pub connected_speed: f64,
+    /// What left the scene: mass, kg, and particles.
+    pub removed_mass: f64,
+    pub removed_particles: u64,
+}
+
+impl Scalars for Moment {
+    fn scalars(&mut self, see: &mut dyn FnMut(&'static str, &mut dyn Scalar)) {
+        see("removed_mass_kg", &mut self.removed_mass);
+        see("removed_particles", &mut self.removed_particles);
+        see("time_step_s", &mut self.last_step);
+        see("acceleration_m_s2", &mut self.max_acceleration);
+        see("connected_speed_m_s", &mut self.connected_speed);
+    }
+}
+
+/// What every method moves.
+pub struct Liquid {
+    pub case: Case,
+    pub flow: Flow,
+    pub effects: ActiveEffects,
+    pub now: Moment,
+    pub ledger: Ledger,
+    /// Uniform accelerations of this step, m/s^2.
+    pub body_force: BodyForce,
+    /// Of contact lines, by particle; empty without friction.
+    pub friction: Vec<Hold>,
+    /// Whether single particles that cross a periodic side are removed.
+    pub removes_mist: bool,
+    /// Energy of the body force that is driven at the start of a step, J.
+    driven: f64,
+    mist: Vec<bool>,
+    positions: [Vec<f64>; 3],
+    /// Parts of sums.
+    pub parts: Vec<[f64; 1]>,
+    pairs: Vec<[f64; 2]>,
+}
+
+impl Liquid {
+    /// `removes_mist`: as the field.
+    pub fn new(
+        case: Case,
+        flow: Flow,
+        effects: ActiveEffects,
+        removes_mist: bool,
+        state: &State,
+    ) -> Self {
+        let mut liquid = Liquid {
+            case,
+            flow,
+            effects,
+            now: Moment {
+                time: state.time,
+                step: state.step,
+                ..Moment::default()
+            },
+            ledger: Ledger::default(),
+            body_force: BodyForce::default(),
+            friction: Vec::new(),
+            removes_mist,
+            driven: 0.0,
+            mist: Vec::new(),
+            positions: Default::default(),
+            parts: Vec::new(),
+            pairs: Vec::new(),
+        };
+        liquid.now.max_speed = liquid.max_speed();
+        liquid.now.connected_speed = liquid.now.max_speed;
+        liquid.now.load(state);
+        liquid.ledger.load(state);
+        liquid.set_body_force(0.0);
+        liquid
+    }
+
+    /// Liquid particles.
+    pub fn len(&self) -> usize {
+        self.flow.liquid()
+    }
+
+    /// Turns differences in fixed point into separations over h.
+    pub fn scale(&self) -> Scale {
+        self.flow.grid.scale(self.case.h)
+    }
+
+    /// Whether the tension is the derivative of an energy.
+    pub fn follows_energy(&self) -> bool {
+        self.case.follows_energy()
+    }
+
+    /// Largest speed now, m/s.
+    pub fn max_speed(&self) -> f64 {
+        let p = &self.flow.particles;
+        max(p.len(), |i| p.speed(i)).max(0.0)
+    }
+
+    /// Largest speed now of what is not spray, m/s; `kernel_sum` by particle: 1 inside.
+    pub fn max_connected_speed(&self, kernel_sum: impl Fn(usize) -> f32 + Sync) -> f64 {
+        let p = &self.flow.particles;
+        let speed = |i: usize| match kernel_sum(i) < LOOSE {
+            true => 0.0,
+            false => p.speed(i),
+        };
+        max(p.len(), speed).max(0.0)
+    }
+
+    /// Limits of a step now; `sound_speed` in m/s.
+    pub fn limits(&self, sound_speed: f64) -> Limits<'_> {
+        Limits {
+            h: self.case.h,
+            density: self.case.density,
+            sound_speed,
+            speed: self.now.connected_speed,
+            acceleration: self.now.max_acceleration,
+            effects: &self.effects,
+        }
+    }
+
+    /// Marks single particles beyond a periodic side, to be removed; `kernel_sum` by particle:
+    /// 1 inside.
+    pub fn find_mist(&mut self, kernel_sum: impl Fn(usize) -> f32 + Sync, least: f32) {
+        self.mist.clear();
+        if self.removes_mist && self.now.step > 0 {
+            let is = |i: usize| self.flow.crosses(i) && kernel_sum(i) < least;
+            self.mist.extend((0..self.flow.liquid()).map(is));
+        }
+    }
+
+    /// Wraps periodic axes, puts back what is behind walls and mirror planes, removes what left
+    /// and what is mist.
+    pub fn confine(&mut self, own: &mut impl Columns) {
+        let mist = &self.mist;
+        let doomed = |i: usize| !mist.is_empty() && mist[i];
+        let kept = self.flow.confine(doomed);
+        own.visit(&mut Reflect(&self.flow.reflected));
+        self.friction.clear();
+        let Some(kept) = kept else {
+            self.ledger.removes = false;
+            return;
+        };
+        let gone = self.len() - kept.len();
+        self.flow.particles.visit(&mut Retain(&kept));
+        own.visit(&mut Retain(&kept));
+        self.now.removed_particles += gone as u64;
+        self.now.removed_mass += gone as f64 * self.flow.particles.mass;
+        self.ledger.removes = gone > 0;
+    }
+
+    /// Sorts particles along cells; every column follows.
+    pub fn sort(&mut self, own: &mut impl Columns) {
+        self.flow.sort();
+        let mut sort = Sort {
+            cells: &self.flow.liquid_cells,
+            spare: &mut self.flow.spare,
+        };
+        sort.visit(Role::Held, &mut self.friction);
+        own.visit(&mut sort);
+    }
+
+    /// Takes the uniform accelerations as they are `ahead` s from now.
+    pub fn set_body_force(&mut self, ahead: f64) {
+        self.body_force = self.effects.body_force(self.now.time + ahead);
+    }
+
+    /// Finds what effects do to particles where they will be `ahead` s from now, and adds it to
+    /// `into`. `is_surface`: whether a particle is at the free surface.
+    pub fn add_effects(
+        &mut self,
+        ahead: f64,
+        is_surface: &(dyn Fn(usize) -> bool + Sync),
+        into: &mut [[f32; 3]],
+    ) {
+        if !self.effects.has_updates() {
+            return;
+        }
+        let mut now = std::mem::take(&mut self.positions);
+        if ahead > 0.0 {
+            self.flow.look_ahead(ahead, &mut now);
+        } else if self.flow.has_moved() {
+            self.flow.place();
+        }
+        let sources = self.flow.sources();
+        let surface = super::surface_of(&self.flow, &sources);
+        self.friction.clear();
+        let (particles, friction) = (&self.flow.particles, &mut self.friction);
+        let effects = &mut self.effects;
+        if let Some(account) = effects.update(&surface, is_surface, particles, friction) {
+            self.ledger.see(account);
+        }
+        self.effects.add(into);
+        if ahead > 0.0 {
+            self.flow.look_back(&mut now);
+        }
+        self.positions = now;
+    }
+
+    /// Lets friction act on contact lines for `dt` s.
+    pub fn rub(&mut self, dt: f64) {
+        let friction = &self.friction;
+        let [work] = sum_mut(
+            &mut self.parts,
+            three(&mut self.flow.particles.velocity, friction.len()),
+            |i, v| {
+                let [x, y, z] = v;
+                let before = [*x, *y, *z];
+                [*x, *y, *z] = friction[i].slowed(before, dt);
+                [frame::gained(before, [*x, *y, *z])]
+            },
+        );
+        self.ledger.walls += self.flow.particles.mass * work;
+    }
+
+    /// Energy of motion, of height, and of compression, J; `compression`, J/kg, at a density.
+    pub fn stored(&mut self, compression: impl Fn(f64) -> f64 + Sync) -> f64 {
+        let p = &self.flow.particles;
+        let own = |i: usize| compression(p.density[i]);
+        frame::stored(p, self.body_force.constant, own, &mut self.parts)
+    }
+
+    /// Kinetic and potential energy, J, momentum, kg m/s.
+    pub fn budget(&self) -> [f64; 5] {
+        frame::budget(&self.flow, self.body_force.constant)
+    }
+
+    /// Takes the accelerations `held`, m/s^2, of viscosity.
+    pub fn see_viscosity(&mut self, held: &[[f32; 3]]) {
+        self.ledger.viscous = frame::power(&self.flow.particles, held, &mut self.pairs);
+    }
+
+    /// A step begins: positions are those from which a driven body force does work until
+    /// [`Liquid::end_step`].
+    pub fn begin_step(&mut self) {
+        self.driven = self.driven_energy();
+    }
+
+    /// Books the work of a driven body force: that of the same force as a constant.
+    pub fn end_step(&mut self) {
+        self.ledger.walls += self.driven_energy() - self.driven;
+    }
+
+    /// SUM m a . x of a driven body force, J; zero without.
+    fn driven_energy(&mut self) -> f64 {
+        let Some(driven) = self.body_force.driven else {
+            return 0.0;
+        };
+        let p = &self.flow.particles;
+        let [sum] = sum_in(&mut self.parts, p.len(), |i| {
+            [(0..3).map(|a| driven[a] * p.position[a][i]).sum()]
+        });
+        p.mass * sum
+    }
+
+    /// A state with the particles and what the liquid needs; the method adds its own scalars.
+    pub fn state(&self, own: &impl Columns) -> State {
+        let mut state = State {
+            time: self.now.time,
+            step: self.now.step,
+            particles: self.flow.particles.clone(),
+            ..State::default()
+        };
+        self.now.save(&mut state);
+        for (name, value) in self.effects.kept() {
+            state.scalars.push((name.to_string(), value));
+        }
+        own.view(&mut Save(&mut state));
+        state
+    }
+
+    /// Gives columns what a state has of them.
+    pub fn load(state: &State, own: &mut impl Columns) {
+        own.visit(&mut Load(state));
+    }
+
+    /// A frame with `named` scalars after those of the liquid: pairs of a name and a value.
+    pub fn frame(
+        &self,
+        fields: &frame::Fields,
+        named: impl IntoIterator<Item = (&'static str, f64)>,
+    ) -> Frame {
+        let named = named.into_iter().map(|(name, x)| (name.to_string(), x));
+        let p = &self.flow.particles;
+        frame::of(self.now.time, p, fields, named.collect())
+    }
+
+    /// What every frame has of mass, momentum, kg m/s, and the last step.
+    pub fn progress(&self, [x, y, z]: [f64; 3]) -> [(&'static str, f64); 8] {
+        let (p, now) = (&self.flow.particles, &self.now);
+        [
+            ("mass_kg", p.mass * p.len() as f64),
+            ("mass_removed_kg", now.removed_mass),
+            ("momentum_x_kg_m_s", x),
+            ("momentum_y_kg_m_s", y),
+            ("momentum_z_kg_m_s", z),
+            ("speed_max_m_s", now.max_speed),
+            ("time_step_s", now.last_step),
+            ("steps", now.step as f64),
+        ]
+    }
+
+    /// Bytes per particle: without neighbour rows, with them. `own`: columns of the method;
+    /// `more`: bytes that it holds beside.
+    pub fn memory(&self, own: &impl Columns, more: usize) -> (f64, f64) {
+        let mut memory = Memory::default();
+        own.view(&mut memory);
+        let of_liquid = std::mem::size_of::<Hold>() * self.friction.capacity()
+            + self.mist.capacity()
+            + 24 * self.positions[0].capacity()
+            + self.effects.memory();
+        let bytes = (memory.bytes + of_liquid + more) as f64;
+        let own = bytes / self.len().max(1) as f64;
+        let (bare, whole) = self.flow.memory();
+        (bare + own, whole + own)
+    }
+}

@@ -17,65 +17,65 @@ use crate::relax::Relax;
 use crate::settings::{self, Forecast};
 use crate::{forecast, probe};
 
-/// VERSION of each stage: grows whenever the same settings give another result. The golden digests
-/// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
+/// VERSION of each stage: grows whenever the same settings give another result. What only some
+/// scenes have is versioned by name, beside their settings, so that a change leaves the results of
+/// other scenes fresh. The golden digests in `tests/pipeline/golden.rs` fail when numbers change
+/// while these stand still.
 pub mod version {
-    use coronet::scene::{Density, Gradient, Method, Problem, TensionForm, TimeStepping};
+    use coronet::pipeline::Setting;
+    use coronet::scene::{Density, Method, Problem, TensionForm, TimeStepping};
 
+    /// Of packing.
     pub const PACK: u32 = 2;
-    const CALIBRATE: u32 = 7;
+    /// Of the calibration of the tension.
+    pub const CALIBRATE: u32 = 8;
+    /// Of relaxation and impact.
+    pub const FLOW: u32 = 21;
+    /// Of the evaluation.
     pub const POST: u32 = 10;
-    const FLOW: u32 = 19;
 
-    /// Of what only scenes with a contact angle, with its hysteresis, with the normalised colour,
-    /// with a tension that has an energy, with MPS, with a corrected gradient, with WCSPH or with
-    /// the continuity equation at one rate have.
-    const WETTING: u32 = 2;
-    const HYSTERESIS: u32 = 1;
-    const NORMALISED: u32 = 1;
-    const ENERGY: u32 = 1;
-    const MPS: u32 = 1;
-    const CORRECTED: u32 = 1;
-    const WCSPH: u32 = 1;
-    const ONE_RATE: u32 = 1;
-
-    fn normalised(problem: &Problem) -> u32 {
-        let form = TensionForm::NormalisedColour;
-        NORMALISED * u32::from(problem.effects.has_tension(form))
-    }
-
-    fn energetic(problem: &Problem) -> u32 {
-        let form = TensionForm::SurfaceEnergy;
-        ENERGY * u32::from(problem.effects.has_tension(form))
-    }
-
-    pub fn calibrate(scene: &Problem) -> u32 {
-        CALIBRATE + normalised(scene) + energetic(scene)
-    }
-
-    /// Of relaxation and impact: the sum of what a scene has, so that a change leaves the results
-    /// of other scenes fresh.
-    pub fn flow(scene: &Problem) -> u32 {
-        let wets = scene.effects.wetting.is_some();
-        let rubs = scene
-            .effects
-            .wetting
-            .is_some_and(|w| w.hysteresis.is_some());
-        let of_method = match &scene.method {
-            Method::Wcsph(settings) => match (settings.time_stepping, settings.density) {
-                (TimeStepping::Dual { .. }, _) | (_, Density::Summation) => WCSPH,
-                (_, Density::Continuity { .. }) => WCSPH + ONE_RATE,
-            },
-            Method::Isph(settings) => {
-                CORRECTED * u32::from(settings.gradient == Gradient::Corrected)
+    /// Versions of the parts of the program that a relaxation or an impact uses.
+    pub fn flow(problem: &Problem) -> Vec<Setting> {
+        let mut parts = tension(problem);
+        match &problem.method {
+            Method::Wcsph(settings) => {
+                parts.push(part("wcsph", 1));
+                let is_dual = matches!(settings.time_stepping, TimeStepping::Dual { .. });
+                if !is_dual && matches!(settings.density, Density::Continuity { .. }) {
+                    parts.push(part("one-rate", 1));
+                }
             }
-            Method::Mps(settings) => MPS + CORRECTED * u32::from(settings.gradient.is_corrected()),
-        };
-        FLOW + of_method
-            + WETTING * u32::from(wets)
-            + HYSTERESIS * u32::from(rubs)
-            + normalised(scene)
-            + energetic(scene)
+            Method::Isph(_) => parts.push(part("isph", 1)),
+            Method::Mps(_) => parts.push(part("mps", 1)),
+        }
+        if let Some(wetting) = problem.effects.wetting {
+            parts.push(part("wetting", 2));
+            if wetting.hysteresis.is_some() {
+                parts.push(part("hysteresis", 1));
+            }
+        }
+        if problem.effects.vibration.is_some() {
+            parts.push(part("vibration", 1));
+        }
+        parts
+    }
+
+    /// Of the form of the tension.
+    pub fn tension(problem: &Problem) -> Vec<Setting> {
+        match problem.effects.tension.map(|tension| tension.form) {
+            Some(TensionForm::NormalisedColour) => vec![part("normalised-colour", 1)],
+            Some(TensionForm::SurfaceEnergy) => vec![part("surface-energy", 1)],
+            _ => Vec::new(),
+        }
+    }
+
+    fn part(name: &str, version: u32) -> Setting {
+        let name = format!("version.{name}");
+        Setting {
+            canonical: format!("{name}={version}").into_bytes(),
+            shown: version.to_string(),
+            name,
+        }
     }
 }
 
@@ -94,7 +94,8 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     }
     let mut calibration = None;
     if let Some(input) = scene.calibrate_input() {
-        let settings = settings::list(&input, scene)?;
+        let mut settings = settings::list(&input, scene)?;
+        settings.extend(version::tension(scene));
         jobs.push(Box::new(Calibrate {
             input,
             bodies: match method::is_of_packing(scene) {
@@ -102,12 +103,13 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
                 false => bodies.clone(),
             },
             forecast: later(move || forecast::calibrate(scene)),
-            identity: identity("calibrate", "", version::calibrate(scene), settings),
+            identity: identity("calibrate", "", version::CALIBRATE, settings),
         }));
         calibration = Some(jobs.len() - 1);
     }
     let input = scene.impact_input();
-    let settings = settings::list(&input, scene)?;
+    let mut settings = settings::list(&input, scene)?;
+    settings.extend(version::flow(scene));
     jobs.push(Box::new(Impact {
         input,
         checkpoint_every: scene.impact.checkpoint_every,
@@ -115,7 +117,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         bodies,
         calibration,
         forecast: later(move || forecast::impact(scene)),
-        identity: identity("impact", "", version::flow(scene), settings),
+        identity: identity("impact", "", version::FLOW, settings),
     }));
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
     let input = scene.post_input(folder)?;
@@ -164,10 +166,11 @@ fn relax(
     input: RelaxInput,
     pack: usize,
 ) -> Result<Box<dyn Stage + '_>> {
-    let settings = settings::list(&input, &input.problem)?;
+    let mut settings = settings::list(&input, &input.problem)?;
+    settings.extend(version::flow(&input.problem));
     let part = &scene.bodies[body].name;
     Ok(Box::new(Relax {
-        identity: identity("relax", part, version::flow(&input.problem), settings),
+        identity: identity("relax", part, version::FLOW, settings),
         input,
         checkpoint_every: scene.impact.checkpoint_every,
         pack,

@@ -11,6 +11,7 @@ pub mod normal;
 pub mod select;
 pub mod surface;
 pub mod tension;
+pub mod vibration;
 pub mod viscosity;
 pub mod wetting;
 

@@ -5,6 +5,7 @@ use super::active::ActiveEffects;
 use super::gravity::Gravity;
 use super::tension::Tension;
 use super::tension::shore::Shore;
+use super::vibration::Vibration;
 use super::viscosity::{Cleary, Morris, Newtonian, PairViscosity, TwoTerm};
 use super::wetting::typed::Typed;
 use super::wetting::{Setting, Wetting};
@@ -75,6 +76,12 @@ pub fn active(effects: &Effects, tension: Option<Tension>) -> ActiveEffects {
     }
     if let Some(dynamic) = effects.mu() {
         others.push(Box::new(Newtonian { dynamic }));
+    }
+    if let Some(vibration) = effects.vibration {
+        others.push(Box::new(Vibration {
+            amplitude: vibration.amplitude,
+            frequency: vibration.frequency,
+        }));
     }
     ActiveEffects { others, tension }
 }

@@ -19,6 +19,11 @@ use crate::particle::{Frame, State};
 use crate::space::grid::Scale;
 use crate::space::parallel::{max, sum_in, sum_mut, three};
 
+/// A particle with a kernel sum below this that crosses a periodic side is mist: it has no more
+/// neighbours than the tip of a chain of particles, which has 0.19 in 3-D and 0.37 in 2-D (Wendland
+/// C2, h = 1.5 s0).
+const MIST: f32 = 0.4;
+
 /// Where a run is, and what steps follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
@@ -148,12 +153,12 @@ impl Liquid {
         }
     }
 
-    /// Marks single particles beyond a periodic side, to be removed; `kernel_sum` by particle:
-    /// 1 inside.
-    pub fn find_mist(&mut self, kernel_sum: impl Fn(usize) -> f32 + Sync, least: f32) {
+    /// Marks mist beyond a periodic side, to be removed. `kernel_sum` by particle, 1 inside; empty
+    /// before the first step.
+    pub fn find_mist(&mut self, kernel_sum: &[f32]) {
         self.mist.clear();
-        if self.removes_mist && self.now.step > 0 {
-            let is = |i: usize| self.flow.crosses(i) && kernel_sum(i) < least;
+        if self.removes_mist && self.now.step > 0 && !kernel_sum.is_empty() {
+            let is = |i: usize| self.flow.crosses(i) && kernel_sum[i] < MIST;
             self.mist.extend((0..self.flow.liquid()).map(is));
         }
     }

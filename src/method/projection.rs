@@ -61,9 +61,6 @@ use walls::Walls;
 /// lattice, more than 0.95 in the next.
 const SURFACE: f64 = 0.9;
 
-/// A particle with a kernel sum below this that crosses a periodic side is mist, as in WCSPH.
-const MIST: f32 = 0.4;
-
 /// What a method does in its own way. `p` is the solver that it belongs to.
 pub(super) trait Scheme: Sized + Send + Sync {
     /// As in `method.NAME` of a scene.

@@ -39,10 +39,6 @@ use std::marker::PhantomData;
 /// the layer below it 0.99.
 const SURFACE: f32 = 0.9;
 
-/// A particle with a kernel sum below this that crosses a periodic side is mist: it has no more
-/// neighbours than the tip of a ligament.
-const MIST: f32 = 0.4;
-
 columns! {
     /// What the method keeps of a particle.
     pub(super) struct Own as this {
@@ -54,7 +50,7 @@ columns! {
         /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
         pub driven: Driven => Role::Scratch,
         pub around: Surroundings => Role::Held,
-        /// SUM w of the others, where mist is removed at the next rebuild.
+        /// Kernel sum, where mist is removed at the next rebuild.
         pub kernel_sum: f32 => Role::Persistent("kernel_sum"),
     }
     with {
@@ -120,9 +116,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             control: control::Control::new(steps),
             kernel: PhantomData,
         };
-        if !is_dual && is_new {
-            solver.prime();
-        } else if solver.liquid.ledger.surface.is_none() && solver.liquid.follows_energy() {
+        let lacks_surface = solver.liquid.ledger.surface.is_none();
+        if !is_dual {
+            if is_new {
+                solver.prime();
+            }
+        } else if lacks_surface && solver.liquid.follows_energy() {
             solver.find_surface_energy();
         }
         solver
@@ -151,9 +150,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Wraps, removes, sorts, finds neighbours, looks at the surroundings.
     fn rebuild(&mut self) {
         let before = self.stored();
-        let (sums, scale) = (&self.own.kernel_sum, self.sum_factor());
-        let of = |i: usize| sums.get(i).map_or(1.0, |sum| scale * sum);
-        self.liquid.find_mist(of, MIST);
+        self.liquid.find_mist(&self.own.kernel_sum);
         self.liquid.confine(&mut self.own);
         self.liquid.ledger.removal += self.stored() - before;
         self.tension_age = f64::INFINITY;

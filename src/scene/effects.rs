@@ -1,5 +1,7 @@
 //! `[effects]`: what acts on the liquid. A table that is absent is an effect that is off.
 
+use std::f64::consts::TAU;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +9,7 @@ use super::Dimension;
 use super::error::SceneError;
 use super::schema::{by_preset, positive};
 use super::tree::Tree;
-use super::unit::{self, Acceleration, Angle, Maybe, One, Vector};
+use super::unit::{self, Acceleration, Angle, Length, Maybe, One, Rate, Vector};
 use super::wetting::Wetting;
 
 /// Effects that the scene asks for. `None` is absent: no cost, no array, no key.
@@ -19,6 +21,24 @@ pub struct Effects {
     pub tension: Option<SurfaceTension>,
     /// Contact angle on the walls.
     pub wetting: Option<Wetting>,
+    pub vibration: Option<Vibration>,
+}
+
+/// A harmonic motion of the box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vibration {
+    /// Amplitude of the displacement, m.
+    pub amplitude: [f64; 3],
+    /// 1/s.
+    pub frequency: f64,
+}
+
+impl Vibration {
+    /// Amplitude of the acceleration, m/s^2.
+    fn acceleration(&self) -> [f64; 3] {
+        let square = (TAU * self.frequency).powi(2);
+        self.amplitude.map(|amplitude| square * amplitude)
+    }
 }
 
 impl Effects {
@@ -32,9 +52,11 @@ impl Effects {
         self.tension.map(|tension| tension.coefficient)
     }
 
-    /// What acts on a body that relaxes; on one that hangs free neither gravity nor walls.
+    /// What acts on a body that relaxes, in a box at rest; on one that hangs free neither gravity
+    /// nor walls.
     pub fn at_rest(&self, is_free: bool) -> Effects {
         let mut effects = self.clone();
+        effects.vibration = None;
         if is_free {
             effects.gravity = None;
             effects.wetting = None;
@@ -44,7 +66,12 @@ impl Effects {
 
     /// The extremes of the acceleration that all particles have alike, m/s^2; none without.
     pub fn body_forces(&self) -> Vec<[f64; 3]> {
-        self.gravity.into_iter().collect()
+        let Some(vibration) = &self.vibration else {
+            return self.gravity.into_iter().collect();
+        };
+        let (g, a) = (self.gravity.unwrap_or_default(), vibration.acceleration());
+        let extreme = |sign: f64| std::array::from_fn(|axis| g[axis] + sign * a[axis]);
+        vec![extreme(-1.0), extreme(1.0)]
     }
 
     /// Whether the tension has this form.
@@ -65,6 +92,8 @@ pub struct EffectTables {
     pub tension: Option<SurfaceTension>,
     /// Contact angle on the walls; needs tension.
     pub wetting: Option<ContactAngle>,
+    /// A harmonic motion of the box.
+    pub vibration: Option<Shaking>,
 }
 
 impl EffectTables {
@@ -86,6 +115,12 @@ impl EffectTables {
             viscosity: effects.viscosity,
             tension: effects.tension,
             wetting: effects.wetting.map(|wetting| ContactAngle::of(&wetting)),
+            vibration: effects.vibration.map(|vibration| Shaking {
+                // The length is that of the direction; the vector says both.
+                amplitude: 1.0,
+                frequency: vibration.frequency,
+                direction: Some(dimension.components(vibration.amplitude)),
+            }),
         }
     }
 
@@ -94,11 +129,15 @@ impl EffectTables {
     pub fn effects(&self, dimension: Dimension, tree: &Tree<'_>) -> Result<Effects, SceneError> {
         let gravity = self.gravity.as_ref();
         let wetting = self.wetting.as_ref();
+        let vibration = self.vibration.as_ref();
         Ok(Effects {
             gravity: gravity.map(|g| g.vector(dimension, tree)).transpose()?,
             viscosity: self.viscosity,
             tension: self.tension,
             wetting: wetting.map(|angle| angle.wetting(tree)).transpose()?,
+            vibration: vibration
+                .map(|v| v.vibration(dimension, tree))
+                .transpose()?,
         })
     }
 }
@@ -120,14 +159,61 @@ impl Gravity {
         let Some(direction) = &self.direction else {
             return Ok([0.0, 0.0, -self.acceleration]);
         };
-        let key = "effects.gravity.direction";
-        let vector = dimension.vector(direction, key, tree)?;
-        let length = vector.iter().map(|each| each * each).sum::<f64>().sqrt();
-        if !(length > 0.0 && length.is_finite()) {
-            return Err(tree.fault(key, "has no direction", "give a vector that is not zero"));
-        }
-        // + 0.0 turns -0 into 0.
-        Ok(vector.map(|each| self.acceleration * (each / length) + 0.0))
+        along(
+            direction,
+            self.acceleration,
+            "effects.gravity.direction",
+            dimension,
+            tree,
+        )
+    }
+}
+
+/// A vector of this length along a direction.
+fn along(
+    direction: &Vector<One>,
+    size: f64,
+    key: &str,
+    dimension: Dimension,
+    tree: &Tree<'_>,
+) -> Result<[f64; 3], SceneError> {
+    let vector = dimension.vector(direction, key, tree)?;
+    let length = vector.iter().map(|each| each * each).sum::<f64>().sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(tree.fault(key, "has no direction", "give a vector that is not zero"));
+    }
+    // + 0.0 turns -0 into 0.
+    Ok(vector.map(|each| size * (each / length) + 0.0))
+}
+
+/// A harmonic motion of the box: in it particles have the acceleration A omega^2 sin(omega t).
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Shaking {
+    /// Amplitude A of the displacement.
+    #[serde(with = "Length")]
+    #[schemars(transform = positive)]
+    pub amplitude: f64,
+    /// Cycles in a second, omega / (2 pi).
+    #[serde(with = "Rate")]
+    #[schemars(transform = positive)]
+    pub frequency: f64,
+    /// Direction, of any length; upward if left out.
+    #[serde(default)]
+    pub direction: Option<Vector<One>>,
+}
+
+impl Shaking {
+    fn vibration(&self, dimension: Dimension, tree: &Tree<'_>) -> Result<Vibration, SceneError> {
+        let key = "effects.vibration.direction";
+        let amplitude = match &self.direction {
+            None => [0.0, 0.0, self.amplitude],
+            Some(direction) => along(direction, self.amplitude, key, dimension, tree)?,
+        };
+        let frequency = self.frequency;
+        Ok(Vibration {
+            amplitude,
+            frequency,
+        })
     }
 }
 

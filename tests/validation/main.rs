@@ -10,6 +10,7 @@ mod drop;
 mod flow;
 mod order;
 mod potential;
+mod vibration;
 mod wall;
 
 use coronet::method::{self, Diverged, Phase, Solver};

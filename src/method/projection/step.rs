@@ -1,6 +1,6 @@
 //! One step, as the algorithm box of Kuri et al. has it.
 
-use super::{MIST, Projection, Scheme};
+use super::{Projection, Scheme};
 use crate::method::pass::{Extrapolation, Marked};
 use crate::method::{Diverged, frame};
 use crate::space::parallel::{each_mut, max, sum_mut, three};
@@ -123,9 +123,7 @@ impl<S: Scheme> Projection<S> {
     /// Wraps, removes, sorts along cells, finds neighbours.
     pub(super) fn rebuild(&mut self) {
         let before = self.stored();
-        let sums = &self.own.kernel_sum;
-        let of = |i: usize| sums.get(i).copied().unwrap_or(1.0);
-        self.liquid.find_mist(of, MIST);
+        self.liquid.find_mist(&self.own.kernel_sum);
         // All vectors that are held are found again before they are used.
         self.liquid.confine(&mut self.own);
         self.liquid.ledger.removal += self.stored() - before;

@@ -52,7 +52,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         );
         if self.liquid.removes_mist {
             self.own.kernel_sum.clear();
-            let sums = self.own.around.iter().map(|around| around.sum);
+            let factor = self.sum_factor();
+            let sums = self
+                .own
+                .around
+                .iter()
+                .map(|around| around.kernel_sum(factor));
             self.own.kernel_sum.extend(sums);
         }
     }

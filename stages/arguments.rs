@@ -17,9 +17,17 @@ Exit codes:
   6    in use by another process (gc)
   130  stopped by Ctrl-C or a termination signal after a checkpoint; the same command goes on";
 
+/// What `--version` prints after the name of the program.
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    " (",
+    env!("CORONET_BUILD"),
+    ")"
+);
+
 /// Drop impact on a pool, a wall or another drop, with particles, as a resumable pipeline.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXIT_CODES, max_term_width = 100)]
+#[command(version = VERSION, after_help = EXIT_CODES, max_term_width = 100)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
@@ -43,12 +51,20 @@ pub enum Command {
     /// Remove results that are known to be garbage; finished ones only by age or name
     #[command(after_help = EXIT_CODES)]
     Gc(SweepArguments),
+    /// List the runs of a store: how far each is, its figures, the settings in which they differ
+    List(StoreArguments),
+    /// Compare two runs: settings that differ, figures, curves
+    Diff(DiffArguments),
+    /// Show the jobs under way and those that were interrupted, from another terminal
+    Status(StatusArguments),
     /// Show what a checkpoint, a log or a result holds
     Show(ShowArguments),
     /// Write a checkpoint or the frames of a run in a format for other programs
     Export(ExportArguments),
     /// Save the whole frames of a log that was cut off
     Recover(RecoverArguments),
+    /// Write a scene to begin with, its settings explained
+    Init(InitArguments),
     /// Print the JSON schema of pipeline files or of study files, for editors
     Schema(SchemaArguments),
     /// Print what completes the commands in a shell
@@ -96,11 +112,17 @@ impl Command {
             Command::Plan(arguments) => arguments.store.json,
             Command::Verify(arguments) => arguments.json,
             Command::Gc(arguments) => arguments.store.json,
+            Command::List(arguments) => arguments.json,
+            Command::Diff(arguments) => arguments.store.json,
+            Command::Status(arguments) => arguments.store.json,
             Command::Show(arguments) => arguments.json,
             Command::Export(arguments) => arguments.json,
             Command::Recover(arguments) => arguments.json,
             Command::Study(_) | Command::Tune(_) => true,
-            Command::Schema(_) | Command::Completions(_) | Command::Man(_) => false,
+            Command::Init(_)
+            | Command::Schema(_)
+            | Command::Completions(_)
+            | Command::Man(_) => false,
         }
     }
 }
@@ -211,6 +233,37 @@ pub struct SweepArguments {
     pub yes: bool,
     #[command(flatten)]
     pub store: StoreArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct DiffArguments {
+    /// A name in `latest/`, or the folder of a result or of a pipeline's latest results
+    pub first: String,
+    /// Another one
+    pub second: String,
+    #[command(flatten)]
+    pub store: StoreArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct StatusArguments {
+    /// Show them again and again until no job is under way: every second on a terminal
+    #[arg(long)]
+    pub watch: bool,
+    #[command(flatten)]
+    pub store: StoreArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct InitArguments {
+    /// Name of the scene, see --list
+    #[arg(default_value = "default")]
+    pub name: String,
+    /// The new file [default: `pipeline.toml` for the default scene, else `NAME.toml`]
+    pub path: Option<PathBuf>,
+    /// List the scenes that there are
+    #[arg(long)]
+    pub list: bool,
 }
 
 #[derive(Debug, Args)]

@@ -1,5 +1,6 @@
 //! The program: reads a pipeline file, brings its stages up to date, shows what was made.
 
+mod answer;
 mod arguments;
 mod body;
 mod calibrate;
@@ -16,9 +17,11 @@ mod post;
 mod print;
 mod probe;
 mod relax;
+mod runs;
 mod settings;
 mod signals;
 mod study;
+mod table;
 mod watch;
 
 use std::process::ExitCode;
@@ -78,6 +81,10 @@ fn obey(command: &Command) -> Result<()> {
         Command::Plan(arguments) => command::plan::plan(arguments),
         Command::Verify(arguments) => command::verify::verify(arguments),
         Command::Gc(arguments) => command::gc::sweep(arguments),
+        Command::List(arguments) => command::list::list(arguments),
+        Command::Diff(arguments) => command::diff::diff(arguments),
+        Command::Status(arguments) => command::status::status(arguments),
+        Command::Init(arguments) => command::init::init(arguments),
         Command::Show(arguments) => command::show::show(arguments),
         Command::Export(arguments) => command::export::export(arguments),
         Command::Recover(arguments) => command::recover::recover(arguments),

@@ -14,6 +14,7 @@ use super::field::Field;
 use super::report::Report;
 use super::section::{self, Section};
 use super::view::{self, Camera};
+use crate::measure::answer;
 use crate::measure::gauge::{Gauge, Kind, Start, contact_time, pool_depth};
 use crate::measure::loss;
 use crate::measure::pool::Axis;
@@ -280,7 +281,10 @@ impl Post {
         self.draw_fields(&mut report)?;
         let norms = self.norms();
         report.norms = norms.iter().map(norm_cells).collect();
-        report.results = summary::of(&self.scene, self.gauge.kind, &self.series, self.shift);
+        let (scene, kind, series) = (&self.scene, self.gauge.kind, &self.series);
+        let answers = answer::of(scene, kind, series, self.shift);
+        report.results = answer::lines(&answers, self.shift);
+        report.results.extend(summary::of(scene, kind, series, self.shift));
         report.numbers = numbers::of(&self.part)
             .groups
             .into_iter()

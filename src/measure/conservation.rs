@@ -139,13 +139,7 @@ impl<'a> Conservation<'a> {
             let window = measures.window(part * end, f64::INFINITY);
             window.maximum(column).map_or(f64::NAN, |(value, _)| value)
         };
-        // A stress has no energy that a budget could close with.
-        let has_energy = scene.effects.tension.is_none()
-            || scene.effects.has_tension(TensionForm::SurfaceEnergy);
-        let unexplained = match has_energy {
-            true => unexplained(measures, mass * gravity * scene.spacing),
-            false => [f64::NAN; 2],
-        };
+        let unexplained = unexplained_part(scene, measures, mass);
         let values = [
             self.strange,
             self.mass_error,
@@ -180,6 +174,19 @@ fn energy_growth(measures: &Series, method: &Method) -> f64 {
     }
     let first = total.first().copied().unwrap_or(f64::NAN);
     total.iter().fold(0.0, |most: f64, e| most.max(e - first))
+}
+
+/// The largest energy that came from nowhere and its size at the end, over that at first; NaN with
+/// a tension that is a stress, which has no energy that a budget could close with. `mass`: of the
+/// first frame, kg.
+pub fn unexplained_part(scene: &Scene, measures: &Series, mass: f64) -> [f64; 2] {
+    let has_energy = scene.effects.tension.is_none()
+        || scene.effects.has_tension(TensionForm::SurfaceEnergy);
+    let gravity = scene.effects.gravity.map_or(f64::NAN, length);
+    match has_energy {
+        true => unexplained(measures, mass * gravity * scene.spacing),
+        false => [f64::NAN; 2],
+    }
 }
 
 /// The largest energy that came from nowhere and its size at the end, over that at first; `least`:

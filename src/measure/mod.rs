@@ -4,6 +4,7 @@
 //! become numbers; `gauge` knows which numbers a scene calls for.
 
 mod area;
+pub mod answer;
 pub mod conservation;
 pub mod contact;
 pub mod drop;

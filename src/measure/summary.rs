@@ -8,33 +8,14 @@ use crate::scene::{Dimension, Scene, Shape, numbers};
 /// Name and value of a result, for a table.
 pub type Line = (String, String);
 
-/// Results of a run; `shift`: time of contact, s.
+/// Results of a run besides its figures ([`super::answer`]); `shift`: time of contact, s.
 pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
     let mut lines = Vec::new();
     match kind {
         Kind::Pool(_) => pool(series, shift, &mut lines),
         Kind::Wall(_) => wall(scene, series, shift, &mut lines),
         Kind::Shape => shape(scene, series, &mut lines),
-        Kind::Front => {
-            extreme(
-                series,
-                "front_m",
-                "farthest front",
-                1e3,
-                " mm",
-                shift,
-                &mut lines,
-            );
-            extreme(
-                series,
-                "column_height_m",
-                "highest liquid",
-                1e3,
-                " mm",
-                shift,
-                &mut lines,
-            );
-        }
+        Kind::Front => {}
         Kind::Level => {
             first_last(series, "surface_level_m", "level", 1e3, "mm", &mut lines);
             first_last(
@@ -60,15 +41,6 @@ pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
 }
 
 fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
-    extreme(
-        series,
-        "crater_depth_m",
-        "largest crater depth",
-        1e3,
-        " mm",
-        shift,
-        lines,
-    );
     let from_far = "largest depth from the far level";
     extreme(
         series,
@@ -85,46 +57,37 @@ fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
             lines.push((name, format!("{:.2} mm", 1e3 * diameter)));
         }
     }
-    extreme(
-        series,
-        "crown_height_m",
-        "largest crown height",
-        1e3,
-        " mm",
-        shift,
-        lines,
-    );
-    let deepest = series.maximum("crater_depth_m").map_or(0.0, |(_, t)| t);
     let name = "jet crosses the initial level".to_owned();
-    let crossing = series.rises_through("axis_level_m", 0.0, deepest);
+    let crossing = jet_crosses(series);
     let never = || "not within the run".to_owned();
     lines.push((
         name,
         crossing.map_or_else(never, |t| format!("at {:.1} ms", 1e3 * (t - shift))),
     ));
-    if crossing.is_some() {
-        extreme(
-            series,
-            "jet_height_m",
-            "largest jet height",
-            1e3,
-            " mm",
-            shift,
-            lines,
-        );
-    }
+}
+
+/// When the jet passes the initial level, s.
+pub fn jet_crosses(series: &Series) -> Option<f64> {
+    let deepest = series.maximum("crater_depth_m").map_or(0.0, |(_, t)| t);
+    series.rises_through("axis_level_m", 0.0, deepest)
+}
+
+/// When a drop that has spread on a wall leaves it, s.
+pub fn leaves_wall(series: &Series) -> Option<f64> {
+    let spread = series.column("spread_factor")?;
+    let (_, widest) = series.maximum("spread_factor")?;
+    let mut rows = series.time().iter().zip(spread);
+    let off = rows.find(|(t, spread)| **t > widest && **spread == 0.0);
+    off.map(|(t, _)| *t)
 }
 
 fn wall(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
     lamella(scene, series, shift, lines);
-    for (column, name) in [
-        ("spread_factor", "largest spread factor"),
-        ("max_diameter_factor", "largest diameter factor"),
-    ] {
-        extreme(series, column, name, 1.0, "", shift, lines);
-    }
-    if strikes_wall(scene) {
-        rebound(series, shift, lines);
+    let name = "largest diameter factor";
+    extreme(series, "max_diameter_factor", name, 1.0, "", shift, lines);
+    if strikes_wall(scene) && leaves_wall(series).is_none() {
+        let text = "not within the run".to_owned();
+        lines.push(("leaves the wall".to_owned(), text));
     }
     if let Some((part, time)) = series.maximum("detached_part") {
         let text = format!("{:.1} % at {:.1} ms", 100.0 * part, 1e3 * (time - shift));
@@ -148,29 +111,8 @@ fn lamella(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
     lines.push((name, text));
 }
 
-/// Whether the drop leaves the wall after it has spread.
-fn rebound(series: &Series, shift: f64, lines: &mut Vec<Line>) {
-    let (Some(spread), Some((_, widest))) = (
-        series.column("spread_factor"),
-        series.maximum("spread_factor"),
-    ) else {
-        return;
-    };
-    let mut rows = series.time().iter().zip(spread);
-    let off = rows.find(|(t, spread)| **t > widest && **spread == 0.0);
-    let never = || "not within the run".to_owned();
-    let text = off.map_or_else(never, |(t, _)| format!("at {:.1} ms", 1e3 * (t - shift)));
-    lines.push(("leaves the wall".to_owned(), text));
-}
-
 fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
     first_last(series, "aspect_ratio", "aspect ratio", 1.0, "", lines);
-    if let (1, Some(period)) = (scene.bodies.len(), period(series, "amplitude")) {
-        lines.push((
-            "period of the n = 2 oscillation".into(),
-            format!("{:.3} ms", 1e3 * period),
-        ));
-    }
     let half = 0.5 * series.time().last().copied().unwrap_or(0.0);
     if let Some(pressure) = mean(&series.window(half, f64::INFINITY), "core_pressure_Pa") {
         let name = "mean pressure in the core, second half of the run".into();

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::content::{ContentError, content};
 use super::machine::{Clock, now};
+use super::progress::Teller;
 use super::stamp::{InputStamp, Stamp};
 use super::store::OUT;
 use super::{Event, Progress, StageError, Watch};
@@ -57,6 +58,7 @@ pub struct Context<'a> {
     pub(super) key: Digest,
     pub(super) work: PathBuf,
     pub(super) job: String,
+    pub(super) teller: Teller,
     pub(super) stop: &'a AtomicBool,
     pub(super) watch: &'a dyn Watch,
     pub(super) resumed: bool,
@@ -89,6 +91,7 @@ impl Context<'_> {
 
     pub fn progress(&self, progress: Progress) {
         let job = &self.job;
+        self.teller.tell(&progress);
         self.watch.event(&Event::Progress { job, progress });
     }
 

@@ -15,6 +15,7 @@
 //! | [`latest`] | the newest results by name, which are also the roots of [`sweep`] |
 //! | [`sweep`], [`verify`] | removal of what nobody reaches; hashing everything again |
 //! | [`machine`] | where and how fast |
+//! | [`progress`] | how far a job is, for other processes |
 //!
 //! Nothing here knows a stage or any physics. Settings are names, values to show and canonical
 //! bytes; results are files with a digest of their content.
@@ -32,6 +33,7 @@ pub mod latest;
 pub mod lock;
 pub mod machine;
 pub mod name;
+pub mod progress;
 mod publish;
 mod report;
 pub mod run;

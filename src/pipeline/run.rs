@@ -10,6 +10,7 @@ use super::context::{Context, Input, Relative, Spent};
 use super::decide::{Done, decide, relatives};
 use super::machine::Clock;
 use super::name::is_name;
+use super::progress::Teller;
 use super::report::{Ended, Report, Status};
 use super::store::{OUT, Store, WORK};
 use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, latest, publish};
@@ -250,7 +251,9 @@ impl Walk<'_> {
         let mut spent = Spent::begin(&work)?;
         spent.inputs = inputs.iter().map(|input| input.stamp_of()).collect();
         let relatives = relatives(self.run.store, &decision.stage, family)?;
+        let job = [&decision.stage[..], &decision.body];
         Ok(Context {
+            teller: Teller::start(&work, &self.run.pipeline.name, job),
             inputs,
             relatives: relatives
                 .into_iter()

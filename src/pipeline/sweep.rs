@@ -342,7 +342,8 @@ fn remove(store: &Store, folder: &Path) -> Result<bool, FileError> {
     Ok(true)
 }
 
-fn size(folder: &Path) -> u64 {
+/// Bytes of all files in a folder; what cannot be read counts nothing.
+pub fn size(folder: &Path) -> u64 {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries
         .map(|entry| match entry.metadata() {

@@ -99,6 +99,18 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     file.commit()
 }
 
+/// Replaces `path` by `bytes`, atomically, but does not wait for the disk: for what need not outlive
+/// a power cut, after which the file can be empty.
+pub fn write_passing(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let mut file = AtomicFile::create(path)?;
+    file.write_all(bytes)
+        .map_err(FileError::new(path, "write"))?;
+    drop(file.file.take());
+    fs::rename(&file.temporary, path)
+        .inspect_err(|_| drop(fs::remove_file(&file.temporary)))
+        .map_err(FileError::new(path, "rename into place"))
+}
+
 /// A name for a temporary file beside `path` that this process has not used yet.
 pub fn temporary_name(path: &Path) -> PathBuf {
     static COUNT: AtomicU64 = AtomicU64::new(0);

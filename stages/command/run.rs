@@ -3,13 +3,16 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
-use coronet::pipeline::{self, Report, Run, Store, latest};
-use coronet::scene::numbers;
+use coronet::measure::series::Series;
+use coronet::pipeline::{self, PipelineError, Report, Run, Store, latest};
+use coronet::scene::{Scene, numbers};
 use serde_json::json;
 
 use super::plan;
+use super::rest::Rest;
+use crate::answer::{self, Figures};
 use crate::arguments::RunArguments;
-use crate::print::out;
+use crate::print::{note, out};
 use crate::watch::Screen;
 use crate::{PROGRAM, impact, jobs, journal, post, signals};
 
@@ -54,10 +57,35 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         program: PROGRAM.to_string(),
     };
     // On one of the threads: from outside, each pass would wait for another thread to wake up.
-    let ended = rayon::scope(|_| pipeline::run(&all))?;
-    finish(&store, &pipeline.name, &ended.reports, arguments.store.json);
+    let ended = match rayon::scope(|_| pipeline::run(&all)) {
+        Err(stopped @ PipelineError::Interrupted { .. }) => {
+            if let Some(rest) = Rest::of(&store, &pipeline) {
+                rest.tell();
+            }
+            return Err(stopped.into());
+        }
+        ended => ended?,
+    };
+    let told = Told {
+        figures: figures(&loaded.scene, &ended.reports)?,
+        rest: Rest::of(&store, &pipeline).filter(|_| arguments.until.is_some()),
+    };
+    finish(&store, &pipeline.name, &ended.reports, &told, arguments.store.json);
     let unnamed = ended.unnamed.map_or(Ok(()), Err);
     unnamed.context("the results are finished and kept, but have no names in latest/")
+}
+
+/// What the end of a run tells besides where its results are.
+struct Told {
+    figures: Option<Figures>,
+    /// Stages after `--until`.
+    rest: Option<Rest>,
+}
+
+fn figures(scene: &Scene, reports: &[Report]) -> Result<Option<Figures>> {
+    let post = reports.iter().find(|report| report.stage == "post");
+    let measures = post.map(|report| Series::read(&report.folder.join(post::MEASURES)));
+    Ok(measures.transpose()?.map(|measures| Figures::new(scene, measures)))
 }
 
 fn threads(arguments: &RunArguments) -> usize {
@@ -65,8 +93,8 @@ fn threads(arguments: &RunArguments) -> usize {
     arguments.threads.map_or(cores, usize::from)
 }
 
-/// Where the results are and how to look at them.
-fn finish(store: &Store, name: &str, reports: &[Report], json: bool) {
+/// What the run came to, where the results are and how to look at them.
+fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool) {
     let find = |stage: &str, file: &str| {
         let report = reports.iter().find(|report| report.stage == stage)?;
         let mut outputs = report.stamp.outputs.iter();
@@ -74,38 +102,57 @@ fn finish(store: &Store, name: &str, reports: &[Report], json: bool) {
             .find(|output| output.file == file)
             .map(|_| report.folder.join(file))
     };
-    let page = find("post", post::REPORT);
-    let log = find("impact", journal::FRAMES);
-    let layout = find("impact", impact::LAYOUT);
-    let latest = latest::folder(store, name);
+    let warnings = answer::warnings(reports, told.figures.as_ref());
     if json {
-        let text = |path: Option<PathBuf>| path.map(|path| path.to_string_lossy().into_owned());
+        let text = |stage: &str, file: &str| {
+            let path = find(stage, file)?;
+            Some(path.to_string_lossy().into_owned())
+        };
         let object = json!({
             "summary": name,
             "artifacts": store.root().to_string_lossy(),
-            "latest": latest.to_string_lossy(),
-            "report": text(page),
-            "measures": text(find("post", post::MEASURES)),
-            "frames": text(log),
-            "layout": text(layout),
-            "state": text(find("impact", impact::STATE)),
+            "latest": latest::folder(store, name).to_string_lossy(),
+            "report": text("post", post::REPORT),
+            "measures": text("post", post::MEASURES),
+            "frames": text("impact", journal::FRAMES),
+            "layout": text("impact", impact::LAYOUT),
+            "state": text("impact", impact::STATE),
+            "figures": told.figures.as_ref().map(Figures::json),
+            "warnings": warnings,
+            "missing": told.rest.as_ref().map(|rest| &rest.missing),
+            "continue": told.rest.as_ref().map(|rest| &rest.command),
         });
         return out!("{object}");
     }
+    if let Some(figures) = &told.figures {
+        out!("Figures");
+        figures.lines().iter().for_each(|line| out!("  {line}"));
+    }
+    for warning in warnings {
+        note!("warning: {warning}");
+    }
+    places(store, name, find);
+    if let Some(rest) = &told.rest {
+        rest.print();
+    }
+}
+
+/// Where the results are. Names are for people; scripts get the folders, which never change what
+/// they hold.
+fn places(store: &Store, name: &str, find: impl Fn(&str, &str) -> Option<PathBuf>) {
+    let latest = latest::folder(store, name);
     out!("latest   {}", latest.display());
-    // Names are for people; scripts get the folders, which never change what they hold.
-    let named = |path: PathBuf, stage: &str, file: &str| {
+    let named = |stage: &str, file: &str| {
+        let path = find(stage, file)?;
         let name = latest.join(stage).join(file);
         let same = name.canonicalize().ok() == path.canonicalize().ok();
-        if same { name } else { path }
+        Some(if same { name } else { path })
     };
-    if let Some(page) = page {
-        let path = named(page, "post", post::REPORT);
+    if let Some(path) = named("post", post::REPORT) {
         out!("report   {}", path.display());
     }
-    if let (Some(log), Some(layout)) = (log, layout) {
-        let log = named(log, "impact", journal::FRAMES);
-        let layout = named(layout, "impact", impact::LAYOUT);
+    let log = named("impact", journal::FRAMES);
+    if let (Some(log), Some(layout)) = (log, named("impact", impact::LAYOUT)) {
         out!("frames   {}", log.display());
         out!("layout   {}", layout.display());
         out!(

@@ -10,24 +10,26 @@ use coronet::record::log::{self};
 use serde_json::{Value, json};
 
 use super::place::{Thing, thing};
+use crate::answer;
 use crate::arguments::ShowArguments;
-use crate::print::{out, shown, size};
+use crate::print::{note, out, shown, size};
 
 /// What is known about a thing, in an order for people.
 type Facts = Vec<(&'static str, Value)>;
 
 pub fn show(arguments: &ShowArguments) -> Result<()> {
+    let json = arguments.json;
     let things: Vec<Facts> = match thing(&arguments.path)? {
         Thing::Checkpoint(path) => vec![checkpoint_facts(&path)?],
         Thing::Log(path) => vec![log_facts(&path)?],
-        Thing::Result(folder) => vec![result_facts(&folder)?],
+        Thing::Result(folder) => vec![result_facts(&folder, json)?],
         Thing::Latest(folders) => {
-            let facts = folders.iter().map(|folder| result_facts(folder));
+            let facts = folders.iter().map(|folder| result_facts(folder, json));
             facts.collect::<Result<_>>()?
         }
     };
     for facts in things {
-        if arguments.json {
+        if json {
             let named = facts
                 .into_iter()
                 .map(|(name, value)| (name.to_string(), value));
@@ -108,8 +110,13 @@ fn log_facts(path: &Path) -> Result<Facts> {
     ])
 }
 
-fn result_facts(folder: &Path) -> Result<Facts> {
+fn result_facts(folder: &Path, json: bool) -> Result<Facts> {
     let stamp = Stamp::read(folder)?.context("no stamp")?;
+    // What else it holds is shown whatever becomes of its figures.
+    let figures = answer::of_result(folder, &stamp).unwrap_or_else(|error| {
+        note!("warning: {} has no figures: {error:#}", shown(folder));
+        None
+    });
     let setting =
         |setting: &stamp::SettingStamp| json!({"name": setting.name, "value": setting.value});
     let input = |input: &stamp::InputStamp| {
@@ -120,9 +127,15 @@ fn result_facts(folder: &Path) -> Result<Facts> {
         let size = size(output.bytes);
         json!({"file": output.file, "size": size, "digest": output.digest})
     };
-    Ok(vec![
+    let mut facts = vec![
         ("result", json!(stamp.label())),
         ("folder", json!(shown(folder))),
+    ];
+    facts.extend(figures.map(|figures| match json {
+        true => ("figures", figures.json()),
+        false => ("figures", json!(figures.lines())),
+    }));
+    facts.extend([
         ("key", json!(stamp.key)),
         ("digest", json!(stamp.digest)),
         ("version", json!(stamp.version)),
@@ -138,7 +151,8 @@ fn result_facts(folder: &Path) -> Result<Facts> {
         ("wall_seconds", json!(stamp.wall_seconds)),
         ("cpu_seconds", json!(stamp.cpu_seconds)),
         ("memory_bytes", json!(stamp.memory_bytes)),
-    ])
+    ]);
+    Ok(facts)
 }
 
 /// One line a fact; lists below their names.

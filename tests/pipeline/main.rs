@@ -15,6 +15,7 @@ mod library;
 mod program;
 mod promise;
 mod resume;
+mod runs;
 mod schema;
 mod sharing;
 mod study;

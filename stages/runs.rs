@@ -1,0 +1,180 @@
+//! The named runs of a store: what each has reached, with which settings, and what it came to.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use anyhow::{Context as _, Result};
+use coronet::pipeline::latest::{self, MANIFEST};
+use coronet::pipeline::name::is_name;
+use coronet::pipeline::progress::Unfinished;
+use coronet::pipeline::{Stamp, Store};
+
+use crate::answer::{self, Figures};
+use crate::command::place::{Thing, thing};
+use crate::fault::Usage;
+
+/// Start of the names of settings that are versions of parts of the program.
+const VERSION: &str = "version.";
+
+/// A run: its results, each with its stamp.
+pub struct Run {
+    pub name: String,
+    pub results: Vec<(PathBuf, Stamp)>,
+    /// When its name was last given to results.
+    pub named: Option<SystemTime>,
+}
+
+/// How far a run is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum State {
+    Finished,
+    /// Nobody works at it; the job that comes next.
+    Unfinished(String),
+    /// The job under way, and the part of it that is done.
+    Running(String, Option<f64>),
+}
+
+impl Run {
+    /// The run of that name.
+    ///
+    /// # Errors
+    /// If its manifest or a stamp cannot be read, or a result is gone.
+    pub fn named(store: &Store, name: &str) -> Result<Run> {
+        let manifest = latest::read(store, name)?.unwrap_or_default();
+        let mut results = Vec::new();
+        for entry in manifest.results {
+            let folder = store.root().join(entry.folder);
+            let stamp = Stamp::read(&folder)?;
+            let gone = || format!("the result in {} is gone", folder.display());
+            let stamp = stamp.with_context(gone)?;
+            results.push((folder, stamp));
+        }
+        let path = latest::folder(store, name).join(MANIFEST);
+        let named = path.metadata().and_then(|metadata| metadata.modified());
+        Ok(Run {
+            name: name.to_string(),
+            results,
+            named: named.ok(),
+        })
+    }
+
+    /// The run that a user means: a name under `latest/`, or a path of results.
+    ///
+    /// # Errors
+    /// If there is neither; if something cannot be read.
+    pub fn meant(store: &Store, text: &str) -> Result<Run> {
+        let has_name = || latest::folder(store, text).join(MANIFEST).exists();
+        if is_name(text) && has_name() {
+            return Run::named(store, text);
+        }
+        let path = Path::new(text);
+        if !path.exists() {
+            let latest = latest::folder(store, "");
+            let known = latest::pipelines(store).unwrap_or_default();
+            let known = match known.is_empty() {
+                true => "no names".to_string(),
+                false => known.join(", "),
+            };
+            return Err(Usage(format!(
+                "{text:?} is neither a name in {} nor the folder of a result; there are {known}",
+                latest.display()
+            ))
+            .into());
+        }
+        let folders = match thing(path)? {
+            Thing::Result(folder) => vec![folder],
+            Thing::Latest(folders) => folders,
+            Thing::Log(_) | Thing::Checkpoint(_) => {
+                let text = format!("{text:?} is a file; give the folder of a result");
+                return Err(Usage(text).into());
+            }
+        };
+        let mut results = BTreeMap::new();
+        for folder in folders {
+            gather(&folder, &mut results)?;
+        }
+        Ok(Run {
+            name: text.to_string(),
+            results: results.into_iter().collect(),
+            named: None,
+        })
+    }
+
+    /// The result of a stage that has one for the whole scene.
+    pub fn result(&self, stage: &str) -> Option<&(PathBuf, Stamp)> {
+        self.results.iter().find(|(_, stamp)| stamp.stage == stage)
+    }
+
+    /// The figures, if there is an evaluation.
+    ///
+    /// # Errors
+    /// If its files cannot be read.
+    pub fn figures(&self) -> Result<Option<Figures>> {
+        let post = self.result("post");
+        post.map(|(folder, stamp)| Figures::read(folder, stamp))
+            .transpose()
+    }
+
+    /// Names and values of all settings. Where stages differ in one, the later stage counts: a body
+    /// relaxes in a scene of its own.
+    pub fn settings(&self) -> Vec<(String, String)> {
+        let order = ["impact", "post", "pack", "relax", "calibrate"];
+        let place = |stage: &str| order.iter().position(|known| *known == stage);
+        let mut stamps: Vec<&Stamp> = self.results.iter().map(|(_, stamp)| stamp).collect();
+        stamps.sort_by_key(|stamp| place(&stamp.stage).unwrap_or(order.len()));
+        let (mut all, mut seen) = (Vec::new(), BTreeSet::new());
+        for setting in stamps.iter().flat_map(|stamp| &stamp.settings) {
+            if !setting.name.starts_with(VERSION) && seen.insert(&setting.name) {
+                all.push((setting.name.clone(), setting.value.clone()));
+            }
+        }
+        all
+    }
+
+    /// How far it is; `jobs`: all that have begun and not ended in this store.
+    pub fn state(&self, jobs: &[Unfinished]) -> State {
+        let is_mine = |job: &&Unfinished| {
+            let told = job.told.as_ref();
+            told.is_some_and(|(told, _)| told.pipeline == self.name)
+        };
+        let mut mine = jobs.iter().filter(is_mine);
+        if let Some(job) = mine.clone().find(|job| job.holder.is_some()) {
+            let part = job.told.as_ref().map(|(told, _)| told.fraction);
+            return State::Running(job.label(), part);
+        }
+        // A job that stands still since before the name was last given is of an earlier try.
+        if let Some(job) = mine.find(|job| job.touched() > self.named) {
+            return State::Unfinished(job.label());
+        }
+        let is_here = |key| self.results.iter().any(|(_, stamp)| stamp.key == key);
+        let whole = |stamp: &Stamp| stamp.inputs.iter().all(|input| is_here(input.key));
+        for stage in ["calibrate", "impact", "post"] {
+            match self.result(stage) {
+                Some((_, stamp)) if !whole(stamp) => return State::Unfinished(stage.into()),
+                None if stage != "calibrate" => return State::Unfinished(stage.into()),
+                _ => {}
+            }
+        }
+        State::Finished
+    }
+}
+
+/// Adds a result and all that it was made from.
+fn gather(folder: &Path, results: &mut BTreeMap<PathBuf, Stamp>) -> Result<()> {
+    let store = answer::store_of(folder)?;
+    let mut folders = vec![folder.canonicalize().context("it is gone")?];
+    while let Some(folder) = folders.pop() {
+        if results.contains_key(&folder) {
+            continue;
+        }
+        // What it was made from may have been removed since.
+        let Some(stamp) = Stamp::read(&folder)? else {
+            continue;
+        };
+        let inputs = stamp.inputs.iter();
+        folders.extend(inputs.map(|input| store.folder(&input.stage, &input.key)));
+        results.insert(folder, stamp);
+    }
+    Ok(())
+}

@@ -115,6 +115,11 @@ impl Liquid {
         self.flow.liquid()
     }
 
+    /// Whether no particle is left.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Turns differences in fixed point into separations over h.
     pub fn scale(&self) -> Scale {
         self.flow.grid.scale(self.case.h)

@@ -72,6 +72,8 @@ pub trait Visitor {
 }
 
 /// What looks at all columns of a struct.
+// Vectors: their capacity counts.
+#[allow(clippy::ptr_arg)]
 pub trait Viewer {
     fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>);
 }

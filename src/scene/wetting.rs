@@ -1,5 +1,13 @@
 //! Contact angle on walls.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::error::SceneError;
+use super::schema::{by_preset, positive};
+use super::tree::Tree;
+use super::unit::{Angle, Maybe};
+
 /// Degrees; the cosine of zero is 3 % more.
 const FLATTEST: f64 = 15.0;
 
@@ -80,4 +88,89 @@ impl Wetting {
 /// Of two angles in degrees.
 fn cosines(angles: [f64; 2]) -> [f64; 2] {
     angles.map(|angle| angle.to_radians().cos())
+}
+
+/// How a wall gives a contact angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WettingForm {
+    /// The liquid goes on into the wall at the angle, and Young's force acts on the line.
+    Young,
+    /// Xie Eq. 18, four types of particles.
+    ParticleTypes,
+}
+
+/// Contact angle on the walls; needs tension.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ContactAngle {
+    /// Contact angle, through the liquid.
+    #[serde(default, with = "Maybe::<Angle>")]
+    #[schemars(extend("minimum" = 0.0, "maximum" = 180.0))]
+    pub angle: Option<f64>,
+    /// How a wall gives it, in place of the preset's.
+    #[schemars(transform = by_preset)]
+    pub form: WettingForm,
+    /// L1, L2, L3 of particle-types, in spacings.
+    #[serde(default)]
+    #[schemars(transform = positive)]
+    pub layers: Option<[f64; 3]>,
+    /// In place of `angle`: that at which a contact line begins to advance.
+    #[serde(default, with = "Maybe::<Angle>")]
+    #[schemars(extend("minimum" = 0.0, "maximum" = 180.0))]
+    pub advancing: Option<f64>,
+    /// With `advancing`: that at which a contact line begins to recede.
+    #[serde(default, with = "Maybe::<Angle>")]
+    #[schemars(extend("minimum" = 0.0, "maximum" = 180.0))]
+    pub receding: Option<f64>,
+}
+
+/// L1, L2, L3 of Xie et al. 2007, Section 2.5, in spacings.
+const LAYERS: [f64; 3] = [2.1, 4.1, 4.1];
+
+impl ContactAngle {
+    /// The canonical form.
+    pub(super) fn of(wetting: &Wetting) -> ContactAngle {
+        let angles = wetting.hysteresis;
+        ContactAngle {
+            angle: angles.is_none().then_some(wetting.angle),
+            form: match wetting.layers {
+                None => WettingForm::Young,
+                Some(_) => WettingForm::ParticleTypes,
+            },
+            layers: wetting.layers,
+            advancing: angles.map(|[advancing, _]| advancing),
+            receding: angles.map(|[_, receding]| receding),
+        }
+    }
+
+    /// # Errors
+    /// Angles or layers that contradict each other.
+    pub(super) fn wetting(&self, tree: &Tree<'_>) -> Result<Wetting, SceneError> {
+        let wetting = match (self.angle, self.advancing, self.receding) {
+            (Some(angle), None, None) => Wetting::of(angle),
+            (None, Some(advancing), Some(receding)) if receding <= advancing => {
+                Wetting::between([advancing, receding])
+            }
+            (None, Some(_), Some(_)) => {
+                let remedy = "exchange the two angles";
+                let key = "effects.wetting.receding";
+                return Err(tree.fault(key, "is above the advancing angle", remedy));
+            }
+            _ => {
+                let remedy = "give `angle` alone, or `advancing` and `receding`";
+                let problem = "needs one contact angle or two";
+                return Err(tree.fault("effects.wetting", problem, remedy));
+            }
+        };
+        let layers = match (self.form, self.layers) {
+            (WettingForm::Young, None) => None,
+            (WettingForm::Young, Some(_)) => {
+                let remedy = "remove it, or set `form = \"particle-types\"`";
+                let problem = "has no effect with Young's force";
+                return Err(tree.fault("effects.wetting.layers", problem, remedy));
+            }
+            (WettingForm::ParticleTypes, layers) => Some(layers.unwrap_or(LAYERS)),
+        };
+        Ok(Wetting { layers, ..wetting })
+    }
 }

@@ -72,10 +72,8 @@ pub trait Visitor {
 }
 
 /// What looks at all columns of a struct.
-// Vectors: their capacity counts.
-#[allow(clippy::ptr_arg)]
 pub trait Viewer {
-    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>);
+    fn view<T: Entry>(&mut self, role: Role, column: &[T]);
 }
 
 /// Arrays of one entry a particle, and their roles.
@@ -235,7 +233,7 @@ struct Remember<'a> {
 }
 
 impl Viewer for Remember<'_> {
-    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>) {
+    fn view<T: Entry>(&mut self, role: Role, column: &[T]) {
         if !is_rolled_back(role) {
             return;
         }
@@ -243,8 +241,9 @@ impl Viewer for Remember<'_> {
             self.kept.push((Box::new(Vec::<T>::new()), bytes::<T>));
         }
         let copy = self.kept[self.next].0.downcast_mut::<Vec<T>>();
-        copy.expect("columns in the order of before")
-            .clone_from(column);
+        let copy = copy.expect("columns in the order of before");
+        copy.clear();
+        copy.extend_from_slice(column);
         self.next += 1;
     }
 }
@@ -269,7 +268,7 @@ impl Visitor for Restore<'_> {
 pub struct Save<'a>(pub &'a mut State);
 
 impl Viewer for Save<'_> {
-    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>) {
+    fn view<T: Entry>(&mut self, role: Role, column: &[T]) {
         let Role::Persistent(name) = role else {
             return;
         };
@@ -311,8 +310,8 @@ pub struct Memory {
 }
 
 impl Viewer for Memory {
-    fn view<T: Entry>(&mut self, _: Role, column: &Vec<T>) {
-        self.bytes += size_of::<T>() * column.capacity();
+    fn view<T: Entry>(&mut self, _: Role, column: &[T]) {
+        self.bytes += std::mem::size_of_val(column);
     }
 }
 

@@ -6,12 +6,17 @@ use crate::effect::active::ActiveEffects;
 /// What the limits depend on, SI.
 #[derive(Clone, Copy)]
 pub struct Limits<'a> {
+    /// Smoothing length, m.
     pub h: f64,
+    /// Density at rest, kg/m^3.
     pub density: f64,
+    /// Speed of sound, m/s; infinite for none.
     pub sound_speed: f64,
     /// Largest speed, m/s, and acceleration, m/s^2, now.
     pub speed: f64,
+    /// Largest acceleration now, m/s^2.
     pub acceleration: f64,
+    /// What limits a step besides.
     pub effects: &'a ActiveEffects,
 }
 

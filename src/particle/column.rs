@@ -68,17 +68,21 @@ impl Entry for [f32; 3] {
 
 /// What is done with all columns of a struct.
 pub trait Visitor {
+    /// Called with each column.
     fn visit<T: Entry>(&mut self, role: Role, column: &mut Vec<T>);
 }
 
 /// What looks at all columns of a struct.
 pub trait Viewer {
+    /// Called with each column.
     fn view<T: Entry>(&mut self, role: Role, column: &[T]);
 }
 
 /// Arrays of one entry a particle, and their roles.
 pub trait Columns {
+    /// Shows each column to a visitor.
     fn visit(&mut self, visitor: &mut impl Visitor);
+    /// Shows each column to a viewer.
     fn view(&self, viewer: &mut impl Viewer);
 }
 
@@ -155,7 +159,9 @@ impl Spare {
 
 /// Puts columns into the order of the last sort of `cells`.
 pub struct Sort<'a> {
+    /// Which hold the order.
     pub cells: &'a Cells,
+    /// Room.
     pub spare: &'a mut Spare,
 }
 
@@ -306,6 +312,7 @@ impl Visitor for Load<'_> {
 /// Counts the bytes held.
 #[derive(Default)]
 pub struct Memory {
+    /// So far.
     pub bytes: usize,
 }
 
@@ -319,6 +326,7 @@ impl Viewer for Memory {
 pub trait Scalar {
     /// `None`: there is none, and none is written.
     fn get(&self) -> Option<f64>;
+    /// Takes the value of a state.
     fn set(&mut self, value: f64);
 }
 

@@ -6,7 +6,6 @@
 //! than the impact at first, then slows down as 1 / t until waves and jet set the pace.
 
 use coronet::draw::section;
-use coronet::measure::gauge;
 use coronet::particle::wall::layers;
 use coronet::pipeline::Work;
 use coronet::scene::{
@@ -174,7 +173,7 @@ fn near_surface(scene: &Scene) -> f64 {
         .tension
         .map_or(1.0, |tension| tension.smoothing);
     let long = smoothing * numbers::smoothing_length(scene);
-    let depth = gauge::pool_depth(scene);
+    let depth = scene.pool_depth().unwrap_or(0.0);
     if depth > 0.0 {
         (BAND * long / depth).min(1.0)
     } else {
@@ -357,7 +356,7 @@ fn views(scene: &Scene, panels: f64) -> f64 {
         return 0.0;
     }
     let width = section::width(&scene.whole()) as f64;
-    let covered = if gauge::pool_depth(scene) > 0.0 {
+    let covered = if scene.pool_depth().unwrap_or(0.0) > 0.0 {
         1.0
     } else {
         DRY

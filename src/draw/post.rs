@@ -14,7 +14,7 @@ use super::field::Field;
 use super::report::Report;
 use super::section::{self, Section};
 use super::view::{self, Camera};
-use crate::measure::gauge::{Gauge, Kind, Start, contact_time, pool_depth};
+use crate::measure::gauge::{Gauge, Kind, Start, contact_time};
 use crate::measure::loss;
 use crate::measure::pool::Axis;
 use crate::measure::series::{Norm, Reference, Row, Series, SeriesError, compare};
@@ -227,7 +227,8 @@ impl Post {
                 // Drawn twice as large, and a quarter taller than wide: room for a jet.
                 let width = 2 * section::width(&self.scene);
                 let size = [width, width / 4 * 5];
-                let camera = Camera::whole(&self.scene, pool_depth(&self.scene), size);
+                let camera =
+                    Camera::whole(&self.scene, self.scene.pool_depth().unwrap_or(0.0), size);
                 view::draw(&self.scene, frame, &camera).halved()
             });
             (section, view)
@@ -269,7 +270,11 @@ impl Post {
             ..Report::default()
         };
         if let Some((_, frame)) = self.best.take() {
-            let at = [self.axis.at[0], self.axis.at[1], pool_depth(&self.scene)];
+            let at = [
+                self.axis.at[0],
+                self.axis.at[1],
+                self.scene.pool_depth().unwrap_or(0.0),
+            ];
             let png = view::picture(&self.scene, &frame, at);
             let png = png.map_err(|e| draw_error("picture", &e))?;
             self.write("picture.png", &png)?;

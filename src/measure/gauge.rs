@@ -106,15 +106,6 @@ fn other_drops(scene: &Scene, measured: &Axis) -> Vec<Axis> {
     all.filter(|axis| axis.at != measured.at).collect()
 }
 
-/// Depth of the pool as the scene states it, m; 0 without one.
-pub fn pool_depth(scene: &Scene) -> f64 {
-    let depths = scene.bodies.iter().map(|body| match body.shape {
-        Geometry::Layer { depth } => depth,
-        _ => 0.0,
-    });
-    depths.fold(0.0, f64::max)
-}
-
 /// Instant at which the drop meets pool or wall, as it falls freely, s; 0 if it never does. Plots
 /// count from it, and references that say so.
 pub fn contact_time(scene: &Scene) -> f64 {
@@ -138,7 +129,7 @@ fn arrival(scene: &Scene, body: &Body) -> Option<f64> {
 
 /// Of the lowest point of a body over the level of the pool, or the floor, m.
 fn drop_height(scene: &Scene, body: &Body) -> f64 {
-    body.shape.bounds(&scene.domain, scene.dimension).0[2] - pool_depth(scene)
+    body.shape.bounds(&scene.domain, scene.dimension).0[2] - scene.pool_depth().unwrap_or(0.0)
 }
 
 /// Whether a single drop falls on a dry wall: it moves towards it, or starts above it under
@@ -235,7 +226,7 @@ impl Gauge {
         let scene = &self.scene;
         match self.kind {
             Kind::Pool(axis) => {
-                let nominal = pool_depth(scene);
+                let nominal = scene.pool_depth().unwrap_or(0.0);
                 let first = || pool::far_level(region, &axis).unwrap_or(nominal);
                 let level = *level.get_or_insert_with(first);
                 let others = other_drops(scene, &axis);

@@ -2,6 +2,7 @@
 
 use crate::effect::Effect;
 use crate::effect::active::ActiveEffects;
+use crate::scene::limit;
 
 /// What the limits depend on, SI.
 #[derive(Clone, Copy)]
@@ -21,14 +22,14 @@ pub struct Limits<'a> {
 }
 
 impl Limits<'_> {
-    /// 0.25 h / (c + u) (Monaghan 1992).
+    /// Of sound.
     pub fn acoustic(&self) -> f64 {
-        0.25 * self.h / (self.sound_speed + self.speed)
+        limit::acoustic(self.h, self.sound_speed, self.speed)
     }
 
-    /// 0.25 sqrt(h / |a|) (Monaghan 1992).
+    /// Of acceleration.
     pub fn force(&self) -> f64 {
-        0.25 * (self.h / self.acceleration.max(1e-30)).sqrt()
+        limit::force(self.h, self.acceleration)
     }
 
     /// Of the effects, by name.

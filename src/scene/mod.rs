@@ -13,6 +13,7 @@ pub mod file;
 pub mod input;
 pub mod key;
 pub mod lamella;
+pub mod limit;
 mod method;
 pub mod numbers;
 pub mod preset;

@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use super::limit;
 use super::quantity::{Unit, human};
 use super::shape::lattice;
 use super::{
@@ -242,39 +243,39 @@ pub fn count(scene: &Scene, body: usize) -> u64 {
     }
 }
 
-/// Limits of the time step, s, least first; those of absent effects are absent.
-///
-/// Acoustic and viscous: Monaghan 1992, Morris, Fox & Zhu 1997; capillary: Morris 2000; force:
-/// Monaghan 1992.
+/// Limits of the time step ([`limit`]), s, least first; those of absent effects are absent.
 pub fn limits(scene: &Problem) -> Vec<Row> {
     let h = smoothing_length(scene);
     let speed = reference_speed(scene);
     let sound = sound_speed(scene);
-    let limit = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
+    let of = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
     let cross = scene.spacing / speed;
     let mut limits = match scene.method.projection() {
         None => vec![
-            limit("acoustic", 0.25 * h / (sound + speed), "0.25 h / (c + V)"),
-            limit("advective", 0.25 * cross, "0.25 s0 / V"),
+            of(
+                "acoustic",
+                limit::acoustic(h, sound, speed),
+                "0.25 h / (c + V)",
+            ),
+            of("advective", 0.25 * cross, "0.25 s0 / V"),
         ],
         Some(settings) => {
             let value = (settings.courant * cross).clamp(settings.shortest, settings.longest);
-            vec![limit("advective", value, "courant s0 / V")]
+            vec![of("advective", value, "courant s0 / V")]
         }
     };
     if let Some(viscosity) = scene.effects.mu() {
-        let value = 0.125 * h * h * scene.density / viscosity;
-        limits.push(limit("viscous", value, "0.125 h^2 / nu"));
+        let value = limit::viscous(h, scene.density, viscosity);
+        limits.push(of("viscous", value, "0.125 h^2 / nu"));
     }
     if let Some(tension) = scene.effects.sigma() {
-        let square = scene.density * h.powi(3) / (2.0 * std::f64::consts::PI * tension);
-        let definition = "0.25 sqrt(rho h^3 / (2 pi sigma))";
-        limits.push(limit("capillary", 0.25 * square.sqrt(), definition));
+        let value = limit::capillary(h, scene.density, tension);
+        limits.push(of("capillary", value, "0.25 sqrt(rho h^3 / (2 pi sigma))"));
     }
     let forces = scene.effects.body_forces().into_iter().map(length);
     if let Some(strongest) = forces.reduce(f64::max) {
-        let value = 0.25 * (h / strongest).sqrt();
-        limits.push(limit("force", value, "0.25 sqrt(h / g)"));
+        let value = limit::force(h, strongest);
+        limits.push(of("force", value, "0.25 sqrt(h / g)"));
     }
     limits.sort_by(|a, b| a.value.total_cmp(&b.value));
     limits
@@ -298,15 +299,6 @@ pub fn drop_diameter(scene: &Problem) -> Option<f64> {
     });
     let radius = |body: &super::Body| body.shape.equivalent_radius(&scene.domain, scene.dimension);
     fastest.map(|body| 2.0 * radius(body))
-}
-
-/// Depth T of the deepest layer, m.
-fn pool_depth(scene: &Problem) -> Option<f64> {
-    let depths = scene.bodies.iter().filter_map(|body| match body.shape {
-        Shape::Layer { depth } => Some(depth),
-        _ => None,
-    });
-    depths.reduce(f64::max)
 }
 
 fn dimensionless(scene: &Scene) -> (String, Vec<Row>) {
@@ -345,7 +337,7 @@ fn dimensionless(scene: &Scene) -> (String, Vec<Row>) {
     if let (Some(g), Some(sigma)) = (gravity, scene.effects.sigma()) {
         push("Bo", rho * g * d * d / 4.0 / sigma, "rho g (d/2)^2 / sigma");
     }
-    if let Some(depth) = pool_depth(scene) {
+    if let Some(depth) = scene.pool_depth() {
         push("T/d", depth / d, "depth of the layer / d");
     }
     push("d/s0", d / scene.spacing, "particles across the drop");

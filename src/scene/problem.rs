@@ -75,6 +75,15 @@ impl Problem {
         }
     }
 
+    /// Depth of the deepest layer, m.
+    pub fn pool_depth(&self) -> Option<f64> {
+        let depths = self.bodies.iter().filter_map(|body| match body.shape {
+            Shape::Layer { depth } => Some(depth),
+            _ => None,
+        });
+        depths.reduce(f64::max)
+    }
+
     /// Whether a side of the box is a wall.
     pub fn has_wall(&self) -> bool {
         let mut sides = self.domain.boundary.iter().flatten();

@@ -15,29 +15,29 @@ use super::tree::{Tree, Value, child};
 /// What serves where a preset's own choice does not.
 const RAW_COLOUR: &str = "effects.tension.form = \"raw-colour\"";
 const SYMMETRIC: &str = "method.isph.gradient = \"symmetric\"";
-const STRESS: &str = include_str!("preset/mps-stress.toml");
+const STRESS: &str = include_str!("mps-stress.toml");
 
 /// The fragments of a preset, the first one on top.
 pub fn fragments(name: MethodName, preset: Preset) -> &'static [&'static str] {
     match (name, preset) {
-        (MethodName::Wcsph, Preset::Paper) => &[include_str!("preset/wcsph-paper.toml")],
+        (MethodName::Wcsph, Preset::Paper) => &[include_str!("wcsph-paper.toml")],
         (MethodName::Wcsph, Preset::Corrected) => &[
-            include_str!("preset/wcsph-corrected.toml"),
-            include_str!("preset/wcsph-paper.toml"),
+            include_str!("wcsph-corrected.toml"),
+            include_str!("wcsph-paper.toml"),
         ],
-        (MethodName::Wcsph, Preset::Modern) => &[include_str!("preset/wcsph-modern.toml")],
-        (MethodName::Isph, Preset::Paper) => &[include_str!("preset/isph-paper.toml")],
+        (MethodName::Wcsph, Preset::Modern) => &[include_str!("wcsph-modern.toml")],
+        (MethodName::Isph, Preset::Paper) => &[include_str!("isph-paper.toml")],
         (MethodName::Isph, Preset::Corrected) => &[
-            include_str!("preset/isph-corrected.toml"),
-            include_str!("preset/isph-paper.toml"),
+            include_str!("isph-corrected.toml"),
+            include_str!("isph-paper.toml"),
         ],
-        (MethodName::Isph, Preset::Modern) => &[include_str!("preset/isph-modern.toml")],
-        (MethodName::Mps, Preset::Paper) => &[include_str!("preset/mps-paper.toml")],
+        (MethodName::Isph, Preset::Modern) => &[include_str!("isph-modern.toml")],
+        (MethodName::Mps, Preset::Paper) => &[include_str!("mps-paper.toml")],
         (MethodName::Mps, Preset::Corrected) => &[
-            include_str!("preset/mps-corrected.toml"),
-            include_str!("preset/mps-paper.toml"),
+            include_str!("mps-corrected.toml"),
+            include_str!("mps-paper.toml"),
         ],
-        (MethodName::Mps, Preset::Modern) => &[include_str!("preset/mps-modern.toml")],
+        (MethodName::Mps, Preset::Modern) => &[include_str!("mps-modern.toml")],
     }
 }
 

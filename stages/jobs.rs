@@ -17,8 +17,8 @@ use crate::relax::Relax;
 use crate::settings::{self, Forecast};
 use crate::{forecast, probe};
 
-/// VERSION of each stage: grows whenever the same settings give another result. The golden digests
-/// in `tests/pipeline/golden.rs` fail when numbers change while these stand still.
+/// VERSION of each stage: is increased when the same settings give another result. The golden
+/// digests in `tests/pipeline/golden.rs` fail when numbers change without a new version.
 pub mod version {
     use coronet::scene::{Density, Gradient, Method, Problem, TensionForm, TimeStepping};
 
@@ -134,7 +134,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     })
 }
 
-/// The cost of a job, found when it is asked for.
+/// The cost of a job, computed on demand.
 fn later<'a>(work: impl Fn() -> Option<Work> + Sync + 'a) -> Forecast<'a> {
     Box::new(move || work().map(probe::adjusted))
 }

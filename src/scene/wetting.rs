@@ -1,12 +1,12 @@
 //! Contact angle on walls.
 
-/// Degrees; the cosine of zero is 3 % more.
+/// Smallest angle of the continued surface, degrees; the cosine of zero is 3 % larger.
 const FLATTEST: f64 = 15.0;
 
-/// How the liquid wets every wall.
+/// Wetting of all walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wetting {
-    /// Contact angle through the liquid, degrees; with hysteresis the one of the mean cosine.
+    /// Contact angle through the liquid, degrees; with hysteresis that of the mean cosine.
     pub angle: f64,
     /// Advancing and receding angle, degrees: between them a contact line rests.
     pub hysteresis: Option<[f64; 2]>,
@@ -41,36 +41,36 @@ impl Wetting {
             .map_or(self.angle, |[advancing, _]| advancing)
     }
 
-    /// Half of what the cosines of receding and advancing angle differ by: the friction of a
+    /// Half the difference of the cosines of receding and advancing angle: the friction of a
     /// contact line over the tension.
     pub fn friction(&self) -> f64 {
         let [advancing, receding] = self.cosines();
         0.5 * (receding - advancing)
     }
 
-    /// Of advancing and receding angle; twice the same without hysteresis.
+    /// Advancing and receding angle; equal without hysteresis.
     pub fn cosines(&self) -> [f64; 2] {
         cosines(self.hysteresis.unwrap_or([self.angle; 2]))
     }
 
-    /// cot(angle) of the surface that goes on into the wall at `angle`, degrees, at least
-    /// [`FLATTEST`] from it: nearer, it would go on for many kernels. Young's force has the angle
-    /// itself.
+    /// cot(angle) of the surface that is continued into the wall at `angle`, degrees, at least
+    /// [`FLATTEST`] from it: a smaller angle would continue it for many kernels. Young's force uses
+    /// the angle itself.
     pub fn cotangent(angle: f64) -> f64 {
         let angle = angle.clamp(FLATTEST, 180.0 - FLATTEST);
         let (sine, cosine) = angle.to_radians().sin_cos();
         cosine / sine
     }
 
-    /// The largest |cot| of the angles that a line can have.
+    /// The largest |cot| of the angles of a contact line.
     pub fn steepest(&self) -> f64 {
         let angles = self.hysteresis.unwrap_or([self.angle; 2]);
         let [advancing, receding] = angles.map(|angle| Self::cotangent(angle).abs());
         advancing.max(receding)
     }
 
-    /// How much longer a distance can be than its image under a shear by the largest |cot|: the
-    /// shear's larger principal stretch, (|k| + sqrt(k^2 + 4)) / 2.
+    /// Largest ratio of a distance to its image under a shear by the largest |cot|: the shear's
+    /// larger principal stretch, (|k| + sqrt(k^2 + 4)) / 2.
     pub fn stretch(&self) -> f64 {
         let shear = self.steepest();
         0.5 * (shear + (shear * shear + 4.0).sqrt())

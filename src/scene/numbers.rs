@@ -1,5 +1,5 @@
-//! What a scene amounts to: dimensionless numbers, particle counts, speed of sound, limits of the
-//! time step. Printed before anything runs.
+//! Numbers derived from a scene: dimensionless numbers, particle counts, speed of sound, limits of
+//! the time step. Printed before a run.
 
 use std::fmt;
 
@@ -16,21 +16,23 @@ use super::{
 pub struct Row {
     /// Short name: `We`, `acoustic`, or the name of a body.
     pub name: String,
-    /// SI.
+    /// The value in SI units.
     pub value: f64,
-    /// The value for a person, with its unit.
+    /// The value as text, with its unit.
     pub text: String,
+    /// How it is computed, in symbols.
     pub definition: String,
 }
 
-/// All that [`of`] derives, in the order of printing: titles with rows.
+/// Result of [`of`], in the order of printing: titles with rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
+    /// Title and rows of each group.
     pub groups: Vec<(String, Vec<Row>)>,
 }
 
 impl Numbers {
-    /// The value of the row with this name, in whatever group.
+    /// The value of the row with this name, in any group.
     pub fn get(&self, name: &str) -> Option<f64> {
         let mut rows = self.groups.iter().flat_map(|(_, rows)| rows);
         rows.find(|row| row.name == name).map(|row| row.value)
@@ -73,14 +75,14 @@ pub fn of(scene: &Scene) -> Numbers {
     Numbers { groups }
 }
 
-/// Reference speed where nothing moves and nothing pulls, m/s.
+/// Reference speed without motion and forces, m/s.
 const IDLE: f64 = 0.1;
 
 /// Sound speed of a body at rest in units of its own reference speed: density then varies by 0.1 %
 /// where Mach 0.1 allows 1 %, so that the packed spacing survives.
 const REST_STIFFNESS: f64 = 31.6;
 
-/// Settings of the method in which sound has a speed.
+/// Settings of WCSPH; other methods have no speed of sound.
 fn wcsph(scene: &Problem) -> Option<&Wcsph> {
     match &scene.method {
         Method::Wcsph(settings) => Some(settings),
@@ -122,7 +124,7 @@ pub fn length(vector: [f64; 3]) -> f64 {
 
 /// The speed V of Nishio et al. 2010, Eq. 8, m/s: as set, or the largest of the impact speed, the
 /// speed of a fall through the liquid's height sqrt(2 g T), the speed sqrt(8 sigma / (rho R)) at
-/// which the smallest drop swings, and the speed of a sliding wall.
+/// which the smallest drop oscillates, and the speed of a sliding wall.
 pub fn reference_speed(scene: &Problem) -> f64 {
     match wcsph(scene).map(|settings| settings.reference_speed) {
         Some(SpeedOf::Given(speed)) => speed,
@@ -130,7 +132,7 @@ pub fn reference_speed(scene: &Problem) -> f64 {
     }
 }
 
-/// [`reference_speed`] without the impact, m/s: what is there even when nothing moves.
+/// [`reference_speed`] without the impact, m/s.
 fn standing_speed(scene: &Problem) -> f64 {
     let walls = scene.domain.wall_velocity.iter().flatten();
     let sliding = walls.fold(0.0, |speed: f64, wall| speed.max(length(*wall)));
@@ -163,9 +165,9 @@ pub fn sound_speed(scene: &Problem) -> f64 {
     })
 }
 
-/// Speed of sound for the relaxation of one body at rest, m/s. It depends neither on the impact
-/// speed nor on the stiffness of the impact, nor on other bodies, and for a body that hangs free
-/// not on gravity, so a relaxed body serves every impact that starts from it.
+/// Speed of sound for the relaxation of one body at rest, m/s. It does not depend on the impact
+/// speed, the stiffness of the impact or other bodies, and for a free body not on gravity, so
+/// that a relaxed body can start every impact.
 pub fn rest_sound_speed(scene: &Problem) -> f64 {
     let shape = &scene.bodies[0].shape;
     let fall = if shape.is_free() {
@@ -218,7 +220,7 @@ fn moving(speed: f64) -> f64 {
     if speed > 0.0 { speed } else { IDLE }
 }
 
-/// Particles that a body will have. Exact for lattices; else the body's volume over that of a
+/// Number of particles of a body. Exact for lattices; else the body's volume over that of a
 /// particle.
 pub fn count(scene: &Scene, body: usize) -> u64 {
     let shape = &scene.bodies[body].shape;
@@ -281,12 +283,12 @@ pub fn limits(scene: &Problem) -> Vec<Row> {
     limits
 }
 
-/// Above this fixed step, s, the largest published acoustic constant is passed: 0.6 h / (c + V).
+/// Limit of a fixed step, s, with the largest published acoustic constant: 0.6 h / (c + V).
 pub fn unstable_step(scene: &Problem) -> f64 {
     0.6 * smoothing_length(scene) / (sound_speed(scene) + reference_speed(scene))
 }
 
-/// The drop: the fastest body that hangs free. Diameter of equal volume, m.
+/// Diameter of equal volume of the drop, m: of the fastest free body.
 pub fn drop_diameter(scene: &Problem) -> Option<f64> {
     let speed = |motion: &Motion| match motion {
         Motion::Uniform(velocity) => length(*velocity),

@@ -13,7 +13,7 @@ use crate::print::out;
 use crate::watch::Screen;
 use crate::{PROGRAM, impact, jobs, journal, post, signals};
 
-/// What a first signal is answered with.
+/// Answer to a first signal.
 const STOPPING: &str = "stopping after the next checkpoint";
 
 pub fn run(arguments: &RunArguments) -> Result<()> {
@@ -53,7 +53,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         threads,
         program: PROGRAM.to_string(),
     };
-    // On one of the threads: from outside, each pass would wait for another thread to wake up.
+    // On one of the threads: outside, each parallel loop would wait for another thread to wake up.
     let ended = rayon::scope(|_| pipeline::run(&all))?;
     finish(&store, &pipeline.name, &ended.reports, arguments.store.json);
     let unnamed = ended.unnamed.map_or(Ok(()), Err);
@@ -93,7 +93,7 @@ fn finish(store: &Store, name: &str, reports: &[Report], json: bool) {
         return out!("{object}");
     }
     out!("latest   {}", latest.display());
-    // Names are for people; scripts get the folders, which never change what they hold.
+    // Names are for users; scripts get the folders, whose content never changes.
     let named = |path: PathBuf, stage: &str, file: &str| {
         let name = latest.join(stage).join(file);
         let same = name.canonicalize().ok() == path.canonicalize().ok();

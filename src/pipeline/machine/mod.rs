@@ -100,8 +100,9 @@ pub fn peak_memory() -> Option<u64> {
 
 #[cfg(unix)]
 fn usage() -> Option<libc::rusage> {
-    // SAFETY: all zeros are a valid `rusage`, and `getrusage` only fills it.
+    // SAFETY: all zeros are a valid `rusage`.
     let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
+    // SAFETY: `getrusage` only fills it.
     (unsafe { libc::getrusage(libc::RUSAGE_SELF, &mut usage) } == 0).then_some(usage)
 }
 

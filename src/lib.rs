@@ -53,7 +53,7 @@
 //! |---|---|
 //! | a setting | its field in `scene/`; its value of each preset in `scene/preset/*.toml` |
 //! | a measure | a function in `measure/`, called in `measure/gauge.rs` |
-//! | an effect | `effect/NAME.rs`, its table in `scene/effects.rs`, its line in `effect/select.rs` |
+//! | an effect | `effect/NAME.rs`, its table in `scene/effects.rs`, a line in `effect/select.rs` |
 //! | a method | a folder in `method/`, its settings in `scene/method/`, a line in `method::build` |
 //! | what a method keeps of a particle | its `columns!`, with a [`particle::column::Role`] |
 //! | a format of export | a file in `record/export/`, a line in its `mod.rs` |

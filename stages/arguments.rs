@@ -1,4 +1,4 @@
-//! What a user types.
+//! Arguments of the command line.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -15,9 +15,9 @@ Exit codes:
   5    files cannot be read or written: no space, no permission, read-only, an error of the disk;
        nothing is set aside or removed. Standard output counts, unless its reader has gone
   6    in use by another process (gc)
-  130  stopped by Ctrl-C or a termination signal after a checkpoint; the same command goes on";
+  130  stopped by Ctrl-C or a termination signal after a checkpoint; the same command continues";
 
-/// What `--version` prints after the name of the program.
+/// Output of `--version` after the name of the program.
 const VERSION: &str = concat!(
     env!("CARGO_PKG_VERSION"),
     " (",
@@ -35,10 +35,10 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Bring all results of a pipeline up to date, going on where an earlier run ended
+    /// Bring all results of a pipeline up to date, continuing where an earlier run ended
     #[command(after_help = EXIT_CODES)]
     Run(RunArguments),
-    /// Run a table of settings over one store; write what accuracy costs in time
+    /// Run a table of settings over one store; write the cost of accuracy in time
     #[command(after_help = EXIT_CODES)]
     Study(StudyArguments),
     /// Name the cheapest settings of a study that meet an error, as a command
@@ -46,28 +46,28 @@ pub enum Command {
     Tune(TuneArguments),
     /// Show what would run, why, and about how long it would take
     Plan(PlanArguments),
-    /// Hash all finished results again; set damaged files aside, so that `run` makes them anew
+    /// Hash all finished results again; set damaged files aside, so that `run` regenerates them
     Verify(StoreArguments),
-    /// Remove results that are known to be garbage; finished ones only by age or name
+    /// Remove unused results; finished ones only by age or name
     #[command(after_help = EXIT_CODES)]
     Gc(SweepArguments),
-    /// List the runs of a store: how far each is, its figures, the settings in which they differ
+    /// List the runs of a store: their progress, their figures, the settings in which they differ
     List(StoreArguments),
     /// Compare two runs: settings that differ, figures, curves
     Diff(DiffArguments),
-    /// Show the jobs under way and those that were interrupted, from another terminal
+    /// Show the jobs in progress and the interrupted ones, from another terminal
     Status(StatusArguments),
-    /// Show what a checkpoint, a log or a result holds
+    /// Show the content of a checkpoint, a log or a result
     Show(ShowArguments),
     /// Write a checkpoint or the frames of a run in a format for other programs
     Export(ExportArguments),
-    /// Save the whole frames of a log that was cut off
+    /// Save the complete frames of a log that was cut off
     Recover(RecoverArguments),
-    /// Write a scene to begin with, its settings explained
+    /// Write a commented scene to start from
     Init(InitArguments),
     /// Print the JSON schema of pipeline files or of study files, for editors
     Schema(SchemaArguments),
-    /// Print what completes the commands in a shell
+    /// Print the completions of the commands for a shell
     #[command(after_help = "As in: coronet completions bash > \
                             ~/.local/share/bash-completion/completions/coronet")]
     Completions(CompletionsArguments),
@@ -77,7 +77,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct SchemaArguments {
-    /// What kind of file
+    /// Kind of file
     #[arg(value_enum, default_value_t)]
     pub of: FileKind,
     /// Print a page of all settings of a pipeline file in Markdown, in place of the JSON schema
@@ -105,7 +105,7 @@ pub enum FileKind {
 }
 
 impl Command {
-    /// Whether its output, or that of processes that it starts, is JSON.
+    /// Whether the output of the command, or of processes that it starts, is JSON.
     pub fn writes_json(&self) -> bool {
         match self {
             Command::Run(arguments) => arguments.store.json,
@@ -142,7 +142,7 @@ pub struct StoreArguments {
     /// Folder of all results
     #[arg(long, value_name = "DIR", default_value = "artifacts")]
     pub artifacts: PathBuf,
-    /// One JSON object a line on standard output, for scripts
+    /// One JSON object per line on standard output, for scripts
     #[arg(long)]
     pub json: bool,
 }
@@ -159,7 +159,7 @@ pub struct RunArguments {
     /// Stop after this stage
     #[arg(long, value_name = "STAGE")]
     pub until: Option<String>,
-    /// Threads; results do not depend on their number [default: one a core]
+    /// Threads; results do not depend on their number [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Stop after a checkpoint when standard input ends: a study holds it open
@@ -173,7 +173,7 @@ pub struct StudyArguments {
     pub study: PathBuf,
     #[command(flatten)]
     pub store: StoreArguments,
-    /// Points to run side by side; they share the cores
+    /// Points to run in parallel; they share the cores
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: u16,
@@ -194,7 +194,7 @@ pub struct TuneArguments {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub store: StoreArguments,
-    /// Points to run side by side; they share the cores
+    /// Points to run in parallel; they share the cores
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: u16,
@@ -210,25 +210,25 @@ pub struct PlanArguments {
 
 #[derive(Debug, Args)]
 pub struct SweepArguments {
-    /// Pipeline files whose results stay, too, besides those in `artifacts/latest/`
+    /// Pipeline files whose results also stay, besides those in `artifacts/latest/`
     pub pipelines: Vec<PathBuf>,
     /// Remove finished results that are older than this and that no name in `latest/` reaches,
     /// as `30days` or `12h`; without it, finished results stay
     #[arg(long, value_name = "AGE", value_parser = humantime::parse_duration)]
     pub older_than: Option<Duration>,
-    /// With --older-than: stopped runs of that age, too, though they have checkpoints
+    /// With --older-than: also stopped runs of that age that have checkpoints
     #[arg(long, requires = "older_than")]
     pub unfinished: bool,
-    /// Forget this name, and remove the results that it alone reaches; repeatable
+    /// Forget this name, and remove the results that only it reaches; repeatable
     #[arg(long, value_name = "NAME")]
     pub forget: Vec<String>,
-    /// Go on even if `latest/` has no name that reaches a result
+    /// Continue even if no name in `latest/` reaches a result
     #[arg(long)]
     pub without_names: bool,
     /// Only show what would be removed
     #[arg(long)]
     pub dry_run: bool,
-    /// Do not ask
+    /// Remove without a question
     #[arg(long, short)]
     pub yes: bool,
     #[command(flatten)]

@@ -61,7 +61,7 @@ impl Stage for Calibrate<'_> {
     }
 }
 
-/// The strength that input `index` found.
+/// The strength from input `index`.
 pub fn read(context: &Context, index: usize) -> Result<f64, StageError> {
     let checkpoint = context.checkpoint(index, FILE)?;
     checkpoint
@@ -69,6 +69,6 @@ pub fn read(context: &Context, index: usize) -> Result<f64, StageError> {
         .ok_or_else(|| StageError::Input {
             index,
             file: context.inputs[index].folder.join(FILE),
-            what: "it holds no strength".into(),
+            what: "it contains no strength".into(),
         })
 }

@@ -20,7 +20,7 @@ pub const FILES: u8 = 5;
 pub const BUSY: u8 = 6;
 pub const INTERRUPTED: u8 = 130;
 
-/// Results that cannot be trusted were found.
+/// Damaged results were found.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Untrusted(pub String);
@@ -35,12 +35,12 @@ pub struct Stopped(pub String);
 #[error("{0}")]
 pub struct Unreadable(pub String);
 
-/// A mistake in the arguments that only the program can see.
+/// A mistake in the arguments that the parser does not detect.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// The exit code for `error`, from whatever in its chain tells most.
+/// The exit code for `error`, from the most specific cause in its chain.
 pub fn exit_code(error: &anyhow::Error) -> u8 {
     error.chain().find_map(code_of).unwrap_or(FAILED)
 }

@@ -1,4 +1,4 @@
-//! Checkpoints of a stage under way: what a killed run goes on from.
+//! Checkpoints of a running stage, from which a killed run continues.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,11 +14,11 @@ use coronet::record::checkpoint::{self, LEVEL};
 use coronet::record::log::Flush;
 use coronet::record::{Checkpoint, Digest};
 
-/// Rolling checkpoints, of which the newest two stay.
+/// Rolling checkpoints, of which the newest two are kept.
 const ROLLING: &str = "step-";
 /// Checkpoints that become part of the result, so that a shorter run can start from them.
 pub const KEPT: &str = "kept-";
-/// Text that tells for which key a rolling checkpoint was written.
+/// Text with the key for which a rolling checkpoint was written.
 const KEY: &str = "key";
 
 /// Writes the checkpoints of a running stage in the background.
@@ -47,7 +47,7 @@ impl Flight {
         self.last.elapsed() >= self.every
     }
 
-    /// Has `checkpoint` written, after the frames before it are durable.
+    /// Queues `checkpoint` for writing after the frames before it are durable.
     pub fn save(
         &mut self,
         context: &Context,
@@ -66,8 +66,8 @@ impl Flight {
         self.collect(context)
     }
 
-    /// Notes what has been written since the last call and drops what is no longer needed. Errors
-    /// of earlier writes come out here.
+    /// Registers the checkpoints written since the last call and removes unneeded ones. Returns
+    /// errors of earlier writes.
     pub fn collect(&mut self, context: &Context) -> Result<(), StageError> {
         if !self
             .writer
@@ -95,10 +95,10 @@ impl Flight {
     }
 }
 
-/// The newest checkpoint in the work folder that can be trusted. Damaged ones are set aside.
+/// The newest valid checkpoint in the work folder. Damaged ones are set aside.
 ///
 /// # Errors
-/// If one cannot be read: then it may be good, and nothing is touched.
+/// If one cannot be read: it may be valid, so nothing is changed.
 pub fn newest(context: &Context) -> Result<Option<Checkpoint>, StageError> {
     let mut paths = list(context.work(), ROLLING)?;
     paths.extend(list(context.work(), KEPT)?);
@@ -132,11 +132,11 @@ fn pass_over(context: &Context, path: &Path, error: ContentError) -> Result<(), 
     let mut name = path.to_path_buf().into_os_string();
     name.push(".bad");
     fs::rename(path, name).map_err(FileError::new(path, "set aside"))?;
-    context.warn(&format!("{} is passed over: {what}", path.display()));
+    context.warn(&format!("{} is skipped: {what}", path.display()));
     Ok(())
 }
 
-/// Removes what earlier attempts left in the work folder.
+/// Removes files of earlier attempts from the work folder.
 pub fn clear(context: &Context) -> Result<(), StageError> {
     for entry in entries(context.work())? {
         let path = entry.path();
@@ -147,8 +147,8 @@ pub fn clear(context: &Context) -> Result<(), StageError> {
     Ok(context.save_time()?)
 }
 
-/// Moves the kept checkpoints into the result. They depend on where runs were cut, so no digest
-/// counts them, and a damaged one is left out.
+/// Moves the kept checkpoints into the result. They depend on the interruptions of the run, so no
+/// digest includes them, and a damaged one is left out.
 pub fn keep(context: &Context) -> Result<Vec<Output>, StageError> {
     let mut outputs = Vec::new();
     for path in list(context.work(), KEPT)? {
@@ -161,7 +161,7 @@ pub fn keep(context: &Context) -> Result<Vec<Output>, StageError> {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        // A link, so that the checkpoint also stays where a killed run would look for it.
+        // A link, so that a resumed run also finds the checkpoint.
         let target = context.output().join(&name);
         link_or_copy(&path, &target).map_err(FileError::new(&target, "link"))?;
         outputs.push(Output::shown(name));
@@ -169,7 +169,7 @@ pub fn keep(context: &Context) -> Result<Vec<Output>, StageError> {
     Ok(outputs)
 }
 
-/// Another name for the same file, or a copy where the file system has no links.
+/// Makes a link to the file, or a copy where the file system has no links.
 pub fn link_or_copy(from: &Path, to: &Path) -> std::io::Result<()> {
     if fs::hard_link(from, to).is_err() {
         fs::copy(from, to)?;

@@ -1,12 +1,11 @@
-//! What a stage will take, told before it starts: processor time, memory and disk.
+//! Forecast of the processor time, memory and disk space of a stage.
 //!
 //! The costs below were measured on machine B of docs/performance.md; an earlier result of the
-//! same method corrects them for the machine at hand (`coronet::pipeline`), else a
-//! [probe](crate::probe). Steps are counted along the speed that limits them: a splash is faster
-//! than the impact at first, then slows down as 1 / t until waves and jet set the pace.
+//! same method corrects them for the present machine (`coronet::pipeline`), else a
+//! [probe](crate::probe). Steps follow from the speed that limits them: a splash is faster than the
+//! impact at first, then slows down as 1 / t until waves and jet determine the speed.
 
 use coronet::draw::section;
-use coronet::measure::gauge;
 use coronet::particle::wall::layers;
 use coronet::pipeline::Work;
 use coronet::scene::{
@@ -14,17 +13,17 @@ use coronet::scene::{
     TimeStepping, numbers,
 };
 
-/// CPU seconds of a particle's step: ISPH and MPS with multigrid, WCSPH without tension.
+/// CPU seconds per particle and step: ISPH and MPS with multigrid, WCSPH without tension.
 const ISPH: f64 = 2.5e-6;
 const MPS: f64 = 2.6e-6;
 const WCSPH_SUMMED: f64 = 0.25e-6;
 const WCSPH_CONTINUOUS: f64 = 0.43e-6;
-/// What tension adds to a step of WCSPH; the normalised colour is summed to so many H under a
-/// surface, at this for each particle within.
+/// CPU seconds that tension adds per particle and step of WCSPH; depth in H to which the normalised
+/// colour is summed under a surface, and its cost for each particle there.
 const TENSION: f64 = 0.1e-6;
 const BAND: f64 = 2.9;
 const NORMALISED: f64 = 1.4e-6;
-/// Part of the steps in which a tension that is held is found: rows last for eight or more.
+/// Part of the steps that compute a tension that is kept: rows are valid for eight or more.
 const HELD: f64 = 0.12;
 /// Iterations of conjugate gradients to 1e-6 at a million particles, which grow as N^(1/3), and CPU
 /// seconds of an unknown in one: diagonal (or none), SSOR.
@@ -32,49 +31,49 @@ const DIAGONAL: [f64; 2] = [187.0, 40e-9];
 const SSOR: [f64; 2] = [144.0, 220e-9];
 /// Acoustic steps in an advective one, about.
 const ACOUSTIC: f64 = 4.0;
-/// Part of a step of WCSPH that liquid at rest takes: its rows last.
+/// Cost of a step of WCSPH for liquid at rest, over that of moving liquid: its rows stay valid.
 const STILL: f64 = 0.4;
 /// Neighbours in two dimensions over those in three, about.
 const FLAT: f64 = 0.5;
-/// CPU seconds of a step whatever the number of particles: WCSPH, projections.
+/// CPU seconds of a step, independent of the number of particles: WCSPH, projections.
 const STEP: [f64; 2] = [0.05e-3, 0.2e-3];
 /// CPU seconds of a wall particle in a step: WCSPH, projections. Its layers cover the widest
 /// kernel.
 const WALL: [f64; 2] = [0.05e-6, 0.26e-6];
-/// What a contact angle adds to that.
+/// CPU seconds that a contact angle adds to that.
 const WETTING: [f64; 2] = [0.1e-6, 0.42e-6];
 /// CPU seconds of a particle in a frame that is written.
 const LOG: f64 = 0.8e-6;
 /// CPU seconds of a particle on a lattice.
 const LATTICE: f64 = 2e-6;
-/// CPU seconds of packing a body, of each particle in 2-D, in 3-D over N^(4/3): the iterations grow
-/// with its width. Those of a free body, most of it near the surface, are so many times more, and
-/// each digit of the tolerance below a thousandth of the density adds this part.
+/// CPU seconds of packing a body, per particle in 2-D, in 3-D over N^(4/3): the iterations grow
+/// with its width. Factor for a free body, most of it near the surface; part that each digit of the
+/// tolerance below a thousandth of the density adds.
 const POISSON: [f64; 2] = [24e-6, 1.9e-6];
 const ROUND: f64 = 2.5;
 const DIGIT: f64 = 0.35;
 const START: f64 = 0.006;
-/// Part of `relax.time` until a body is at rest: over density and the spread that is allowed, over
-/// the kinetic energy that is allowed, kg/J; at least. Found for pools, and no better than by a
-/// factor of two or three. With contact lines, which creep, it takes all the time.
+/// Part of `relax.time` until a body is at rest: over density and the permitted spread, over the
+/// permitted kinetic energy, kg/J; minimum. Measured for pools, within a factor of two or three.
+/// With contact lines, which creep, it takes all the time.
 const CALM: [f64; 3] = [0.5e-3, 1e-6, 0.12];
 /// Cosine of a contact angle that moves no contact line.
 const UPRIGHT: f64 = 0.1;
-/// CPU seconds of a particle in the calibration, and so many times that with a contact angle.
+/// CPU seconds per particle in the calibration, and the factor with a contact angle.
 const CALIBRATE: [f64; 2] = [1.7e-6, 4.0];
-/// CPU seconds of a particle in a frame measured: of each, and over N^(2/3) for the surface; in 2-D
-/// of each.
+/// CPU seconds of measuring a frame: per particle, and over N^(2/3) for the surface; in 2-D per
+/// particle.
 const MEASURE: [f64; 2] = [0.9e-6, 12.8e-6];
 const MEASURE_FLAT: f64 = 0.55e-6;
-/// CPU seconds of a pixel: of a section up to the highest body; of a view and the title picture,
-/// over the square of a section's width, so many times that where no pool fills them. Of a field.
+/// CPU seconds per pixel: of a section up to the highest body; of a view and the title picture,
+/// over the square of a section's width; factor where no pool fills them; of a field.
 const SECTION: f64 = 0.09e-6;
 const VIEW: f64 = 0.55e-6;
 const TITLE: f64 = 1.25e-6;
 const DRY: f64 = 0.45;
 const FIELD: f64 = 6e-3;
-/// Bytes of a particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
-/// checkpoints that stay.
+/// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
+/// number of checkpoints that stay.
 const MEMORY: [f64; 2] = [1300.0, 2500.0];
 const FRAME: f64 = 35.0;
 /// Bytes of memory of the program itself, and of a particle of the whole that is drawn.
@@ -83,13 +82,13 @@ const PICTURE: f64 = 550.0;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 
-/// Particles of the whole scene.
+/// Number of particles of the whole scene.
 fn particles(scene: &Scene) -> f64 {
     let counts = (0..scene.bodies.len()).map(|body| numbers::count(scene, body));
     counts.sum::<u64>() as f64
 }
 
-/// Frames of the log: at most one for each step in which the liquid moves on.
+/// Number of frames of the log: at most one for each step.
 fn frames(scene: &Scene) -> f64 {
     let wanted = (scene.impact.end / scene.frames.interval).floor();
     let inner = match &scene.method {
@@ -103,7 +102,7 @@ fn is_projected(scene: &Scene) -> bool {
     scene.method.projection().is_some()
 }
 
-/// CPU seconds of a particle's step.
+/// CPU seconds per particle and step.
 fn particle_step(scene: &Scene) -> f64 {
     let flat = flat(scene);
     let settings = match &scene.method {
@@ -128,7 +127,7 @@ fn particle_step(scene: &Scene) -> f64 {
     flat * (plain + found * tension)
 }
 
-/// CPU seconds of what walls add to a step. Their particles lie in layers as deep as the widest
+/// CPU seconds that walls add to a step. Their particles lie in layers as deep as the widest
 /// kernel, also beyond open sides.
 fn walls(scene: &Scene) -> f64 {
     let layers = layers(scene) as f64;
@@ -156,7 +155,7 @@ fn flat(scene: &Scene) -> f64 {
     }
 }
 
-/// CPU seconds of a particle's step that another preconditioner than multigrid adds.
+/// CPU seconds per particle and step that another preconditioner than multigrid adds.
 fn iterations(scene: &Scene, settings: &Projection) -> f64 {
     let [count, cost] = match settings.preconditioner {
         Preconditioner::Multigrid => return 0.0,
@@ -174,7 +173,7 @@ fn near_surface(scene: &Scene) -> f64 {
         .tension
         .map_or(1.0, |tension| tension.smoothing);
     let long = smoothing * numbers::smoothing_length(scene);
-    let depth = gauge::pool_depth(scene);
+    let depth = scene.pool_depth().unwrap_or(0.0);
     if depth > 0.0 {
         (BAND * long / depth).min(1.0)
     } else {
@@ -192,8 +191,8 @@ fn speed(scene: &Scene, time: f64) -> f64 {
     let Some(diameter) = numbers::drop_diameter(scene).filter(|_| falls) else {
         return numbers::reference_speed(scene);
     };
-    // Fitted to the time steps of splashes from d/5 to d/24, 2.42 and 3.13 m/s: those of WCSPH
-    // follow its fastest particles, those of the projections leave spray out.
+    // Fitted to the time steps of splashes from d/5 to d/24, 2.42 and 3.13 m/s: WCSPH follows its
+    // fastest particles, the projections exclude spray.
     let crossings = time * impact / diameter;
     let slow = match crossings {
         ..RISE if is_projected(scene) => 0.25,
@@ -205,21 +204,21 @@ fn speed(scene: &Scene, time: f64) -> f64 {
     impact * (1.5 / crossings).clamp(slow, 1.1)
 }
 
-/// Diameters over the impact's speed until a jet rises, and until it falls.
+/// Times at which a jet rises and falls, in diameters over the impact's speed.
 const RISE: f64 = 30.0;
 const FALL: f64 = 55.0;
 
-/// Speed of sound when the fastest particle has a speed, m/s.
+/// Speed of sound for a speed of the fastest particle, m/s.
 fn sound(scene: &Scene, speed: f64) -> f64 {
     let [least, most] = numbers::sound_speeds(scene);
-    // Adaptive where the two differ: it follows the speed.
+    // It follows the speed if adaptive.
     match least < most {
         true => (most / numbers::reference_speed(scene) * speed).max(least),
         false => most,
     }
 }
 
-/// Time step at a speed, and a speed of sound, s.
+/// Time step for a speed and a speed of sound, s.
 fn step(scene: &Scene, speed: f64, sound: f64) -> f64 {
     let calm = numbers::limits(scene);
     let calm = calm
@@ -268,7 +267,7 @@ fn resting_steps(scene: &Scene, body: usize) -> Option<f64> {
         true => 1.0,
         false => spread.max(energy / relax.kinetic_energy).clamp(least, 1.0),
     };
-    // Nothing moves; a projection has the same limits as ever.
+    // Nothing moves; the limits of a projection do not change.
     let sound = numbers::rest_sound_speed(&scene.resting(body));
     Some(part * relax.time / step(scene, 0.0, sound))
 }
@@ -283,7 +282,7 @@ fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
     })
 }
 
-/// Of packing body `body`.
+/// Cost of packing body `body`.
 pub fn pack(scene: &Scene, body: usize) -> Option<Work> {
     let count = numbers::count(scene, body) as f64;
     let cpu = match scene.pack.arrangement {
@@ -306,7 +305,7 @@ pub fn pack(scene: &Scene, body: usize) -> Option<Work> {
     work(scene, cpu, [count, count * CHECKPOINT])
 }
 
-/// Of relaxing body `body`.
+/// Cost of relaxing body `body`.
 pub fn relax(scene: &Scene, body: usize) -> Option<Work> {
     let count = numbers::count(scene, body) as f64;
     let walls = match scene.bodies[body].shape.is_free() {
@@ -318,7 +317,7 @@ pub fn relax(scene: &Scene, body: usize) -> Option<Work> {
     work(scene, cpu, [count, count * CHECKPOINT])
 }
 
-/// Of calibrating the tension.
+/// Cost of calibrating the tension.
 pub fn calibrate(scene: &Scene) -> Option<Work> {
     let count = particles(scene);
     let [each, wetted] = CALIBRATE;
@@ -334,7 +333,7 @@ pub fn step_cost(scene: &Scene) -> f64 {
     step + part * particles(scene) * particle_step(scene) + walls(scene)
 }
 
-/// Of the impact.
+/// Cost of the impact.
 pub fn impact(scene: &Scene) -> Option<Work> {
     let count = particles(scene);
     let cpu = steps(scene) * step_cost(scene) + frames(scene) * count * LOG;
@@ -357,7 +356,7 @@ fn views(scene: &Scene, panels: f64) -> f64 {
         return 0.0;
     }
     let width = section::width(&scene.whole()) as f64;
-    let covered = if gauge::pool_depth(scene) > 0.0 {
+    let covered = if scene.pool_depth().unwrap_or(0.0) > 0.0 {
         1.0
     } else {
         DRY
@@ -365,7 +364,7 @@ fn views(scene: &Scene, panels: f64) -> f64 {
     covered * width * width * (VIEW * panels + TITLE)
 }
 
-/// Of measuring, drawing and plotting the frames, which show the whole of a symmetric scene.
+/// Cost of measuring, drawing and plotting the frames, which show the whole of a symmetric scene.
 pub fn post(scene: &Scene) -> Option<Work> {
     let is_unfolded = |axis: &usize| scene.unfolds(*axis).is_some();
     let whole = particles(scene) * 2f64.powi((0..2).filter(is_unfolded).count() as i32);

@@ -1,9 +1,9 @@
 //! `impact`: relaxed bodies -> the state at the end, and the log of frames.
 //!
 //! The run ends at the first restartable instant at or after `impact.end`. Frame k is taken at the
-//! first step at or after k x `frames.interval`; a result has every frame up to its last instant.
-//! So the frames of a shorter run are exactly the first frames of a longer one, whoever stopped
-//! when.
+//! first step at or after k x `frames.interval`; a result contains every frame up to its last
+//! instant. So the frames of a shorter run are exactly the first frames of a longer one, with any
+//! interruptions.
 
 use coronet::measure::loss;
 use coronet::method::frame::Schedule;
@@ -28,10 +28,10 @@ use crate::settings::Forecast;
 
 /// State at the end.
 pub const STATE: &str = "state.checkpoint";
-/// For viewers, shows all of the log.
+/// Layout for viewers that shows the whole log.
 pub const LAYOUT: &str = "layout.json";
 
-/// Parts of the run between checkpoints that stay, for shorter runs to start from.
+/// Number of parts of the run between kept checkpoints, from which shorter runs can start.
 const PARTS: f64 = 4.0;
 
 pub struct Impact<'a> {
@@ -70,7 +70,7 @@ impl Stage for Impact<'_> {
 
     fn remark(&self, name: &str) -> Option<&str> {
         name.starts_with("frames.")
-            .then_some("frames of the past cannot be had from a finished run")
+            .then_some("a finished run cannot provide frames of the past")
     }
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
@@ -126,7 +126,7 @@ impl Impact<'_> {
         Ok(outputs)
     }
 
-    /// Steps to the end; writes checkpoints on the way.
+    /// Steps to the end, with checkpoints.
     fn advance(
         &self,
         context: &Context,
@@ -169,7 +169,7 @@ impl Impact<'_> {
         flight.land(context)
     }
 
-    /// The latest instant that is known: of an unfinished run, of a finished relative, or t = 0.
+    /// The latest known instant: of an unfinished run, of a finished relative, or t = 0.
     fn start(&self, context: &Context) -> Result<Start, StageError> {
         let flying = flight::newest(context)?.and_then(start);
         let since = flying
@@ -222,8 +222,8 @@ impl Impact<'_> {
                     }
                     Err(_) => continue,
                 };
-                // The final instant of a run with an earlier end is the first one at or after ours
-                // even if it lies behind it; of other instants only those before it are useful.
+                // The final instant of a run with an earlier end may be the first one at or after
+                // this end; of other instants only those before this end are useful.
                 let shorter = output.file == STATE && run_end(relative).is_some_and(|e| e <= end);
                 if peek.time > since && (peek.time < end || shorter) {
                     candidates.push((peek.time, relative, output.file.as_str()));

@@ -17,10 +17,10 @@ use crate::relax::Relax;
 use crate::settings::{self, Forecast};
 use crate::{forecast, probe};
 
-/// VERSION of each stage: grows whenever the same settings give another result. What only some
+/// VERSION of each stage: is increased when the same settings give another result. What only some
 /// scenes have is versioned by name, beside their settings, so that a change leaves the results of
 /// other scenes fresh. The golden digests in `tests/pipeline/golden.rs` fail when numbers change
-/// while these stand still.
+/// without a new version.
 pub mod version {
     use coronet::pipeline::Setting;
     use coronet::scene::{Density, Method, Problem, TensionForm, TimeStepping};
@@ -136,7 +136,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     })
 }
 
-/// The cost of a job, found when it is asked for.
+/// The cost of a job, computed on demand.
 fn later<'a>(work: impl Fn() -> Option<Work> + Sync + 'a) -> Forecast<'a> {
     Box::new(move || work().map(probe::adjusted))
 }

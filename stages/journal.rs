@@ -1,5 +1,5 @@
-//! The frames of a run under way, and where a run can begin: what makes the frames and checkpoints
-//! of all attempts one result.
+//! The frames of a running impact, and the instants at which it can begin: joins the frames and
+//! checkpoints of all attempts to one result.
 
 use coronet::measure::loss;
 use coronet::method::frame::Schedule;
@@ -17,27 +17,27 @@ use crate::flight;
 /// Frames of the whole run.
 pub const FRAMES: &str = "frames.mcap";
 
-/// The log of the result that this one goes on from, in the work folder.
+/// The log of the result from which this one continues, in the work folder.
 const BASE: &str = "base.mcap";
 
 /// Number of the next frame, as a scalar of a checkpoint.
 const NEXT: &str = "frames/next";
-/// Frames taken so far.
+/// Number of frames taken so far.
 const TAKEN: &str = "frames/taken";
 
-/// Where a run begins.
+/// Begin of a run.
 pub struct Start {
     pub state: State,
     pub next: u64,
     pub taken: u64,
-    /// Not from t = 0.
+    /// Begin after t = 0.
     pub resumed: bool,
 }
 
 /// Why a run did not reach its end.
 pub enum Trouble {
     Stage(StageError),
-    /// Frames before the checkpoint are not in the log, whatever the disk had promised.
+    /// Frames before the checkpoint are missing in the log.
     FramesLost(String),
 }
 
@@ -56,14 +56,14 @@ impl From<Trouble> for StageError {
     }
 }
 
-/// Frames as they become due.
+/// Takes the frames when they are due.
 pub struct Frames {
     pub log: LogWriter,
     pub due: Schedule,
     pub taken: u64,
     pub error: Option<LogError>,
     pub watch: loss::Watch,
-    /// What is to be said about the last frame.
+    /// Remark about the last frame.
     pub warning: Option<String>,
 }
 
@@ -95,7 +95,7 @@ impl Frames {
     }
 }
 
-/// The instant that a checkpoint holds, if it is one of an impact.
+/// The instant of a checkpoint, if it is one of an impact.
 pub fn start(checkpoint: Checkpoint) -> Option<Start> {
     let next = checkpoint.scalar(NEXT)? as u64;
     let taken = checkpoint.scalar(TAKEN)? as u64;
@@ -107,8 +107,8 @@ pub fn start(checkpoint: Checkpoint) -> Option<Start> {
     })
 }
 
-/// Makes a finished run the beginning of this one: its log becomes the base. The inner error says
-/// why it cannot be used.
+/// Makes a finished run the beginning of this one: its log becomes the base. The inner error is
+/// the reason why it cannot be used.
 pub fn adopt(
     context: &Context,
     relative: &Relative,
@@ -121,7 +121,7 @@ pub fn adopt(
         .map(|output| output.digest);
     match content(&log) {
         Ok(found) if Some(found) == wanted => {}
-        Ok(_) => return Ok(Err("its log is another one".into())),
+        Ok(_) => return Ok(Err("its log belongs to another run".into())),
         Err(ContentError::Damaged(what)) => return Ok(Err(what)),
         Err(ContentError::File(error)) => return Err(error.into()),
     }
@@ -131,7 +131,7 @@ pub fn adopt(
         Err(ContentError::File(error)) => return Err(error.into()),
     };
     let Some(start) = start else {
-        return Ok(Err(format!("{file} is no state of an impact")));
+        return Ok(Err(format!("{file} is not a state of an impact")));
     };
     flight::clear(context)?;
     flight::link_or_copy(&log, &context.work().join(BASE)).map_err(StageError::failed)?;
@@ -151,8 +151,8 @@ pub fn next_segment(context: &Context) -> Result<u32, StageError> {
     Ok(numbers.max().map_or(0, |last| last.saturating_add(1)))
 }
 
-/// One log of all segments, with every frame that was taken. Damage of any kind means that frames
-/// are lost, whose run has to start again.
+/// One log of all segments, with every frame that was taken. If a segment is damaged, frames are
+/// lost, and the run has to start again.
 pub fn merge(context: &Context, taken: u64) -> Result<(), Trouble> {
     let trouble = |error: LogError| match error.is_damage() {
         true => Trouble::FramesLost(error.to_string()),
@@ -172,7 +172,7 @@ pub fn merge(context: &Context, taken: u64) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// A log that fails makes checkpoints fail, which wait for its frames; the log knows why.
+/// A failed log makes checkpoints fail, which wait for its frames; returns the log's error.
 pub fn first_cause(error: StageError, log: LogWriter) -> StageError {
     let StageError::Failed(source) = error else {
         return error;

@@ -1,4 +1,4 @@
-//! The program: reads a pipeline file, brings its stages up to date, shows what was made.
+//! The program: reads a pipeline file, brings its stages up to date, shows the results.
 
 mod answer;
 mod arguments;
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints a help text, or what is wrong with the arguments.
+/// Prints a help text, or the mistake in the arguments.
 fn help(error: &clap::Error) -> ExitCode {
     match (error.print(), error.use_stderr()) {
         (_, true) => ExitCode::from(fault::USAGE),
@@ -94,8 +94,8 @@ fn obey(command: &Command) -> Result<()> {
     }
 }
 
-/// JSON is UTF-8, and so are the answers of the points of a study: a path that is not cannot be
-/// given there.
+/// JSON is UTF-8, and so are the answers of the points of a study: other paths cannot be used
+/// there.
 fn check(command: &Command) -> Result<()> {
     let odd = std::env::args_os().find(|argument| argument.to_str().is_none());
     match odd {
@@ -107,7 +107,7 @@ fn check(command: &Command) -> Result<()> {
     }
 }
 
-/// The chain of causes, without those that their parent tells already.
+/// The chain of causes, without those that their parent contains already.
 fn text(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(|cause| cause.to_string()) {

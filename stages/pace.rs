@@ -1,4 +1,4 @@
-//! How fast a solver goes, for whoever watches.
+//! Speed of a solver, for the watcher.
 
 use std::time::{Duration, Instant};
 
@@ -27,7 +27,7 @@ impl Pace {
         }
     }
 
-    /// Tells how far the solver is on the way to `end`, s, if that was not told just now.
+    /// Reports the progress of the solver to `end`, s, at most once per interval.
     pub fn report(&mut self, context: &Context, solver: &dyn Solver, end: f64, more: &str) {
         let steps = solver.step_count() - self.step;
         self.step = solver.step_count();

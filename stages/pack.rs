@@ -74,7 +74,7 @@ fn report(context: &Context, progress: &PackProgress, started: Instant) {
 
 fn note(context: &mut Context, report: &PackReport) {
     context.note(format!(
-        "{} particles of {:.6e} kg, {:.6e} kg wanted",
+        "{} particles of {:.6e} kg, {:.6e} kg required",
         report.count, report.mass, report.wanted_mass
     ));
     context.note(format!(

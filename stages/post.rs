@@ -18,10 +18,10 @@ use crate::settings::Forecast;
 pub const MEASURES: &str = "measures.csv";
 /// Name of the stage whose results may not be at rest.
 const RELAX: &str = "relax";
-/// The page that shows everything.
+/// The page of the report.
 pub const REPORT: &str = "report.html";
 
-/// Most frames that are measured side by side, and particles after which none is added.
+/// Largest number of frames measured in parallel, and of their particles.
 const AT_ONCE: usize = 8;
 const PARTICLES: usize = 1_000_000;
 
@@ -71,7 +71,7 @@ impl Stage for Post<'_> {
                 unit: "",
                 text: format!("frame at {:.2} ms", 1e3 * last.time),
             });
-            // The next ones are read while these are measured.
+            // The next frames are read while these are measured.
             let (coming, done) = rayon::join(|| next(&mut frames), || post.frames(&batch));
             done.map_err(StageError::failed)?;
             batch = coming?;
@@ -100,7 +100,7 @@ impl Stage for Post<'_> {
             .files
             .iter()
             .map(|file| file.to_string_lossy().replace('\\', "/"));
-        // The page tells when and where the run was made; all else follows from the frames.
+        // The page contains time and machine of the run; the other files follow from the frames.
         Ok(files
             .map(|file| match file.as_str() {
                 REPORT => Output::shown(file),
@@ -110,7 +110,7 @@ impl Stage for Post<'_> {
     }
 }
 
-/// What the relaxations behind the impact say of bodies that did not come to rest.
+/// Notes of the relaxations about bodies that did not come to rest.
 fn unrest(context: &Context) -> Vec<String> {
     let impact = &context.inputs[0];
     let Some(root) = impact.folder.ancestors().nth(2) else {
@@ -121,7 +121,7 @@ fn unrest(context: &Context) -> Vec<String> {
         .inputs
         .iter()
         .filter(|input| input.stage == RELAX);
-    // A stamp that is gone or damaged is found where it is used; here it only has nothing to say.
+    // A missing or damaged stamp is reported where it is used; here it is ignored.
     let stamps = relaxed.filter_map(|input| {
         let folder = Store::new(root).folder(RELAX, &input.key);
         Some((input, Stamp::read(&folder).ok()??))
@@ -135,7 +135,7 @@ fn unrest(context: &Context) -> Vec<String> {
     texts.collect()
 }
 
-/// Frames that are measured side by side; fewer if they are large.
+/// Number of frames measured in parallel; fewer if they are large.
 fn next(frames: &mut log::Frames) -> Result<Vec<Frame>, StageError> {
     let (mut batch, mut particles) = (Vec::new(), 0);
     while batch.len() < AT_ONCE && particles < PARTICLES {
@@ -150,7 +150,7 @@ fn next(frames: &mut log::Frames) -> Result<Vec<Frame>, StageError> {
 }
 
 impl Post<'_> {
-    /// What the report says about where its numbers come from.
+    /// The provenance of the numbers in the report.
     fn provenance(&self, context: &Context) -> Vec<(String, String)> {
         let command: Vec<String> = std::env::args_os()
             .map(|word| word.to_string_lossy().into_owned())

@@ -1,14 +1,14 @@
-//! Standard output and standard error. Whatever becomes of them, the work goes on: a reader that
-//! has gone ends the printing, and any other error is reported by the exit code at the end.
+//! Standard output and standard error. The work continues after their errors: a closed pipe ends
+//! the printing, and the exit code reports any other error.
 //!
-//! Texts from files are shown without control characters, which could drive a terminal.
+//! Texts from files are shown without control characters, which could control a terminal.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write as _};
 use std::path::Path;
 use std::sync::Mutex;
 
-/// What became of standard output.
+/// State of standard output.
 static OUTPUT: Mutex<Option<io::Error>> = Mutex::new(None);
 
 /// A line on standard output.
@@ -36,12 +36,12 @@ pub fn line(text: Arguments) {
     *failed = writeln!(out, "{text}").and_then(|()| out.flush()).err();
 }
 
-/// Prints to standard error; nothing can be done about an error there.
+/// Prints to standard error; errors are ignored.
 pub fn error_line(text: Arguments) {
     let _ = writeln!(io::stderr().lock(), "{}", plain(&text.to_string()));
 }
 
-/// The first error of standard output, unless it is that its reader has gone.
+/// The first error of standard output, except a closed pipe.
 pub fn failure() -> Option<io::Error> {
     let mut failed = OUTPUT
         .lock()
@@ -51,8 +51,8 @@ pub fn failure() -> Option<io::Error> {
         .filter(|error| error.kind() != ErrorKind::BrokenPipe)
 }
 
-/// The text with its control characters, but for line breaks and tabs, written as escapes, and
-/// with those that turn the direction of writing.
+/// The text with escapes in place of control characters other than line breaks and tabs, and of
+/// characters that change the direction of writing.
 pub fn plain(text: &str) -> String {
     let is_control = |c: char| {
         (c.is_control() && c != '\n' && c != '\t')
@@ -70,7 +70,7 @@ pub fn plain(text: &str) -> String {
     plain
 }
 
-/// Bytes for people.
+/// A number of bytes with a unit.
 pub fn size(bytes: u64) -> String {
     match bytes as f64 {
         b if b < 1e3 => format!("{b} B"),
@@ -81,7 +81,7 @@ pub fn size(bytes: u64) -> String {
     }
 }
 
-/// A path for people and for JSON, which has no other texts than Unicode.
+/// A path for messages and for JSON, as Unicode.
 pub fn shown(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }

@@ -1,4 +1,4 @@
-//! How fast this machine is: what it takes for steps whose cost on another one is known.
+//! Speed of this machine: the time of steps whose cost on another machine is known.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -11,11 +11,11 @@ use coronet::scene::file;
 
 use crate::forecast;
 
-/// Advances after the first that are measured.
+/// Number of measured advances after the first.
 const TURNS: usize = 4;
 
-/// A pool of 24 x 24 x 12 particles with tension, WCSPH `modern`, as most of what is forecast; it
-/// slides, so that rows are found again as often as in a splash.
+/// A pool of 24 x 24 x 12 particles with tension, WCSPH `modern`, as most forecast scenes; it
+/// slides, so that rows are searched again as often as in a splash.
 const POOL: &str = "\
 title = 'probe'
 box = { size = ['24 mm', '24 mm', '16 mm'] }
@@ -31,10 +31,10 @@ viscosity = { dynamic = '1 mPa s' }
 tension = { coefficient = '70 mN/m', strength = 5 }
 ";
 
-/// CPU seconds of work for which it pays to probe the machine, which takes some tenths of a second.
+/// CPU seconds of work from which the machine is probed, which takes some tenths of a second.
 const PROBED: f64 = 0.3;
 
-/// Work as this machine does it.
+/// The work, with the speed of this machine.
 pub fn adjusted(work: Work) -> Work {
     let slower = if work.amount > PROBED {
         slower
@@ -44,13 +44,13 @@ pub fn adjusted(work: Work) -> Work {
     Work { slower, ..work }
 }
 
-/// CPU seconds of this machine for one of the machine that forecasts are of.
+/// CPU seconds of this machine for one of the machine of the forecasts.
 fn slower() -> f64 {
     static SLOWER: OnceLock<f64> = OnceLock::new();
     *SLOWER.get_or_init(|| probe().unwrap_or(1.0))
 }
 
-/// `None` where the system does not tell the time of a process.
+/// `None` where the time of a process is not available.
 fn probe() -> Option<f64> {
     let scene = file::read(POOL, Path::new("probe"), &[]).ok()?.scene;
     let (pool, _) = pack(&scene.pack_input(0), &mut |_| ControlFlow::Continue(())).ok()?;
@@ -61,7 +61,7 @@ fn probe() -> Option<f64> {
         None,
     )
     .ok()?;
-    // The first one sets up what stays.
+    // The first one allocates memory.
     solver.advance(&mut |_| ()).ok()?;
     let (step, start) = (solver.step_count(), machine::cpu_seconds());
     for _ in 0..TURNS {

@@ -1,7 +1,7 @@
 //! `relax`: a packed body -> the same body in equilibrium.
 //!
-//! Runs at rest with damping until kinetic energy and density spread have stayed below their limits
-//! for a tenth of `relax.time` (a body that has not begun to move is at rest, too), at most for
+//! Runs with damping until kinetic energy and density spread have stayed below their limits for a
+//! tenth of `relax.time` (a body that has not begun to move is also at rest), at most for
 //! `relax.time`.
 
 use coronet::method::rest::{Rest, Unrest};
@@ -16,10 +16,10 @@ use crate::flight::{self, Flight};
 use crate::pace::Pace;
 use crate::settings::Forecast;
 
-/// Since when both limits have been kept, s, as a scalar of a checkpoint; NaN: they are not.
+/// Time from which both limits are met, s, as a scalar of a checkpoint; NaN: they are not.
 const CALM_SINCE: &str = "calm_since";
 
-/// How the note of a body that has not come to rest begins.
+/// Start of the note of a body that has not come to rest.
 pub const UNREST: &str = "not at rest";
 
 pub struct Relax<'a> {
@@ -91,7 +91,7 @@ impl Stage for Relax<'_> {
 }
 
 impl Relax<'_> {
-    /// Notes how still the body is.
+    /// Adds a note about the rest of the body.
     fn report(&self, context: &mut Context, solver: &dyn Solver, unrest: Unrest) {
         let relax = &self.input.relax;
         let reached = format!(

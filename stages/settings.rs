@@ -1,14 +1,14 @@
-//! What the pipeline asks of each job: the settings in its key, and what it will cost.
+//! What the pipeline needs of each job: the settings in its key, and its expected cost.
 
 use anyhow::Result;
 use coronet::pipeline::{Setting, Work};
 use coronet::scene::{Problem, key};
 use serde::Serialize;
 
-/// What a job will cost, found when it is asked for.
+/// The expected cost of a job, computed on demand.
 pub type Forecast<'a> = Box<dyn Fn() -> Option<Work> + Sync + 'a>;
 
-/// Settings in the input of a stage, as the pipeline knows them; `problem` is the scene's.
+/// Settings in the input of a stage, for the pipeline; `problem` is the scene's.
 pub fn list(input: &impl Serialize, problem: &Problem) -> Result<Vec<Setting>> {
     let setting = |setting: key::Setting| Setting {
         name: setting.name,

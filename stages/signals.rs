@@ -1,4 +1,4 @@
-//! What asks a run to stop: signals, and the end of the process that started it.
+//! Requests to stop a run: signals, and the end of the process that started it.
 
 use std::io::{ErrorKind, Read as _};
 use std::sync::Arc;
@@ -8,16 +8,16 @@ use anyhow::{Context as _, Result};
 
 use crate::print::note;
 
-/// A flag that Ctrl-C and termination signals set. A second one ends the program at once: the last
-/// checkpoint is as good as after a kill. What was ignored when the program started, as `nohup`
-/// does with the hang-up, stays ignored.
+/// A flag that Ctrl-C and termination signals set. A second signal ends the program at once; the
+/// last checkpoint stays valid. A signal that was ignored when the program started, as the hang-up
+/// under `nohup`, stays ignored.
 pub fn stop_flag(words: &'static str) -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     listen(&stop, words).context("cannot listen to signals")?;
     Ok(stop)
 }
 
-/// Sets the flag when standard input ends, which the starting process holds open.
+/// Sets the flag when standard input ends, which the starting process keeps open.
 pub fn stop_at_end_of_input(stop: &Arc<AtomicBool>) -> Result<()> {
     let stop = stop.clone();
     let wait = move || {
@@ -65,8 +65,9 @@ fn listen(stop: &Arc<AtomicBool>, words: &'static str) -> Result<()> {
 
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
-    // SAFETY: all zeros are a valid `sigaction`, and with no new action the call only fills it.
+    // SAFETY: all zeros are a valid `sigaction`.
     let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
+    // SAFETY: with no new action the call only fills it.
     let asked = unsafe { libc::sigaction(signal, std::ptr::null(), &mut action) };
     asked == 0 && action.sa_sigaction == libc::SIG_IGN
 }

@@ -1,4 +1,4 @@
-//! Shows what happens: bars on a terminal, plain lines elsewhere, JSON objects for scripts.
+//! Shows the progress: bars on a terminal, plain lines elsewhere, JSON objects for scripts.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -10,7 +10,7 @@ use serde_json::json;
 
 use crate::print::{note, out, plain, shown};
 
-/// Plain lines come after this time, and not more often.
+/// Least time between two plain lines.
 const BETWEEN: Duration = Duration::from_secs(10);
 
 /// Steps of a bar.
@@ -23,7 +23,7 @@ pub struct Screen {
 
 struct State {
     bar: Option<ProgressBar>,
-    /// Of the running job.
+    /// State of the running job.
     start: Instant,
     /// Part of the work that was done when it started.
     first: Option<f64>,
@@ -103,7 +103,7 @@ impl Watch for Screen {
             Event::Waiting { job, holder } => self.say(&format!("{job}: waiting for {holder}")),
             Event::Started { decision } => {
                 if let Some(start) = &decision.start {
-                    self.say(&format!("{}: going on from {start}", decision.label()));
+                    self.say(&format!("{}: continuing from {start}", decision.label()));
                 }
                 self.start(&decision.label());
             }
@@ -138,7 +138,7 @@ fn message(progress: &Progress, first: f64, elapsed: Duration) -> String {
     text
 }
 
-/// Seconds for people.
+/// A time with a unit.
 pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 0.95 => format!("{s:.1} s"),

@@ -276,6 +276,19 @@ fn parents(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
+/// The module of a folder is the `mod.rs` in it. Tests are crates of their own.
+#[test]
+fn modules_have_one_style() {
+    let is_beside = |file: &&PathBuf| {
+        let in_tests = file.starts_with(root().join("tests"));
+        !in_tests && file.with_extension("").is_dir()
+    };
+    let sources = sources();
+    let found = sources.iter().filter(is_beside);
+    let faults: Vec<String> = found.map(|file| shown(file)).collect();
+    none(&faults);
+}
+
 #[test]
 fn the_root_holds_what_it_should() {
     let mut faults = Vec::new();

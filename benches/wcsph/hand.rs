@@ -205,9 +205,11 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
         let (x, v) = (slots3(&mut p.position), slots3(&mut p.velocity));
         each(n, |i| {
             for a in 0..3 {
+                // SAFETY: every particle is visited once.
                 let v = unsafe { v[a].at(i) };
                 *v += 0.5 * dt * held[i][a] as f64;
                 if first {
+                    // SAFETY: the same.
                     *unsafe { x[a].at(i) } += dt * *v;
                 }
             }

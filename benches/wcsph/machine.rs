@@ -68,12 +68,15 @@ fn triad(a: &mut [f64], b: &[f64], c: &[f64]) {
 fn chains(rounds: usize) -> f32 {
     #[cfg(target_arch = "x86_64")]
     if wide() {
+        // SAFETY: `wide` has found the features.
         return unsafe { chains_avx2(rounds) };
     }
     assert!(!wide());
     run(rounds)
 }
 
+/// # Safety
+/// The processor has AVX2 and FMA.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 unsafe fn chains_avx2(rounds: usize) -> f32 {

@@ -1,31 +1,40 @@
-//! A picture: pixels, soft-edged strokes, lettering, PNG.
+//! A picture: pixels, antialiased strokes, lettering, PNG.
 
 use std::io::Write;
 
 /// Red, green, blue.
 pub type Colour = [u8; 3];
 
+/// Background.
 pub const WHITE: Colour = [255, 255, 255];
+/// Text and lines.
 pub const INK: Colour = [38, 44, 52];
+/// Secondary lines.
 pub const FAINT: Colour = [196, 202, 210];
 
 /// Rows of pixels from the top.
 #[derive(Clone)]
 pub struct Canvas {
+    /// Pixels in a row.
     pub width: usize,
+    /// Number of rows.
     pub height: usize,
     pixels: Vec<Colour>,
 }
 
-/// Where a text stands relative to its point.
+/// Alignment of a text at its point.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Anchor {
+    /// It starts at the point.
     Left,
+    /// It is centred on the point.
     Middle,
+    /// It ends at the point.
     Right,
 }
 
 impl Canvas {
+    /// A picture of one colour.
     pub fn new(width: usize, height: usize, colour: Colour) -> Canvas {
         Canvas {
             width,
@@ -34,15 +43,17 @@ impl Canvas {
         }
     }
 
+    /// Colour of a pixel; `x < width`, `y < height`.
     pub fn get(&self, x: usize, y: usize) -> Colour {
         self.pixels[y * self.width + x]
     }
 
+    /// Sets the colour of a pixel; `x < width`, `y < height`.
     pub fn set(&mut self, x: usize, y: usize, colour: Colour) {
         self.pixels[y * self.width + x] = colour;
     }
 
-    /// Mixes a colour in; nothing outside the picture.
+    /// Mixes a colour into a pixel; has no effect outside the picture.
     pub fn blend(&mut self, x: i64, y: i64, colour: Colour, part: f32) {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 || part <= 0.0 {
             return;
@@ -54,6 +65,7 @@ impl Canvas {
         }
     }
 
+    /// Fills a rectangle with its corners at `low` and `high`, pixels.
     pub fn rectangle(&mut self, low: [f32; 2], high: [f32; 2], colour: Colour) {
         for y in low[1].round() as i64..high[1].round() as i64 {
             for x in low[0].round() as i64..high[0].round() as i64 {
@@ -80,6 +92,7 @@ impl Canvas {
         }
     }
 
+    /// Straight line from `a` to `b`, `width` pixels wide.
     pub fn line(&mut self, a: [f32; 2], b: [f32; 2], width: f32, colour: Colour) {
         let reach = 0.5 * width + 1.0;
         let low = [0, 1].map(|i| (a[i].min(b[i]) - reach).floor() as i64);
@@ -145,7 +158,7 @@ impl Canvas {
         }
     }
 
-    /// Copies another picture in, its upper left corner at (x, y); what sticks out is cut.
+    /// Copies another picture into this one, its upper left corner at (x, y); clipped.
     pub fn paste(&mut self, x: usize, y: usize, other: &Canvas) {
         for row in 0..other.height.min(self.height.saturating_sub(y)) {
             for column in 0..other.width.min(self.width.saturating_sub(x)) {
@@ -182,6 +195,9 @@ impl Canvas {
     }
 
     /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// If the PNG encoder fails.
     pub fn png(&self) -> Result<Vec<u8>, png::EncodingError> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);

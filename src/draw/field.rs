@@ -1,9 +1,9 @@
 //! Pressure and velocity averaged about the axis, as in Figs. 8 and 9 of Nishio et al. 2010.
 //!
-//! Particles are gathered in bins of one spacing by their distance from the axis and height (2-D:
-//! by |x|, left and right mirrored onto each other), each shared linearly by the four bins whose
-//! centres are about it, so that rows of particles leave no gaps. A bin is liquid if it holds two
-//! fifths of the particles that would fill it.
+//! Particles are distributed to bins of one spacing by their distance from the axis and height
+//! (2-D: by |x|, left and right mirrored onto each other), each linearly to the four nearest bins,
+//! so that rows of particles leave no gaps. A bin is liquid if it contains two fifths of the
+//! particles that would fill it.
 
 use super::canvas::{Anchor, Canvas, Colour, FAINT, INK, WHITE};
 use crate::measure::pool::Axis;
@@ -13,7 +13,7 @@ use crate::scene::{Dimension, Scene, Side};
 /// Means over one bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bin {
-    /// Particles.
+    /// Number of particles.
     pub count: f64,
     /// Pa.
     pub pressure: f64,
@@ -21,7 +21,7 @@ pub struct Bin {
     pub velocity: [f64; 2],
 }
 
-/// The four bins about a place in bins, and their shares of it; axis and floor reflect.
+/// The four bins nearest to a position in bins, and their weights; axis and floor reflect.
 fn shares(place: [f64; 2]) -> [([usize; 2], f64); 4] {
     let low = place.map(|x| (x - 0.5).floor());
     std::array::from_fn(|k| {
@@ -38,6 +38,7 @@ fn shares(place: [f64; 2]) -> [([usize; 2], f64); 4] {
 
 /// A field of bins, r fastest.
 pub struct Field {
+    /// Caption.
     pub label: String,
     /// Bins along r and z.
     pub count: [usize; 2],
@@ -47,6 +48,7 @@ pub struct Field {
 }
 
 impl Field {
+    /// Averages `frame` over the azimuth about `axis` (2-D: over both sides).
     pub fn new(scene: &Scene, frame: &Frame, axis: &Axis, label: String) -> Field {
         let edge = scene.spacing;
         let flat = scene.dimension == Dimension::Two;
@@ -111,7 +113,7 @@ impl Field {
         }
     }
 
-    /// Height below which all but a thousandth of the liquid bins lie, m.
+    /// Height that contains all but a thousandth of the liquid bins, m.
     pub fn top(&self) -> f64 {
         let rows = |z: usize| {
             (0..self.count[0])
@@ -152,7 +154,7 @@ impl Field {
         sheet.canvas
     }
 
-    /// From the least (not above zero) to nearly the highest pressure, Pa.
+    /// From the lowest (at most zero) to nearly the highest pressure, Pa.
     fn pressure_range(&self) -> [f64; 2] {
         let mut all: Vec<f64> = self.bins.iter().flatten().map(|b| b.pressure).collect();
         all.sort_by(f64::total_cmp);
@@ -184,7 +186,7 @@ impl Field {
         (25.0 / (self.edge * scale)).round().max(1.0) as usize
     }
 
-    /// Returns the speed whose arrow spans the distance of arrows.
+    /// Returns the speed whose arrow is as long as the distance of arrows.
     fn draw_arrows(&self, sheet: &mut Sheet) -> f64 {
         let stride = self.arrow_stride(sheet.scale);
         let mut arrows = Vec::new();
@@ -226,7 +228,7 @@ const TOP: f64 = 46.0;
 const BOTTOM: f64 = 60.0;
 const PLOT: f64 = 720.0;
 
-/// Where a field is drawn: pixels per metre, half width in m, row of z = 0.
+/// Placement of a field: pixels per metre, half width in m, row of z = 0.
 struct Sheet {
     canvas: Canvas,
     scale: f64,
@@ -362,7 +364,7 @@ fn tick(value: f64, step: f64) -> String {
     }
 }
 
-/// Dark blue over green to yellow, of even lightness steps; light enough for dark arrows.
+/// Dark blue over green to yellow, with even steps of lightness; light enough for dark arrows.
 fn map(part: f64) -> Colour {
     const STOPS: [[f64; 3]; 6] = [
         [70.0, 92.0, 160.0],

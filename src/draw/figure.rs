@@ -1,4 +1,4 @@
-//! Which plots a scene gets, with the reference curves in them.
+//! The plots of a scene, with the reference curves in them.
 
 use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use crate::measure::gauge::Kind;
@@ -6,10 +6,13 @@ use crate::measure::series::{Reference, Series};
 use crate::measure::summary;
 use crate::scene::{Dimension, Scene};
 
-/// A run, and what it is compared with.
+/// A run, and the references to compare it with.
 pub struct Figures<'a> {
+    /// The scene of the run.
     pub scene: &'a Scene,
+    /// Which measures it has.
     pub kind: Kind,
+    /// The measures of the run.
     pub series: &'a Series,
     /// Label and table.
     pub references: &'a [(String, Reference)],
@@ -120,7 +123,7 @@ impl Figures<'_> {
             }
         }
         let several = columns.len() > 1;
-        // A second reading of the same thing is compared with nothing.
+        // A second measure of the same length is not compared.
         for (column, label) in columns.iter().filter(|c| !c.0.contains("_far_")) {
             self.add_references(column, several.then_some(*label), factor, &mut curves);
         }
@@ -188,7 +191,7 @@ impl Figures<'_> {
         self.energies("Energy", "energy from the start", &parts)
     }
 
-    /// What was taken from the sum of the energies, and what came from nowhere.
+    /// What was taken from the sum of the energies, and the unexplained rest.
     fn budget(&self) -> Plot {
         let taken = |name: &str| {
             let work = self.since_first(&format!("{name}_work_J"))?;
@@ -206,7 +209,7 @@ impl Figures<'_> {
         self.energies("Energy budget", "energy taken since the start", &parts)
     }
 
-    /// The last of `parts`, named energies in J, stands out.
+    /// The last of `parts`, named energies in J, is emphasised.
     fn energies(&self, title: &str, y: &str, parts: &[(&str, Option<Vec<f64>>)]) -> Plot {
         let known = parts.iter().filter_map(|(_, e)| e.as_ref()).flatten();
         let known = known.filter(|e| e.is_finite());

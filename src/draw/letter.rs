@@ -1,4 +1,4 @@
-//! Lettering of the pictures: strokes of a few letters, drawn at any size without a font file.
+//! Lettering of the pictures: strokes of the needed letters, for any size, without a font file.
 //!
 //! A glyph is a list of strokes, a stroke a list of points of two base-36 digits, x then y. The
 //! base line is y = 4, small letters end at y = b, capitals at y = e, tails at y = 0. A stroke that
@@ -47,7 +47,7 @@ const GLYPHS: &[(char, &str)] = &[
     ('P', "040e 0e4e ~4e8e8949 4909"),
 ];
 
-/// Whether the letter can be drawn.
+/// Whether there are strokes for the letter.
 pub fn known(letter: char) -> bool {
     letter == ' ' || GLYPHS.iter().any(|(c, _)| *c == letter)
 }
@@ -83,7 +83,7 @@ fn stroke(code: &str) -> Vec<[f32; 2]> {
     }
 }
 
-/// One round of Chaikin's corner cutting; the ends stay.
+/// One round of Chaikin's corner cutting with fixed ends.
 fn cut_corners(line: &[[f32; 2]]) -> Vec<[f32; 2]> {
     let mut cut = vec![line[0]];
     for pair in line.windows(2) {

@@ -1,6 +1,6 @@
 //! Plots, pictures and the report, from measures and frames.
 //!
-//! `post` takes the frames of a run in their order, some side by side, and writes everything.
+//! `post` takes the frames of a run in their order, some in parallel, and writes everything.
 
 pub mod canvas;
 pub mod field;

@@ -5,16 +5,22 @@ use plotters::prelude::*;
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
+    /// Without gaps.
     Solid,
+    /// With gaps.
     Dashed,
 }
 
 /// A labelled curve; `NaN` interrupts it.
 #[derive(Clone, Debug)]
 pub struct Curve {
+    /// Name in the legend.
     pub label: String,
+    /// x and y of each point.
     pub points: Vec<[f64; 2]>,
+    /// Line style.
     pub line: Line,
+    /// Red, green, blue.
     pub colour: [u8; 3],
 }
 
@@ -23,14 +29,17 @@ pub struct Curve {
 pub struct Plot {
     /// Names the file too: `crater depth` becomes `crater-depth.svg`.
     pub title: String,
+    /// Label of the x axis.
     pub x: String,
+    /// Label of the y axis.
     pub y: String,
+    /// Curves, drawn in this order.
     pub curves: Vec<Curve>,
     /// Whether the y axis shows zero.
     pub from_zero: bool,
 }
 
-/// Colours that the colour-blind tell apart (Okabe & Ito 2008), for runs.
+/// Colours that are distinguishable for the colour-blind (Okabe & Ito 2008), for runs.
 pub const PALETTE: [[u8; 3]; 6] = [
     [0, 114, 178],
     [213, 94, 0],
@@ -93,7 +102,10 @@ impl Plot {
         range
     }
 
-    /// The picture as a text of SVG.
+    /// The plot as SVG.
+    ///
+    /// # Errors
+    /// If the drawing library fails.
     pub fn svg(&self) -> Result<String, Failure> {
         let mut text = String::new();
         {
@@ -146,7 +158,7 @@ impl Plot {
         Ok(text)
     }
 
-    /// Rows of samples with labels under the title; where they end.
+    /// Draws rows of samples with labels under the title; returns their lower end.
     fn draw_legend(&self, root: &Area) -> Result<i32, Failure> {
         let shown = |c: &&Curve| !pieces(&c.points).is_empty();
         let curves: Vec<&Curve> = self.curves.iter().filter(shown).collect();
@@ -165,8 +177,8 @@ impl Plot {
     }
 }
 
-/// Labels in rows under the title, each right of a sample of `width` pixels that `draw` draws,
-/// given which one and its left end; where the rows end.
+/// Draws labels in rows under the title, each to the right of a sample of `width` pixels that
+/// `draw` draws, given its number and left end; returns the lower end of the rows.
 pub(super) fn legend<'a>(
     root: &Area,
     width: i32,

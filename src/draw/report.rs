@@ -1,4 +1,4 @@
-//! The report: one page that needs nothing else, neither files nor a network.
+//! The report: one self-contained page, without other files or a network.
 
 use base64::Engine;
 use std::fmt::Write;
@@ -6,10 +6,13 @@ use std::fmt::Write;
 /// What the page shows.
 #[derive(Default)]
 pub struct Report {
+    /// Title of the page.
     pub title: String,
+    /// Name of the scene.
     pub scene: String,
     /// Groups of derived numbers: title, then name, value, definition.
     pub numbers: Vec<(String, Vec<[String; 3]>)>,
+    /// Key results: name and value.
     pub results: Vec<(String, String)>,
     /// Reference, column, L2, maximum, span.
     pub norms: Vec<[String; 5]>,
@@ -21,7 +24,9 @@ pub struct Report {
     pub plots: Vec<String>,
     /// Caption and PNG files, one row of pictures each.
     pub panels: Vec<(String, Vec<Vec<u8>>)>,
+    /// Caption and PNG file.
     pub fields: Vec<(String, Vec<u8>)>,
+    /// Names and values: keys, versions, settings.
     pub provenance: Vec<(String, String)>,
 }
 
@@ -56,7 +61,7 @@ white-space:pre-wrap}
 ";
 
 impl Report {
-    /// The page as a text of HTML.
+    /// The page as HTML.
     pub fn html(&self) -> String {
         let mut page = String::new();
         page.push_str("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n");
@@ -135,7 +140,7 @@ impl Report {
     fn put_plots(&self, page: &mut String) {
         page.push_str("<h2>Measures against time</h2>\n<div class=\"grid\">\n");
         for svg in &self.plots {
-            // An XML prologue has no place inside a page.
+            // An XML prologue is not allowed inside a page.
             let start = svg.find("<svg").unwrap_or(0);
             put(page, format_args!("<figure>{}</figure>\n", &svg[start..]));
         }

@@ -3,33 +3,41 @@
 use super::plot::{Area, FONT, Failure, SIZE, TEXT, legend};
 use plotters::prelude::*;
 
-/// What a point is drawn as.
+/// Symbol of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
+    /// Filled circle.
     Disc,
+    /// Open circle.
     Ring,
+    /// Filled triangle.
     Triangle,
+    /// Two crossed lines.
     Cross,
 }
 
 impl Mark {
+    /// All marks.
     pub const ALL: [Mark; 4] = [Mark::Disc, Mark::Ring, Mark::Triangle, Mark::Cross];
 }
 
 /// Runs of one colour and mark.
 #[derive(Clone, Debug)]
 pub struct Cloud {
+    /// Name in the legend.
     pub label: String,
+    /// Red, green, blue.
     pub colour: [u8; 3],
+    /// Mark of each point.
     pub mark: Mark,
-    /// x, y and what stands beside the point; all above zero. Joined by a line.
+    /// x and y, above zero, and the label of the point. A line joins the points.
     pub points: Vec<([f64; 2], String)>,
-    /// Runs that say the same again, drawn small and not joined.
+    /// Repeated runs, drawn small and not joined.
     pub repeats: Vec<[f64; 2]>,
 }
 
 impl Cloud {
-    /// Its mark at a place.
+    /// Its mark at a point.
     fn sample<'a, C: Clone + 'static>(&self, at: C) -> DynElement<'static, SVGBackend<'a>, C> {
         let [r, g, b] = self.colour;
         let colour = RGBColor(r, g, b);
@@ -43,13 +51,18 @@ impl Cloud {
     }
 }
 
-/// A plot with its clouds, and beneath a broad grey line through the points that nothing beats.
+/// A plot with its clouds, over a broad grey line through the Pareto front.
 #[derive(Clone, Debug)]
 pub struct Scatter {
+    /// Title above the plot.
     pub title: String,
+    /// Label of the x axis.
     pub x: String,
+    /// Label of the y axis.
     pub y: String,
+    /// Points in groups.
     pub clouds: Vec<Cloud>,
+    /// Points of the grey line, in order of x.
     pub front: Vec<[f64; 2]>,
 }
 
@@ -71,7 +84,10 @@ impl Scatter {
         low / room..high * room
     }
 
-    /// The picture as a text of SVG; `None` without points.
+    /// The plot as SVG; `None` without points.
+    ///
+    /// # Errors
+    /// If the drawing library fails.
     pub fn svg(&self) -> Result<Option<String>, Failure> {
         if self.clouds.iter().all(|c| c.points.is_empty()) {
             return Ok(None);
@@ -140,7 +156,7 @@ impl Scatter {
         Ok(Some(text))
     }
 
-    /// Where the rows of it end.
+    /// Draws the legend; returns its lower end.
     fn draw_legend(&self, root: &Area) -> Result<i32, Failure> {
         let shown = |c: &&Cloud| !c.points.is_empty();
         let clouds: Vec<&Cloud> = self.clouds.iter().filter(shown).collect();
@@ -149,11 +165,11 @@ impl Scatter {
     }
 }
 
-/// Height of what stands beside points.
+/// Height of the labels of points.
 const LETTERS: i32 = 13;
 
-/// Where a label about a point covers least of what is `taken`, to which it is added: left, top,
-/// right, bottom.
+/// Position of a label at a point where it covers least of `taken` (left, top, right, bottom), to
+/// which it is added.
 fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) {
     let wide = 7 * label.chars().count() as i32;
     let (right, left, above, below) = (x + 8, x - 8 - wide, y - LETTERS, y + 1);
@@ -192,7 +208,7 @@ fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
     all.filter(|tick| range.contains(tick)).collect()
 }
 
-/// At most three digits, no exponent where people write none.
+/// At most three digits, without an exponent.
 fn plain(value: f64) -> String {
     let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 4.0) as usize;
     let text = format!("{value:.digits$}");

@@ -6,7 +6,7 @@ use crate::scene::{Dimension, Scene};
 
 /// Thickness of the slice, m (at least one spacing).
 const THICKNESS: f64 = 1e-3;
-/// Width of sections and views, pixels, even: coarse scenes do not need fine pictures.
+/// Width of sections and views, pixels, even; smaller for coarse scenes.
 pub fn width(scene: &Scene) -> usize {
     let particles = scene.domain.size[0] / scene.spacing;
     ((8.0 * particles) as usize * 2).clamp(520, 880)
@@ -36,7 +36,7 @@ impl Section {
         Section { label, points }
     }
 
-    /// Height that shows all but the highest thousandth of the particles, m.
+    /// Height that contains all but the highest thousandth of the particles, m.
     pub fn top(&self) -> f64 {
         let mut heights: Vec<f32> = self.points.iter().map(|(p, _)| p[1]).collect();
         heights.sort_by(f32::total_cmp);
@@ -87,7 +87,7 @@ fn draw_scale(canvas: &mut Canvas, width: f64, scale: f64) {
     );
 }
 
-/// Colour of a body, or the default of the papers' figures where the scene gives black.
+/// Colour of a body, or the default of the papers' figures in place of black.
 pub fn body_colour(scene: &Scene, body: u8) -> Colour {
     let default = [
         [222, 96, 44],

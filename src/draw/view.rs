@@ -1,7 +1,7 @@
 //! Bird's-eye view: the particles as a lit surface.
 //!
 //! Every particle is a ball in a depth buffer; depth and colour are then smoothed over a spacing or
-//! two without crossing edges (bilateral), so that the balls run together into a liquid, and lit
+//! two without crossing edges (bilateral filter), so that the balls form a liquid surface, and lit
 //! from the smoothed depth (screen-space fluid, van der Laan, Green & Sainz 2009).
 
 use rayon::prelude::*;
@@ -11,15 +11,16 @@ use super::section::{self, body_colour};
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene};
 
-/// Where the eye is.
+/// Position and direction of the view.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    /// Looked at, m.
+    /// Point at the centre of the view, m.
     pub target: [f64; 3],
     /// Distance of the eye, m.
     pub distance: f64,
-    /// Angle above the horizon and about the vertical, rad.
+    /// Angle above the horizon, rad.
     pub elevation: f64,
+    /// Angle about the vertical, rad.
     pub azimuth: f64,
     /// Width and height of the picture, pixels.
     pub size: [usize; 2],
@@ -41,10 +42,10 @@ struct Buffer {
 }
 
 impl Camera {
-    /// Sees the whole box, from the front and above; `level`: of the pool, m.
+    /// View of the whole box, from the front and above; `level`: of the pool, m.
     pub fn whole(scene: &Scene, level: f64, size: [usize; 2]) -> Camera {
         let lateral = scene.domain.size;
-        // A pool as deep as wide still fits.
+        // A pool as deep as wide must fit.
         let across = lateral[0].max(lateral[1]).max(2.0 * level);
         Camera {
             target: [
@@ -60,7 +61,7 @@ impl Camera {
         }
     }
 
-    /// Close to the splash at `at`, `span` wide, m.
+    /// View of the splash at `at`, `span` wide, m.
     pub fn close(at: [f64; 3], span: f64, size: [usize; 2]) -> Camera {
         Camera {
             target: at,
@@ -90,7 +91,8 @@ pub fn draw(scene: &Scene, frame: &Frame, camera: &Camera) -> Canvas {
     let mut buffer = splat(scene, frame, camera);
     let spacing = scene.spacing as f32;
     for pass in 0..6 {
-        // From wide and sparse to narrow and dense: the last passes even out what the first leave.
+        // From wide and sparse to narrow and dense: the last passes remove the pattern of the
+        // first.
         let part = [1.0, 0.5, 0.25][pass / 2];
         buffer = buffer.smoothed(spacing, part, pass % 2 == 0);
     }
@@ -183,7 +185,7 @@ impl Buffer {
         out
     }
 
-    /// Mean over a line of pixels: so many can be sampled before and after, that far apart.
+    /// Mean over a line of pixels: the numbers of samples before and after, and their distance.
     fn mean(
         &self,
         here: usize,
@@ -275,7 +277,7 @@ impl Buffer {
         })
     }
 
-    /// 1 in the open, less where the surroundings stand nearer to the eye. Opposite neighbours
+    /// 1 on an open surface, less where the surroundings are nearer to the eye. Opposite neighbours
     /// count together, so that a slope is not a hollow.
     fn hollow(&self, column: usize, row: usize, spacing: f32) -> f32 {
         const RAYS: [(f32, f32); 4] = [(1.0, 0.0), (0.71, 0.71), (0.0, 1.0), (-0.71, 0.71)];
@@ -315,6 +317,9 @@ fn sky(part: f32) -> Colour {
 }
 
 /// One wide picture of a splash, for a title page: PNG.
+///
+/// # Errors
+/// If the PNG encoder fails.
 pub fn picture(scene: &Scene, frame: &Frame, at: [f64; 3]) -> Result<Vec<u8>, png::EncodingError> {
     let width = section::width(scene) * 9 / 5;
     let size = [width, width / 2].map(|s| 2 * s);

@@ -83,7 +83,8 @@ impl ActiveEffects {
         force
     }
 
-    /// [`Effect::update`], [`Effect::friction`] and [`Effect::account`] of all, the sum of the last.
+    /// [`Effect::update`], [`Effect::friction`] and [`Effect::account`] of all; returns the sum of
+    /// the last.
     pub fn update(
         &mut self,
         liquid: &Surface,

@@ -14,11 +14,13 @@ use crate::scene::{Dimension, Domain, Effects, KernelName, Sph, TensionForm, Vis
 
 /// What is done with the chosen types.
 pub trait Visitor {
+    /// What the visit returns.
     type Out;
+    /// Takes the chosen kernel and viscosity; `()` for none.
     fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Self::Out;
 }
 
-/// Calls `visitor` with the kernel and the viscosity that the scene asks for. `h` in m.
+/// Calls `visitor` with the kernel and the viscosity that the scene requires. `h` in m.
 pub fn pair<R: Visitor>(
     effects: &Effects,
     settings: &Sph,
@@ -86,7 +88,7 @@ pub fn active(effects: &Effects, tension: Option<Tension>) -> ActiveEffects {
     ActiveEffects { others, tension }
 }
 
-/// The tension that the scene asks for, with strength `alpha`. `h` in m, `density` in kg/m^3.
+/// The tension that the scene requires, with strength `alpha`. `h` in m, `density` in kg/m^3.
 pub fn tension(
     effects: &Effects,
     settings: &Sph,
@@ -109,7 +111,7 @@ pub fn tension(
     Some(tension)
 }
 
-/// The contact angle that the scene asks for. `spacing` and `length` (H) in m, `density` in kg/m^3.
+/// The contact angle that the scene requires. `spacing` and `length` (H) in m, `density` in kg/m^3.
 pub fn wetting(
     effects: &Effects,
     settings: &Sph,

@@ -7,7 +7,9 @@ use crate::space::sweep::{Field, Source};
 
 /// What the effect reads of a flow.
 pub struct Surface<'a> {
+    /// Cells of the box.
     pub grid: &'a Grid,
+    /// Liquid particles by cell.
     pub liquid: &'a Cells,
     /// Fixed-point coordinates of liquid, wall and images, and eight spare ones.
     pub at: &'a [Vec<i32>; 3],
@@ -17,10 +19,13 @@ pub struct Surface<'a> {
     pub liquid_sources: usize,
     /// Images behind mirror planes; `at` holds them after the wall.
     pub mirror: Option<&'a Mirror>,
+    /// Positions of the liquid particles, m.
     pub position: &'a [Vec<f64>; 3],
     /// Positions of the wall particles, m.
     pub wall: &'a [Vec<f64>; 3],
+    /// Densities of the liquid particles, kg/m^3.
     pub density: &'a [f64],
+    /// Mass of a particle, kg.
     pub mass: f64,
     /// What two particles may have approached since the sort, m.
     pub slack: f64,

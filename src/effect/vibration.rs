@@ -4,9 +4,8 @@
 //!
 //! that of a box at -A sin(omega t) turned round. Its work is that of the walls, which move.
 //!
-//! Time step: 1 / (20 f): the acceleration in the middle of a step is within (omega dt)^2 / 24, 0.4 %,
-//! of its mean. Test: tests/validation/vibration.rs (frequencies of a standing wave, Lamb 1932,
-//! art. 228).
+//! Time step: 1 / (20 f): the acceleration in the middle of a step is within (omega dt)^2 / 24,
+//! 0.4 %, of its mean. Test: tests/validation/vibration.rs (frequencies of a standing wave).
 
 use super::{Effect, Uniform};
 use std::f64::consts::TAU;

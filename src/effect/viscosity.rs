@@ -12,6 +12,7 @@
 //! angular momentum too. Tests: tests/engine/method_operator.rs, tests/engine/effect_select.rs.
 
 use super::Effect;
+use crate::scene::limit;
 use crate::space::lane::{Real, dot};
 
 /// The viscous part of a pair force, in units of m norm / h^(d+1).
@@ -95,8 +96,7 @@ pub struct Newtonian {
 }
 
 impl Effect for Newtonian {
-    /// 0.125 h^2 / nu (Morris, Fox & Zhu 1997).
     fn limit(&self, h: f64, density: f64) -> Option<(&'static str, f64)> {
-        Some(("viscous", 0.125 * h * h * density / self.dynamic))
+        Some(("viscous", limit::viscous(h, density, self.dynamic)))
     }
 }

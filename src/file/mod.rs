@@ -1,7 +1,7 @@
-//! Files from outside: what is opened is a regular file, and what is read has a limit.
+//! Files from outside: only regular files are opened, and their size is limited.
 //!
-//! A pipe or a device in the place of a file could make the program wait for ever or read without
-//! end; a symbolic link in a store could lead out of it.
+//! A pipe or a device in place of a file could make the program wait or read without end; a
+//! symbolic link in a store could lead out of it.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _};
@@ -11,9 +11,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {action} {}: {source}", path.display())]
 pub struct FileError {
+    /// The file or folder.
     pub path: PathBuf,
-    /// What was tried, as a verb: `write`, `rename` ...
+    /// The operation, as a verb: `write`, `rename` ...
     pub action: &'static str,
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
@@ -75,10 +77,10 @@ pub fn read_no_link(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     read_all(open_no_link(path)?, path, limit)
 }
 
-/// Fails if `path` itself is a symbolic link; what does not exist is not one.
+/// Fails if `path` itself is a symbolic link; a missing file is not one.
 ///
 /// # Errors
-/// If it is a link, or if that cannot be found out.
+/// If it is a link, or cannot be examined.
 pub fn refuse_link(path: &Path) -> Result<(), FileError> {
     match path.symlink_metadata() {
         Ok(metadata) if metadata.is_symlink() => {
@@ -113,7 +115,7 @@ fn open_with(path: &Path, flags: i32) -> Result<File, FileError> {
 
 fn read_all(file: File, path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
-    // Not by the length that the file reports: files of /proc report zero and can be endless.
+    // The length that a file reports is no limit: files of /proc report zero and can be endless.
     file.take(limit.saturating_add(1))
         .read_to_end(&mut bytes)
         .map_err(FileError::new(path, "read"))?;

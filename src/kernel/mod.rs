@@ -16,7 +16,7 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     fn slope(q: f64) -> f64;
     /// w(q), eight at once; zero for q >= 2.
     fn w_lanes<F: Real>(q: F) -> F;
-    /// The same of others alone: zero at q = 0, where the particle itself and padding are.
+    /// w(q) of other particles: zero at q = 0, where the particle itself and padding are.
     #[inline(always)]
     fn w_apart<F: Real>(q: F, q2: F) -> F {
         Self::w_lanes(q).if_less(q.splat(0.0), q2)
@@ -26,7 +26,7 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     /// The derivative of `slope` over q, so that
     /// grad grad W = norm / h^(d+2) (slope I + curve d d), d = r_ab / h.
     fn curve(q: f64) -> f64;
-    /// The same, eight at once; zero for q >= 2, finite for q = 0.
+    /// `curve`, eight at once; zero for q >= 2, finite for q = 0.
     fn curve_lanes<F: Real>(q: F) -> F;
 }
 
@@ -38,7 +38,7 @@ pub struct CubicSpline;
 #[derive(Clone, Copy, Debug)]
 pub struct WendlandC2;
 
-/// Below this q the slope of the spline is taken at it: 0 / 0 otherwise.
+/// Smaller q are replaced by this one in the slope of the spline, which would be 0 / 0.
 const TINY: f64 = 1e-6;
 
 impl Kernel for CubicSpline {
@@ -169,7 +169,7 @@ pub fn lattice_sum(kernel: KernelName, dimension: usize, s0: f64, h: f64) -> f64
 /// W summed over a plane at distance `q` h, in units of 1/h: the derivative of the kernel sum
 /// across the surface of a half-space.
 pub fn plane(kernel: KernelName, dimension: usize, q: f64) -> f64 {
-    // Midpoints in the plane: the integrand ends with a vanishing slope.
+    // Midpoint rule in the plane: the slope of the integrand vanishes at its end.
     const CELLS: usize = 256;
     let step = 2.0 / CELLS as f64;
     let part = |k: usize| {

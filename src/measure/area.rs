@@ -6,7 +6,7 @@ use super::raster::Raster;
 
 impl Raster {
     /// Area of the surface, m^2 (length, m, in 2-D): the integral of |∇G(φ)| with
-    /// `G = φ − sin(2πφ)/2π`, which goes from 0 to 1 and is blind to ripples about both ends.
+    /// `G = φ − sin(2πφ)/2π`, which goes from 0 to 1 and is insensitive to ripples at both ends.
     pub fn surface_area(&self) -> f64 {
         let cell: f64 = (0..3)
             .filter(|&a| self.edge[a] > 1)

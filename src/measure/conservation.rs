@@ -1,9 +1,9 @@
-//! What a run must keep whatever it simulates: mass, momentum, energy, the walls, numbers.
+//! Checks that hold in every run: mass, momentum, energy, walls, finite numbers.
 //!
-//! Every figure is a deviation without a unit, zero at best, so that a promise is an upper bound.
+//! Every figure is a dimensionless deviation, zero at best, so that a promise is an upper bound.
 //! Scales: the mass M of the first frame and the reference speed V of the scene (largest of impact,
 //! fall and capillary speed, see [`reference_speed`]). A figure that a scene does not have is NaN.
-//! Of a part of a symmetric scene all are those of the whole.
+//! For a part of a symmetric scene all figures are those of the whole.
 
 use super::series::Series;
 use super::summary::total_energy;
@@ -24,7 +24,7 @@ pub const FIGURES: [(&str, &str); 10] = [
     ),
     (
         "wall_crossing",
-        "farthest that a particle gets beyond a wall of the box, in spacings",
+        "largest distance of a particle beyond a wall of the box, in spacings",
     ),
     (
         "energy_growth",
@@ -33,12 +33,12 @@ pub const FIGURES: [(&str, &str); 10] = [
     ),
     (
         "energy_unexplained",
-        "the most energy that came from nowhere, over the energy at first: kinetic, surface and \
-         what potential energy falls by, at least M g s0; not of a tension without an energy",
+        "largest unexplained gain of energy, over the initial energy: kinetic, surface and the \
+         fall of potential energy, at least M g s0; not of a tension without an energy",
     ),
     (
         "energy_unexplained_end",
-        "energy that came from nowhere or is missing at the end, over the same",
+        "unexplained gain or loss of energy at the end, over the initial energy",
     ),
     (
         "momentum_change",
@@ -55,7 +55,7 @@ pub const FIGURES: [(&str, &str); 10] = [
     ("removed", "part of the mass that left the box"),
 ];
 
-/// Figures that every run that has them must keep at these bounds, unless its study says otherwise.
+/// Upper bounds of figures in every run that has them, unless its study states another one.
 pub const ALWAYS: [(&str, f64); 4] = [
     ("not_a_number", 0.0),
     ("mass_error", 0.0),
@@ -63,7 +63,7 @@ pub const ALWAYS: [(&str, f64); 4] = [
     ("energy_unexplained", 0.005),
 ];
 
-/// Takes the frames of a run in their order.
+/// Processes the frames of a run in their order.
 pub struct Conservation<'a> {
     scene: &'a Scene,
     unfold: Unfold,
@@ -76,6 +76,7 @@ pub struct Conservation<'a> {
 }
 
 impl<'a> Conservation<'a> {
+    /// A check of the frames of `scene`.
     pub fn new(scene: &'a Scene) -> Self {
         Conservation {
             scene,
@@ -87,6 +88,7 @@ impl<'a> Conservation<'a> {
         }
     }
 
+    /// Takes the next frame into account.
     pub fn take(&mut self, frame: &Frame) {
         match self.unfold.is_plain() {
             true => self.take_whole(frame),
@@ -106,7 +108,7 @@ impl<'a> Conservation<'a> {
         if let (Some(total), Some(removed)) = (scalar("mass_kg"), scalar("mass_removed_kg")) {
             let (first, mass) = *self.first.get_or_insert((count, total / count));
             let error = ((count + removed / mass) - first).abs();
-            // Round-off of a sum of masses is no particle.
+            // Round-off of a sum of masses is not a lost particle.
             let error = if error < 1e-6 * first { 0.0 } else { error };
             self.mass_error = self.mass_error.max(error);
         }
@@ -162,8 +164,8 @@ fn last(measures: &Series, column: &str) -> f64 {
     values.last().copied().unwrap_or(f64::NAN)
 }
 
-/// J. Where negative pressure is clipped, a thinned-out skin stores no energy, whatever the measure
-/// of compression says: it is left out there.
+/// Compression energy, J. Where negative pressure is clipped, a thinned surface stores no energy:
+/// it is left out there.
 fn energy_growth(measures: &Series, method: &Method) -> f64 {
     let Some(mut total) = total_energy(measures) else {
         return f64::NAN;
@@ -176,9 +178,9 @@ fn energy_growth(measures: &Series, method: &Method) -> f64 {
     total.iter().fold(0.0, |most: f64, e| most.max(e - first))
 }
 
-/// The largest energy that came from nowhere and its size at the end, over that at first; NaN with
-/// a tension that is a stress, which has no energy that a budget could close with. `mass`: of the
-/// first frame, kg.
+/// The largest unexplained gain of energy and its size at the end, over the initial energy; NaN
+/// with a tension that is a stress, which has no energy for the budget. `mass`: of the first frame,
+/// kg.
 pub fn unexplained_part(scene: &Scene, measures: &Series, mass: f64) -> [f64; 2] {
     let has_energy = scene.effects.tension.is_none()
         || scene.effects.has_tension(TensionForm::SurfaceEnergy);
@@ -189,8 +191,8 @@ pub fn unexplained_part(scene: &Scene, measures: &Series, mass: f64) -> [f64; 2]
     }
 }
 
-/// The largest energy that came from nowhere and its size at the end, over that at first; `least`:
-/// of that, J, NaN for none.
+/// The largest unexplained gain of energy and its size at the end, over the initial energy;
+/// `least`: lower bound of the initial energy, J, NaN for none.
 fn unexplained(measures: &Series, least: f64) -> [f64; 2] {
     let Some(unexplained) = measures.column("energy_unexplained_J") else {
         return [f64::NAN; 2];

@@ -1,18 +1,19 @@
-//! Contact angle of liquid on the floor, in two ways that share nothing but the raster.
+//! Contact angle of liquid on the floor, by two methods that share only the raster.
 //!
 //! Fitted: a circle (2-D) or sphere (3-D) through the outline of the main body where it is higher
 //! than [`CUT`], its centre at `z_c`, its radius `R`:
 //! (1) cos θ = −z_c / R
-//! Least squares of the distances to it: Gauss and Newton from Kåsa's algebraic fit. Gravity
-//! flattens a drop: then (1) is the angle of the circle that comes nearest, and fits on either
-//! side of a plane drop, up to [`FLANK`], follow the profile where it meets the wall.
+//! Least squares of the distances to it: Gauss-Newton from Kåsa's algebraic fit. Gravity flattens a
+//! drop: then (1) is the angle of the nearest circle, and fits on either side of a plane drop, up
+//! to [`FLANK`], follow the profile where it meets the wall.
 //!
 //! From base and height, of a cap: half-base b, height H:
 //! (2) θ = 2 atan(H / b)
 //! The base lies between the feet of the outline: where circles through it below [`FLANK`], on
-//! either side or (3-D) about the axis of the sphere, meet the wall. The raster cannot show feet:
-//! of liquid mirrored at the wall it makes the base of an ideal cap of 150° 7 % too wide (2-D, 15
-//! spacings) or 16 % (3-D, 6 spacings), these circles 2 % too wide and 7 % too narrow.
+//! either side or (3-D) about the axis of the sphere, meet the wall. The raster does not resolve
+//! feet: its liquid is mirrored at the wall, and the base of an ideal cap of 150° is 7 % too wide
+//! (2-D, 15 spacings) or 16 % (3-D, 6 spacings), with these circles 2 % too wide and 7 % too
+//! narrow.
 //! Test: tests/engine/measure_contact.rs.
 
 use nalgebra::{DMatrix, DVector};
@@ -27,10 +28,10 @@ pub const CUT: f64 = 2.6;
 /// Highest outline of the fits on either side, spacings.
 pub const FLANK: f64 = 12.0;
 
-/// Fewest points of a fit for each unknown.
+/// Least number of points of a fit for each unknown.
 const FEWEST: usize = 3;
 
-/// Steps of Gauss and Newton: from Kåsa's fit two or three reach round-off.
+/// Gauss-Newton steps: from Kåsa's fit two or three reach round-off.
 const STEPS: usize = 8;
 
 /// Angles through the liquid, degrees; `None` where there is too little outline.
@@ -127,8 +128,8 @@ fn angle((centre, radius): &Round) -> f64 {
     cosine.clamp(-1.0, 1.0).acos().to_degrees()
 }
 
-/// Where a circle through `points` meets the wall, nearest to the lowest of them (where a film runs
-/// out of a drop the circle lies outside); m; `None` if it does not.
+/// Where a circle through `points` meets the wall, nearest to the lowest of them, m (where a film
+/// extends from a drop the circle lies outside); `None` if it does not meet it.
 fn foot((centre, radius): &Round, points: &[[f64; 3]]) -> Option<f64> {
     let lowest = points.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let half = (radius * radius - centre[1] * centre[1]).sqrt();
@@ -138,7 +139,7 @@ fn foot((centre, radius): &Round, points: &[[f64; 3]]) -> Option<f64> {
     found.min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
-/// Centre along `axes` and radius of the circle or sphere nearest to `points`, m.
+/// Centre along `axes` and radius of the circle or sphere that fits `points`, m.
 fn round(points: &[[f64; 3]], axes: &[usize]) -> Option<Round> {
     let (n, d) = (points.len(), axes.len());
     if n < FEWEST * (d + 1) {

@@ -1,11 +1,11 @@
 //! Shape, spread and front of liquid that is not a pool.
 //!
-//! Shape: semi-axes of the ellipsoid that has the body's second moments,
-//! `a = √((d + 2) (⟨x²⟩ + s0²/12))`: each particle stands for a cube of side s0. The amplitude of
+//! Shape: semi-axes of the ellipsoid with the body's second moments,
+//! `a = √((d + 2) (⟨x²⟩ + s0²/12))`: each particle represents a cube of side s0. The amplitude of
 //! the n = 2 oscillation follows from `r = R (1 + ε P2)` in 3-D, `r = R (1 + ε cos 2θ)` in 2-D.
 //!
 //! Spread on a dry wall: diameter of the area within the outer contact line over the drop's; holes
-//! in the film count as the film that they are in. Front: dam break.
+//! in the film count as film. Front: dam break.
 
 use super::region::{Class, Region};
 use crate::particle::Frame;
@@ -160,7 +160,7 @@ impl Layer {
         self.is_marked.iter().filter(|marked| **marked).count()
     }
 
-    /// How many are marked or cannot reach the rim of the layer without crossing marked ones.
+    /// Number of nodes that are marked or enclosed by marked ones.
     fn enclosed(&self) -> usize {
         let [nx, ny] = self.size;
         let mut is_shut = vec![true; nx * ny];

@@ -4,7 +4,7 @@ use super::series::Row;
 use crate::particle::Frame;
 use crate::scene::Scene;
 
-/// The solver's own scalars, and what follows from the particles where it gives none.
+/// Adds the solver's scalars, or values from the particles where it provides none.
 pub(super) fn put(scene: &Scene, frame: &Frame, area: Option<f64>, row: &mut Row) {
     let mut put = |name: &str, value: f64| row.push((name.to_owned(), value));
     let given = |name: &str| frame.scalars.iter().any(|(n, _)| n == name);
@@ -48,7 +48,7 @@ pub(super) fn speed_squared(frame: &Frame, i: usize) -> f32 {
     u[i] * u[i] + v[i] * v[i] + w[i] * w[i]
 }
 
-/// The energies of a row less all work that is known, J; `None` where none is known.
+/// The energies of a row less the known work, J; `None` if no energy is known.
 pub(super) fn explained(row: &Row) -> Option<f64> {
     let is_work = |name: &str| name.ends_with("_work_J");
     let is_energy = |name: &str| name.ends_with("_energy_J");

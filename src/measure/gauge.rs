@@ -1,4 +1,4 @@
-//! Which measures a scene calls for, and one row of them for a frame.
+//! The measures of a scene, and one row of them for a frame.
 
 use super::contact::Contact;
 use super::drop::{Front, Shape, Spread};
@@ -10,7 +10,7 @@ use super::series::Row;
 use crate::particle::Frame;
 use crate::scene::{Body, Dimension, Motion, Scene, Shape as Geometry, Side};
 
-/// What the bodies of a scene make of it.
+/// Kind of a scene, from its bodies.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     /// A drop falls into a pool: crater, crown, jet.
@@ -23,11 +23,12 @@ pub enum Kind {
     Front,
     /// Liquid at rest under gravity: its level.
     Level,
-    /// No surface at all.
+    /// No surface.
     Bulk,
 }
 
 impl Kind {
+    /// The kind of `scene`, from its bodies and its box.
     pub fn new(scene: &Scene) -> Kind {
         let layer = scene
             .bodies
@@ -66,8 +67,8 @@ impl Kind {
     }
 }
 
-/// The body that is measured as the drop, with its axis: of those that fall the one that arrives
-/// first, else the first of the file.
+/// The body that is measured as the drop, with its axis: the falling drop that arrives first, else
+/// the first of the file.
 fn drop(scene: &Scene) -> Option<(&Body, Axis)> {
     let bodies = scene.bodies.iter();
     let drops = bodies.filter_map(|body| axis(scene, body).map(|axis| (body, axis)));
@@ -75,8 +76,8 @@ fn drop(scene: &Scene) -> Option<(&Body, Axis)> {
     drops.min_by(|(a, _), (b, _)| key(a).total_cmp(&key(b)))
 }
 
-/// Of a drop, and of a block that a wall with a contact angle makes one: the diameter of equal
-/// volume.
+/// Axis of a drop, or of a block that becomes a drop on a wall with a contact angle: with the
+/// diameter of equal volume.
 fn axis(scene: &Scene, body: &Body) -> Option<Axis> {
     let (centre, diameter) = match &body.shape {
         Geometry::Sphere { centre, radius } => (*centre, 2.0 * radius),
@@ -106,17 +107,8 @@ fn other_drops(scene: &Scene, measured: &Axis) -> Vec<Axis> {
     all.filter(|axis| axis.at != measured.at).collect()
 }
 
-/// Depth of the pool as the scene states it, m; 0 without one.
-pub fn pool_depth(scene: &Scene) -> f64 {
-    let depths = scene.bodies.iter().map(|body| match body.shape {
-        Geometry::Layer { depth } => depth,
-        _ => 0.0,
-    });
-    depths.fold(0.0, f64::max)
-}
-
-/// Instant at which the drop meets pool or wall, as it falls freely, s; 0 if it never does. Plots
-/// count from it, and references that say so.
+/// Time at which the freely falling drop meets pool or wall, s; 0 if it never does. Plots count
+/// from it, and references with [`Clock::Contact`](crate::scene::Clock::Contact).
 pub fn contact_time(scene: &Scene) -> f64 {
     if !matches!(Kind::new(scene), Kind::Pool(_) | Kind::Wall(_)) {
         return 0.0;
@@ -125,20 +117,20 @@ pub fn contact_time(scene: &Scene) -> f64 {
     time.unwrap_or(0.0)
 }
 
-/// Instant at which a body that falls freely meets pool or floor, s; `None` if it does not fall.
+/// Time at which a freely falling body meets pool or floor, s; `None` if it does not fall.
 fn arrival(scene: &Scene, body: &Body) -> Option<f64> {
     let height = drop_height(scene, body).max(0.0);
     let pull = scene.effects.gravity.map_or(0.0, |g| -g[2]);
     let speed = speed_down(body);
     let square = speed * speed + 2.0 * pull * height;
-    // The root of speed t + pull t^2 / 2 = height that does not cancel.
+    // The root of speed t + pull t^2 / 2 = height, in a form without cancellation.
     let mean = speed + square.sqrt();
     (mean > 0.0).then(|| 2.0 * height / mean)
 }
 
-/// Of the lowest point of a body over the level of the pool, or the floor, m.
+/// Height of the lowest point of a body above the pool or the floor, m.
 fn drop_height(scene: &Scene, body: &Body) -> f64 {
-    body.shape.bounds(&scene.domain, scene.dimension).0[2] - pool_depth(scene)
+    body.shape.bounds(&scene.domain, scene.dimension).0[2] - scene.pool_depth().unwrap_or(0.0)
 }
 
 /// Whether a single drop falls on a dry wall: it moves towards it, or starts above it under
@@ -155,11 +147,13 @@ pub fn strikes_wall(scene: &Scene) -> bool {
 /// Measures frames of one scene, in their order.
 pub struct Gauge {
     scene: Scene,
+    /// Which measures are taken.
     pub kind: Kind,
+    /// Reference values from the first frame.
     pub start: Start,
 }
 
-/// What the first frame fixes.
+/// Reference values from the first frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Start {
     /// Initial level of the pool above the floor, m.
@@ -169,6 +163,7 @@ pub struct Start {
 }
 
 impl Gauge {
+    /// A gauge for the frames of `scene`.
     pub fn new(scene: &Scene) -> Gauge {
         Gauge {
             scene: scene.clone(),
@@ -177,14 +172,14 @@ impl Gauge {
         }
     }
 
-    /// Measures a frame. The first one fixes the start.
+    /// Measures a frame. The first one sets [`Gauge::start`].
     pub fn measure(&mut self, frame: &Frame) -> Row {
         let (row, start) = self.look(frame);
         self.start = start;
         row
     }
 
-    /// Measures a frame after the first, or that: then with the start that it fixes.
+    /// Measures a frame without changing the gauge; returns the row and the reference values.
     pub fn look(&self, frame: &Frame) -> (Row, Start) {
         let mut start = self.start;
         let mut row = Table::default();
@@ -212,7 +207,7 @@ impl Gauge {
             row.put("speed_max_m_s", speed_max(frame));
         }
         energy::put(&self.scene, frame, area, &mut row.0);
-        // Sigma times the area of the surface does not have the energy of wet walls.
+        // Sigma times the area of the surface does not include the energy of wet walls.
         let is_whole = self.scene.effects.wetting.is_none()
             || frame
                 .scalars
@@ -235,7 +230,7 @@ impl Gauge {
         let scene = &self.scene;
         match self.kind {
             Kind::Pool(axis) => {
-                let nominal = pool_depth(scene);
+                let nominal = scene.pool_depth().unwrap_or(0.0);
                 let first = || pool::far_level(region, &axis).unwrap_or(nominal);
                 let level = *level.get_or_insert_with(first);
                 let others = other_drops(scene, &axis);
@@ -251,7 +246,7 @@ impl Gauge {
                 row.put("spread_factor", spread.wetted);
                 row.put("dry_part", spread.dry);
                 row.put("max_diameter_factor", spread.largest);
-                // Of several drops all but one are off the main body.
+                // With several drops all but one are detached from the main body.
                 if scene.bodies.len() == 1 {
                     row.put("detached_part", region.detached(&frame.position));
                 }

@@ -1,5 +1,5 @@
-//! Theory of how far a drop on a dry wall has spread when it would have fallen through the wall:
-//! the diameter of the lamella of [`crate::scene::lamella`], where the equations are.
+//! Theory of the spread of a drop on a dry wall at t = D0 / U0: the diameter of the lamella of
+//! [`crate::scene::lamella`], which contains the equations.
 //!
 //! Test: tests/engine/measure_lamella.rs.
 
@@ -12,13 +12,13 @@ use crate::scene::{Dimension, Scene, numbers};
 pub struct Lamella {
     /// (1) or (2).
     pub printed: f64,
-    /// The same with (3).
+    /// With (3).
     pub corrected: f64,
 }
 
 impl Lamella {
-    /// Of a single drop that falls on a dry wall with a contact angle; `None` if there is none.
-    /// With hysteresis the advancing angle counts.
+    /// For a single drop that falls on a dry wall with a contact angle; `None` if there is none.
+    /// With hysteresis the advancing angle is used.
     pub fn of(scene: &Scene) -> Option<Lamella> {
         if !strikes_wall(scene) {
             return None;

@@ -1,5 +1,5 @@
-//! What a run lost on its way: liquid that left the box, and parts off the main body, of which most
-//! measures know nothing.
+//! Losses of a run: liquid that left the box, and liquid detached from the main body, which most
+//! measures do not include.
 //!
 //! Test: tests/engine/measure_loss.rs.
 
@@ -7,19 +7,19 @@ use super::series::Series;
 use super::summary::digits;
 use crate::scene::sanity::Warning;
 
-/// Part of the liquid from which on it is said. A length goes with the cube root of a volume: 1 %
-/// is a third of a per cent of a length, below what any measure here is accurate to
+/// Part of the liquid from which a loss is reported. A length goes with the cube root of a volume:
+/// 1 % is a third of a per cent of a length, below the accuracy of any measure here
 /// (docs/validation.md).
 const WORTH: f64 = 0.01;
 
-/// What a run has lost while it goes on: told from [`WORTH`] on, and again where it has doubled.
+/// Reports losses during a run: from [`WORTH`] on, and again whenever they have doubled.
 #[derive(Debug, Default)]
 pub struct Watch {
     told: f64,
 }
 
 impl Watch {
-    /// A sentence about the scalars of a frame at `time` s, if there is something new to tell.
+    /// A sentence about the scalars of a frame at `time` s, if there is something new to report.
     pub fn look(&mut self, time: f64, scalars: &[(String, f64)]) -> Option<String> {
         let named = |name: &str| scalars.iter().find(|s| s.0 == name).map(|s| s.1);
         let (mass, removed) = (named("mass_kg")?, named("mass_removed_kg")?);
@@ -65,7 +65,7 @@ pub fn warnings(series: &Series) -> Vec<Warning> {
     if let Some(part) = end("detached_part").filter(|part| *part > WORTH) {
         let why = "so much of the liquid is off the main body at the end: crater, crown, jet and \
                    spread are those of the main body";
-        let remedy = "look at the panels whether these are drops or mist; mist becomes less with a \
+        let remedy = "check in the panels whether these are drops or mist; mist is reduced by a \
                       finer `pack.spacing`";
         all.push(Warning::new("detached_part", percent(part), why, remedy));
     }

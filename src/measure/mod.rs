@@ -1,7 +1,7 @@
-//! Numbers: measures of one frame and of a run.
+//! Measures of one frame and of a run.
 //!
-//! A frame becomes a raster of the volume fraction, that becomes connected regions, and those
-//! become numbers; `gauge` knows which numbers a scene calls for.
+//! A frame becomes a raster of the volume fraction, the raster becomes connected regions, and these
+//! become numbers; `gauge` selects the numbers of a scene.
 
 mod area;
 pub mod answer;

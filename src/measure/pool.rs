@@ -4,20 +4,20 @@
 //! the axis of the drop:
 //!
 //! * `axis_level`: the lowest exterior gas within r ≤ 1.5 s0; below the level it is the crater's
-//!   floor and `crater_depth = −axis_level`. `crater_depth_mean`: the same, averaged over azimuth
+//!   floor and `crater_depth = −axis_level`. `crater_depth_mean`: the depth, averaged over azimuth
 //!   (all columns within r ≤ 1.5 s0).
 //! * `crater_diameter`: 2 √(A/π), A the area at z = 0 inside the outer edge of the gas that
 //!   encloses the axis (2-D: the width).
-//! * `crown_height`: the highest point of the largest connected liquid at r > d: no mist. Of
-//!   several drops, beyond d of each.
-//!   `jet_height`: the same at r ≤ d. `highest_particle`: of any particle, mist and all.
-//! * `far_level`: mean level of the outermost tenth of the box; a crater in a small box lifts it.
+//! * `crown_height`: the highest point of the largest connected liquid at r > d, without mist; with
+//!   several drops, beyond d of each. `jet_height`: the highest point at r ≤ d. `highest_particle`:
+//!   of all particles, mist included.
+//! * `far_level`: mean level of the outermost tenth of the box; a crater in a small box raises it.
 
 use super::raster::{LEVEL, Raster};
 use super::region::{Class, Region};
 use crate::scene::Dimension;
 
-/// Where the pool's measures are taken.
+/// Axis of the measures of a pool.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     /// Lateral position of the axis, m.
@@ -26,14 +26,20 @@ pub struct Axis {
     pub diameter: f64,
 }
 
-/// Measures of one frame; m, z from the initial level. `None`: there is no such thing now.
+/// Measures of one frame; m, z from the initial level. `None`: not present in this frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pool {
+    /// Lowest exterior gas at the axis.
     pub axis_level: Option<f64>,
+    /// Its mean over the azimuth.
     pub axis_level_mean: Option<f64>,
+    /// Diameter of the crater at z = 0.
     pub crater_diameter: Option<f64>,
+    /// Highest point of the largest liquid at r > d.
     pub crown_height: Option<f64>,
+    /// Highest point of the largest liquid at r <= d.
     pub jet_height: Option<f64>,
+    /// Mean level of the outermost tenth of the box.
     pub far_level: Option<f64>,
 }
 
@@ -91,7 +97,7 @@ impl Pool {
         Pool::beside(region, axis, &[], dimension, level)
     }
 
-    /// As [`Pool::new`] of one of several drops; `others`: the axes of the rest.
+    /// As [`Pool::new`], for one of several drops; `others`: the axes of the other drops.
     pub fn beside(
         region: &Region,
         axis: &Axis,
@@ -129,7 +135,7 @@ impl Pool {
         });
         pool.axis_level_mean = (count > 0).then(|| sum / count as f64);
         pool.far_level = pool.far_level.map(|z| z - level);
-        // Where the surroundings lie just at the level there is no edge to find: look lower.
+        // Where the surroundings lie just at the level there is no edge: search below it.
         let diameter = |part: f64| {
             let below = part * region.raster.particle_spacing;
             crater_diameter(region, axis, dimension, level - below)
@@ -151,7 +157,7 @@ fn raise(value: &mut Option<f64>, z: f64) {
 #[derive(Clone, Copy, PartialEq)]
 enum Cell {
     Liquid,
-    /// Exterior gas, not yet given to a patch.
+    /// Exterior gas, not yet assigned to a patch.
     Gas,
     /// Belongs to the patch of this number.
     Patch(u32),
@@ -160,8 +166,8 @@ enum Cell {
 /// Diameter of the crater at the initial level, m; `None` if no gas there encloses the axis.
 ///
 /// Gas patches of the plane that touch the far field are troughs of waves, and those under which
-/// the surface lies less than s0 deep are ripples: neither is a crater. Of the rest the largest
-/// counts (in 2-D, where a jet cuts a crater in two, all), with all that it encloses.
+/// the surface lies less than s0 deep are ripples: neither is a crater. The crater is the largest
+/// other patch (in 2-D, where a jet divides a crater, all others), with all that it encloses.
 fn crater_diameter(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Option<f64> {
     let raster = region.raster;
     let [nx, ny, _] = raster.count;
@@ -176,7 +182,7 @@ fn crater_diameter(region: &Region, axis: &Axis, dimension: Dimension, level: f6
         Cell::Patch(n) => n == largest,
         _ => false,
     };
-    // What cannot be reached from the far field is inside.
+    // Cells that are not connected with the far field are inside.
     let mut outside = vec![false; nx * ny];
     let mut stack = Vec::new();
     for_columns(region, |i, j| {
@@ -277,7 +283,7 @@ fn patches(region: &Region, axis: &Axis, plane: &mut [Cell], level: f64) -> Vec<
     all
 }
 
-/// Columns that share a face with this one, across periodic sides too.
+/// Columns that share a face with this one, also across periodic sides.
 fn beside(raster: &Raster, i: usize, j: usize) -> impl Iterator<Item = (usize, usize)> {
     let [nx, ny, _] = raster.count;
     let next = move |at: usize, count: usize, periodic: bool| match at + 1 < count {

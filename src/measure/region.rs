@@ -1,8 +1,8 @@
-//! What hangs together on the grid: the gas that is open to above, and the largest body of liquid.
+//! Connected regions on the grid: the gas that is open above, and the largest body of liquid.
 
 use super::raster::{LEVEL, Raster};
 
-/// What a node belongs to.
+/// Region of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Gas connected with the topmost layer of the grid.
@@ -15,12 +15,14 @@ pub enum Class {
 
 /// Connected regions (across faces) of a raster.
 pub struct Region<'a> {
+    /// The raster that is divided.
     pub raster: &'a Raster,
-    /// Of each summed node, then of each uniform block.
+    /// Class of each summed node, then of each uniform block.
     class: Vec<Class>,
 }
 
 impl<'a> Region<'a> {
+    /// Finds the connected regions of a raster.
     pub fn new(raster: &'a Raster) -> Region<'a> {
         let mut forest = Forest::new(raster);
         forest.join_all();
@@ -66,8 +68,8 @@ impl<'a> Region<'a> {
         None
     }
 
-    /// Part of some particles (positions in m) that is not in the main body: farther than a spacing
-    /// from its inside. The particles of its surface are in it, though φ < 1/2 there.
+    /// Part of the particles (positions in m) that is detached from the main body: farther than a
+    /// spacing from its inside. Particles at its surface belong to it, although φ < 1/2 there.
     pub fn detached(&self, position: &[Vec<f32>; 3]) -> f64 {
         let count = position[0].len();
         let is_main = |i: &usize| self.is_beside_main([0, 1, 2].map(|a| position[a][*i]));
@@ -162,7 +164,7 @@ impl<'a> Forest<'a> {
 
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a as u32), self.root(b as u32));
-        // The smaller index wins, so that the outcome does not depend on the order of joins.
+        // The smaller index is kept, so that the result does not depend on the order of joins.
         self.parent[a.max(b) as usize] = a.min(b);
     }
 
@@ -201,7 +203,7 @@ impl<'a> Forest<'a> {
     }
 
     /// Nodes of a uniform block that face the next block, by axis: one of each face if that block
-    /// is uniform too.
+    /// is also uniform.
     fn last_layers(&self, block: usize) -> Vec<(usize, [usize; 3])> {
         let raster = self.raster;
         let b = raster.block_at(block);

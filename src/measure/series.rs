@@ -1,4 +1,4 @@
-//! Measures against time: the table of a run, its file, and reference curves beside it.
+//! Measures against time: the table of a run, its file, and reference curves.
 
 use std::path::{Path, PathBuf};
 
@@ -9,40 +9,72 @@ use crate::scene::LONGEST_REFERENCE;
 /// One row: values by column name, in order. `NaN` is a blank.
 pub type Row = Vec<(String, f64)>;
 
-/// What can go wrong with files of measures.
+/// A file of measures that cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum SeriesError {
+    /// A table cannot be written.
     #[error("cannot write {path}: {source}")]
-    Write { path: PathBuf, source: csv::Error },
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: csv::Error,
+    },
+    /// A file cannot be opened or read.
     #[error(transparent)]
     File(#[from] FileError),
+    /// A file is not valid CSV.
     #[error("cannot read {path}: {source}")]
-    Read { path: PathBuf, source: csv::Error },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: csv::Error,
+    },
+    /// There is no column of times, or more than one.
     #[error(
         "{path}: needs one column of times in seconds, `time_s` (from the start of the run) or \
          `time_after_contact_s`; the columns are {found}"
     )]
-    NoTime { path: PathBuf, found: String },
+    NoTime {
+        /// The file.
+        path: PathBuf,
+        /// Names of its columns.
+        found: String,
+    },
+    /// A cell is not a number.
     #[error("{path}, line {line}: `{column}` is `{value}`; give a number or leave it blank")]
     NotANumber {
+        /// The file.
         path: PathBuf,
+        /// Line number, from 1.
         line: u64,
+        /// Name of the column.
         column: String,
+        /// Text of the cell.
         value: String,
     },
+    /// The times do not increase.
     #[error("{path}, line {line}: the time does not increase; sort the rows by time")]
-    NotIncreasing { path: PathBuf, line: u64 },
+    NotIncreasing {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1.
+        line: u64,
+    },
 }
 
 /// Columns of equal length; `NaN` is a blank. The first column is `time_s`.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
+    /// Names of the columns.
     pub names: Vec<String>,
+    /// Values of the columns, all of one length.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Series {
-    /// Appends a row; a name not seen before opens a column, blank so far.
+    /// Appends a row; a new name adds a column, blank in earlier rows.
     pub fn push(&mut self, row: &Row) {
         let count = self.len();
         for (name, value) in row {
@@ -60,19 +92,22 @@ impl Series {
         }
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn len(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)
     }
 
+    /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
+    /// Values of the column with this name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.place(name).map(|place| self.columns[place].as_slice())
     }
 
+    /// Values of the column with this name, to change.
     pub fn column_mut(&mut self, name: &str) -> Option<&mut Vec<f64>> {
         self.place(name).map(|place| &mut self.columns[place])
     }
@@ -94,7 +129,7 @@ impl Series {
         }
     }
 
-    /// Whether the column exists and has a value somewhere.
+    /// Whether the column exists and contains a value.
     pub fn has(&self, name: &str) -> bool {
         self.column(name)
             .is_some_and(|values| values.iter().any(|v| v.is_finite()))
@@ -147,6 +182,9 @@ impl Series {
     }
 
     /// Writes the table as CSV; shortest digits that read back to the same number.
+    ///
+    /// # Errors
+    /// [`SeriesError::Write`].
     pub fn write(&self, path: &Path) -> Result<(), SeriesError> {
         let fail = |source| SeriesError::Write {
             path: path.to_owned(),
@@ -170,8 +208,8 @@ impl Series {
         Self::read_with_clock(path).map(|(series, _)| series)
     }
 
-    /// As [`Series::read`], with what the name of the column of times says; in the series it is
-    /// `time_s`.
+    /// As [`Series::read`], with the clock from the name of the column of times; in the series it
+    /// is `time_s`.
     fn read_with_clock(path: &Path) -> Result<(Series, Clock), SeriesError> {
         let content = file::read(path, LONGEST_REFERENCE)?;
         let fail = |source| SeriesError::Read {
@@ -236,15 +274,17 @@ impl Series {
     }
 }
 
-/// A table that runs are compared with, and from when it counts its times.
+/// A table to compare runs with, and the zero of its times.
 #[derive(Clone, Debug)]
 pub struct Reference {
+    /// The table; its times are in `time_s`.
     pub table: Series,
+    /// Instant from which its times count.
     pub clock: Clock,
 }
 
 impl Reference {
-    /// Reads a table; `clock` counts in place of the name of its column of times.
+    /// Reads a table; `clock` overrides the name of its column of times.
     ///
     /// # Errors
     /// Those of [`Series::read`].
@@ -278,25 +318,28 @@ fn text(value: f64) -> String {
     }
 }
 
-/// How far a run is from a reference curve, over the times that both know.
+/// Deviation of a run from a reference curve, over the times that both contain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Norm {
+    /// Label of the reference curve.
     pub label: String,
+    /// Name of the column.
     pub column: String,
     /// √(Σ (run − reference)² / Σ reference²).
     pub l2: f64,
     /// max |run − reference| / max |reference|.
     pub max: f64,
-    /// Span of the comparison, s, in the reference's time.
+    /// Start of the span of the comparison, s, in the reference's time.
     pub from: f64,
+    /// End of the span.
     pub to: f64,
-    /// Reference values compared.
+    /// Number of reference values compared.
     pub points: usize,
 }
 
-/// Norms of every column that both have. `shift`: run time minus reference time, s.
+/// Norms of every column that both contain. `shift`: run time minus reference time, s.
 pub fn compare(run: &Series, reference: &Series, label: &str, shift: f64) -> Vec<Norm> {
-    // The level on the axis is the depth with its sign turned, and the drop before that.
+    // The level on the axis is the negative depth, and the drop before contact.
     let told = |name: &&String| !["time_s", "axis_level_m"].contains(&name.as_str());
     let common = reference
         .names
@@ -308,7 +351,7 @@ pub fn compare(run: &Series, reference: &Series, label: &str, shift: f64) -> Vec
         .collect()
 }
 
-/// The norms of one column; `None` if the reference is zero or blank where the run is known.
+/// The norms of one column; `None` if the reference is zero or blank where the run has values.
 pub fn compare_column(
     run: &Series,
     reference: &Series,

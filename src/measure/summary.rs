@@ -1,4 +1,4 @@
-//! The few numbers that a run comes down to.
+//! Key results of a run.
 
 use super::gauge::{Kind, strikes_wall};
 use super::lamella::Lamella;
@@ -95,7 +95,7 @@ fn wall(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
     }
 }
 
-/// How far it has spread at t = D0 / U0, and what [`Lamella`] says.
+/// Spread at t = D0 / U0, and the theory of [`Lamella`].
 fn lamella(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
     let (speed, diameter) = (numbers::impact_speed(scene), numbers::drop_diameter(scene));
     let (Some(theory), Some(diameter)) = (Lamella::of(scene), diameter) else {

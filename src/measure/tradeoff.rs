@@ -1,36 +1,35 @@
-//! What accuracy costs: which of several runs nobody beats, and the powers by which error and cost
-//! grow.
+//! The cost of accuracy: the Pareto front of several runs, and the powers of error and cost.
 
 use nalgebra::{DMatrix, DVector};
 
 /// One run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Runs of one group differ in their spacing alone.
+    /// Runs of one group differ only in their spacing.
     pub group: usize,
     /// Particle spacing s0, m.
     pub spacing: f64,
-    /// Particles.
+    /// Number of particles.
     pub count: f64,
     /// Relative error; `NaN` if unknown.
     pub error: f64,
-    /// What the run cost: seconds, or memory.
+    /// Cost of the run: time or memory.
     pub cost: f64,
 }
 
-/// How error and cost of a group grow.
+/// Powers of error and cost of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     /// p of error ~ s0^p.
     pub order: Option<f64>,
     /// q of cost ~ N^q.
     pub work: Option<f64>,
-    /// Cost after over cost before the error is halved.
+    /// Factor of the cost when the error is halved.
     pub halving: Option<f64>,
 }
 
-/// Marks the samples that no other beats: none has at most the same error and cost, and less of
-/// one (the Pareto front). Samples of unknown error are on no front.
+/// Marks the Pareto front: samples for which no other one has at most the same error and cost, and
+/// less of one. Samples of unknown error are not on the front.
 pub fn front(samples: &[Sample]) -> Vec<bool> {
     let beats = |a: &Sample, b: &Sample| {
         let no_worse = a.error <= b.error && a.cost <= b.cost;
@@ -57,8 +56,8 @@ pub fn exponent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     Some(fit[1])
 }
 
-/// Of samples of one group and spacing, which repeat each other, the one with the largest error:
-/// indices, in order. Of what repeats a failure, none.
+/// Of samples of one group and spacing, which repeat each other, the one with the largest error; an
+/// unknown error counts as the largest. Indices, in order.
 pub fn worst(samples: &[Sample]) -> Vec<usize> {
     let beats = |a: usize, b: usize| {
         let (first, second) = (&samples[a], &samples[b]);
@@ -96,21 +95,20 @@ pub fn growth(samples: &[Sample], group: usize) -> Growth {
     }
 }
 
-/// Settings that should meet an error.
+/// Settings that are expected to meet an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// The sample that it is taken from: the coarsest of its group that meets the error, as do all
-    /// finer ones.
+    /// Its base: the coarsest sample of its group that, with all finer ones, meets the error.
     pub sample: usize,
-    /// The next coarser sample, which does not.
+    /// The next coarser sample, which does not meet it.
     pub coarser: Option<usize>,
-    /// Largest spacing that should meet the error, m.
+    /// Largest spacing that is expected to meet the error, m.
     pub spacing: f64,
 }
 
-/// What each group offers to meet `error`: the coarsest sample from which on all meet it, and where
-/// between that and the next coarser one ln error, taken as linear in ln spacing, passes it. One
-/// lucky sample among worse ones counts for nothing.
+/// The choice of each group to meet `error`: the coarsest sample that meets it together with all
+/// finer ones, and the spacing between that and the next coarser one where ln error, linear in ln
+/// spacing, reaches it. A single good sample among worse ones does not count.
 pub fn meeting(samples: &[Sample], error: f64) -> Vec<Choice> {
     let groups = samples.iter().map(|s| s.group + 1).max().unwrap_or(0);
     let choose = |group: usize| {
@@ -149,7 +147,7 @@ pub fn predict(samples: &[Sample], choice: &Choice, spacing: f64) -> (f64, f64) 
     )
 }
 
-/// Where ln x lies between ln a (0) and ln b (1); 0 if there is no telling.
+/// Position of ln x between ln a (0) and ln b (1); 0 if it is undetermined.
 fn ratio(x: f64, a: f64, b: f64) -> f64 {
     let part = (x / a).ln() / (b / a).ln();
     if part.is_finite() {

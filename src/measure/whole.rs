@@ -1,10 +1,10 @@
-//! From the frames of a part of a symmetric scene to those of the whole: measures and pictures are
-//! made of these. See [`crate::scene`], `symmetry`.
+//! From the frames of a part of a symmetric scene to those of the whole, from which measures and
+//! pictures are made. See [`crate::scene`], `symmetry`.
 
 use crate::particle::Frame;
 use crate::scene::Scene;
 
-/// How the frames of a scene are unfolded.
+/// Unfolds the frames of a scene.
 #[derive(Clone, Debug)]
 pub struct Unfold {
     /// Axes with mirror planes, the side about which the box is unfolded, and its size, m.
@@ -12,6 +12,7 @@ pub struct Unfold {
 }
 
 impl Unfold {
+    /// Finds the mirror planes of `scene`.
     pub fn new(scene: &Scene) -> Self {
         let domain = &scene.domain;
         let fold = |axis: usize| {
@@ -23,14 +24,14 @@ impl Unfold {
         }
     }
 
-    /// Whether the whole is what was simulated.
+    /// Whether the whole was simulated.
     pub fn is_plain(&self) -> bool {
         self.axes.is_empty()
     }
 
-    /// The frame of the whole. Images have ids of their own, after those of the particles. Masses,
-    /// energies and momenta are those of the whole: twice the part's for each axis, and no momentum
-    /// along it.
+    /// The frame of the whole. Images have new ids, after those of the particles. Masses, energies
+    /// and momenta are those of the whole: twice the part's for each axis, and zero momentum along
+    /// it.
     pub fn frame(&self, frame: &Frame) -> Frame {
         let mut whole = frame.clone();
         for &(axis, side, size) in &self.axes {

@@ -1,4 +1,4 @@
-//! What every solver tells of itself: frames for the log, budgets, who ran away.
+//! What every solver reports: frames for the log, budgets, the particle that caused a fault.
 
 use super::Diverged;
 use super::flow::Flow;
@@ -15,6 +15,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
+    /// Frames from the start on; `interval` in s.
     pub fn new(interval: f64) -> Self {
         Schedule { interval, next: 0 }
     }

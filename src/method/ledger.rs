@@ -25,7 +25,9 @@ pub struct Ledger {
     /// Powers that are held, W: of diffusion, of contact lines, and the rate of the energy of the
     /// surface.
     pub diffusive: f64,
+    /// Power of contact lines, W.
     pub lines: f64,
+    /// Rate of the energy of the surface, W.
     pub rising: f64,
     /// Work of friction in the last step of a projection, J.
     pub rubbed: f64,

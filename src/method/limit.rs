@@ -2,28 +2,34 @@
 
 use crate::effect::Effect;
 use crate::effect::active::ActiveEffects;
+use crate::scene::limit;
 
 /// What the limits depend on, SI.
 #[derive(Clone, Copy)]
 pub struct Limits<'a> {
+    /// Smoothing length, m.
     pub h: f64,
+    /// Density at rest, kg/m^3.
     pub density: f64,
+    /// Speed of sound, m/s; infinite for none.
     pub sound_speed: f64,
     /// Largest speed, m/s, and acceleration, m/s^2, now.
     pub speed: f64,
+    /// Largest acceleration now, m/s^2.
     pub acceleration: f64,
+    /// What limits a step besides.
     pub effects: &'a ActiveEffects,
 }
 
 impl Limits<'_> {
-    /// 0.25 h / (c + u) (Monaghan 1992).
+    /// Of sound.
     pub fn acoustic(&self) -> f64 {
-        0.25 * self.h / (self.sound_speed + self.speed)
+        limit::acoustic(self.h, self.sound_speed, self.speed)
     }
 
-    /// 0.25 sqrt(h / |a|) (Monaghan 1992).
+    /// Of acceleration.
     pub fn force(&self) -> f64 {
-        0.25 * (self.h / self.acceleration.max(1e-30)).sqrt()
+        limit::force(self.h, self.acceleration)
     }
 
     /// Of the effects, by name.

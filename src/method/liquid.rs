@@ -29,16 +29,19 @@ const MIST: f32 = 0.4;
 pub struct Moment {
     /// Simulated time, s, and steps taken.
     pub time: f64,
+    /// Steps taken.
     pub step: u64,
     /// Length of the last step, s.
     pub last_step: f64,
     /// Largest speed, m/s, and acceleration, m/s^2, of the last step.
     pub max_speed: f64,
+    /// Largest acceleration of the last step, m/s^2.
     pub max_acceleration: f64,
     /// Largest speed of what is not spray, m/s: spray meets nothing that could be pressed.
     pub connected_speed: f64,
     /// What left the scene: mass, kg, and particles.
     pub removed_mass: f64,
+    /// Particles that left the scene.
     pub removed_particles: u64,
 }
 
@@ -54,10 +57,15 @@ impl Scalars for Moment {
 
 /// What every method moves.
 pub struct Liquid {
+    /// Constants of the run.
     pub case: Case,
+    /// Particles, cells, rows, walls, images.
     pub flow: Flow,
+    /// What acts on the liquid.
     pub effects: ActiveEffects,
+    /// Where the run is.
     pub now: Moment,
+    /// The budget of energy.
     pub ledger: Ledger,
     /// Uniform accelerations of this step, m/s^2.
     pub body_force: BodyForce,
@@ -113,6 +121,11 @@ impl Liquid {
     /// Liquid particles.
     pub fn len(&self) -> usize {
         self.flow.liquid()
+    }
+
+    /// Whether no particle is left.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// Turns differences in fixed point into separations over h.

@@ -42,29 +42,42 @@ use projection::Projection;
      ({x:.4e}, {y:.4e}, {z:.4e}) m: {what}; try {remedy}"
 )]
 pub struct Diverged {
+    /// Simulated time, s.
     pub time: f64,
+    /// Steps taken.
     pub step: u64,
+    /// Stable identity of the particle.
     pub particle: u32,
+    /// Its position, m.
     pub x: f64,
+    /// Its position, m.
     pub y: f64,
+    /// Its position, m.
     pub z: f64,
     /// Which limit was passed, with both values.
     pub what: String,
+    /// A setting to change.
     pub remedy: String,
 }
 
 /// A solver that cannot be built or went wrong.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum MethodError {
+    /// A periodic side is shorter than a kernel support.
     #[error(transparent)]
     TooSmall(#[from] crate::space::grid::TooSmall),
+    /// There is no particle.
     #[error("the state holds no particle; give body.NAME a shape larger than pack.spacing")]
     Empty,
+    /// A body has no surface to calibrate the tension on; its name.
     #[error(
         "body {body} has no measurable surface, so the tension cannot be calibrated on it; \
              set effects.tension.strength to a number"
     )]
-    NoSurface { body: String },
+    NoSurface {
+        /// Its name.
+        body: String,
+    },
 }
 
 /// A time-stepping method with its state.
@@ -75,6 +88,7 @@ pub trait Solver: Send {
     fn step_count(&self) -> u64;
     /// Liquid particles now.
     fn len(&self) -> usize;
+    /// Whether no particle is left.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -106,7 +120,10 @@ pub enum Phase {
     /// Bodies move as the scene says.
     Impact,
     /// At rest with damping, 1/s.
-    Relax { damping: f64 },
+    Relax {
+        /// 1/s.
+        damping: f64,
+    },
 }
 
 /// Builds the method of a problem on a state (fresh or restored).

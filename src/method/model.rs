@@ -10,13 +10,19 @@ use crate::scene::{
 /// What every method derives from a problem, SI.
 #[derive(Clone, Debug)]
 pub struct Case {
+    /// Kernel, smoothing length and mass of the method.
     pub sph: Sph,
+    /// How pairs are found and summed.
     pub pairs: Pairs,
+    /// Of the scene.
     pub dimension: Dimension,
+    /// The box.
     pub domain: Domain,
+    /// Effects of the scene.
     pub effects: Effects,
     /// s0, h, m.
     pub spacing: f64,
+    /// Smoothing length h, m.
     pub h: f64,
     /// Support of the widest sum, m.
     pub widest: f64,
@@ -33,6 +39,7 @@ pub struct Case {
 /// Derived constants of a weakly compressible run, SI.
 #[derive(Clone, Debug)]
 pub struct Model {
+    /// Settings of the method.
     pub settings: Wcsph,
     /// rho0, kg/m^3.
     pub density: f64,
@@ -49,6 +56,7 @@ impl Scalars for Model {
 }
 
 impl Case {
+    /// Constants of a problem.
     pub fn new(problem: &Problem, phase: Phase) -> Self {
         let sph = problem.method.sph();
         Case {
@@ -155,7 +163,7 @@ impl Model {
         tears.then(|| self.density_at(-held * sigma))
     }
 
-    /// Kernel sum from which crushed liquid shows its density; infinite for none.
+    /// Kernel sum from which over-compressed liquid gets a density of its own; infinite for none.
     pub fn compaction(&self) -> f64 {
         match self.settings.density {
             Density::Continuity { compaction, .. } => compaction,

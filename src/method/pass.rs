@@ -20,6 +20,7 @@ pub struct Summation<K> {
     pub factor: f64,
     /// m W(0).
     pub own: f64,
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 
@@ -57,6 +58,7 @@ pub struct Continuity<'a, K> {
     pub lag: f32,
     /// f of each target, m/s^2, or one for all.
     pub held: &'a [[f32; 3]],
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 
@@ -98,6 +100,7 @@ pub struct Spared<K> {
     pub diffusion: f32,
     /// 2 delta h / c times gravity, m/s.
     pub held: [f32; 3],
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 
@@ -132,7 +135,9 @@ impl<K: Kernel> Pass<2> for Spared<K> {
 pub struct Force<K, V, const CONTROL: bool> {
     /// m norm / h^(d+1).
     pub factor: f64,
+    /// The viscous part of a pair.
     pub viscosity: V,
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 
@@ -200,7 +205,9 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradi
 pub struct Neighbourhood<K, V> {
     /// m norm / h^(d+1).
     pub factor: f64,
+    /// The viscous part of a pair.
     pub viscosity: V,
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 
@@ -284,6 +291,7 @@ impl Pass<1> for Marked<'_> {
 /// Extrapolation of pressure and velocity from the liquid to a wall particle (Adami, Hu & Adams
 /// 2012, Eqs. 22-27). Payload: velocity, P / rho^2, 1 / rho^2.
 pub struct Extrapolation<K> {
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 

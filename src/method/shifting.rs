@@ -8,13 +8,13 @@
 //! there is no tension), with the speed at which the flow disorders them, the root mean square u of
 //! |v_ab| over the neighbours, or the one at which tension does, v_c (1 - (u / v_c)^2),
 //! v_c^2 = sigma / (rho h). What has less support than a flat surface is a rim, a tip or a sheet,
-//! whose normal says little: only the speed of tension moves it. Spray stays. A layer that nobody
-//! shifts is pressed together by who is shifted inside, without a higher density to show for it,
+//! whose normal is uncertain: only the speed of tension moves it. Spray stays. A layer that is not
+//! shifted is pressed together by the particles that are shifted inside, without a higher density,
 //! until it bursts. Beside a contact line the dry part of the wall is left out of grad C
-//! (`Wetting::dry`): it would point past the edge of the liquid, and what it has along the surface
+//! (`Wetting::dry`): it would point past the edge of the liquid, and its part along the surface
 //! would carry particles off the line, against which the drop turns (4 degrees too flat at 120).
 //!
-//! Nobody is shifted where the tension derives from an energy (`Case::shifts`).
+//! No particle is shifted where the tension derives from an energy (`Case::shifts`).
 
 /// Shifting is never faster than this part of the largest speed (Sun et al. 2019).
 const CAP: f64 = 0.5;
@@ -41,6 +41,7 @@ pub struct Shifting {
     pub dt: f64,
     /// Largest speed and v_c, m/s.
     pub fastest: f64,
+    /// v_c, the speed of tension, m/s.
     pub capillary: f64,
     /// What turns the slopes given into grad C, 1/m.
     pub unit: f64,

@@ -68,17 +68,21 @@ impl Entry for [f32; 3] {
 
 /// What is done with all columns of a struct.
 pub trait Visitor {
+    /// Called with each column.
     fn visit<T: Entry>(&mut self, role: Role, column: &mut Vec<T>);
 }
 
 /// What looks at all columns of a struct.
 pub trait Viewer {
-    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>);
+    /// Called with each column.
+    fn view<T: Entry>(&mut self, role: Role, column: &[T]);
 }
 
 /// Arrays of one entry a particle, and their roles.
 pub trait Columns {
+    /// Shows each column to a visitor.
     fn visit(&mut self, visitor: &mut impl Visitor);
+    /// Shows each column to a viewer.
     fn view(&self, viewer: &mut impl Viewer);
 }
 
@@ -155,7 +159,9 @@ impl Spare {
 
 /// Puts columns into the order of the last sort of `cells`.
 pub struct Sort<'a> {
+    /// Which hold the order.
     pub cells: &'a Cells,
+    /// Room.
     pub spare: &'a mut Spare,
 }
 
@@ -233,7 +239,7 @@ struct Remember<'a> {
 }
 
 impl Viewer for Remember<'_> {
-    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>) {
+    fn view<T: Entry>(&mut self, role: Role, column: &[T]) {
         if !is_rolled_back(role) {
             return;
         }
@@ -241,8 +247,9 @@ impl Viewer for Remember<'_> {
             self.kept.push((Box::new(Vec::<T>::new()), bytes::<T>));
         }
         let copy = self.kept[self.next].0.downcast_mut::<Vec<T>>();
-        copy.expect("columns in the order of before")
-            .clone_from(column);
+        let copy = copy.expect("columns in the order of before");
+        copy.clear();
+        copy.extend_from_slice(column);
         self.next += 1;
     }
 }
@@ -267,7 +274,7 @@ impl Visitor for Restore<'_> {
 pub struct Save<'a>(pub &'a mut State);
 
 impl Viewer for Save<'_> {
-    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>) {
+    fn view<T: Entry>(&mut self, role: Role, column: &[T]) {
         let Role::Persistent(name) = role else {
             return;
         };
@@ -305,12 +312,13 @@ impl Visitor for Load<'_> {
 /// Counts the bytes held.
 #[derive(Default)]
 pub struct Memory {
+    /// So far.
     pub bytes: usize,
 }
 
 impl Viewer for Memory {
-    fn view<T: Entry>(&mut self, _: Role, column: &Vec<T>) {
-        self.bytes += size_of::<T>() * column.capacity();
+    fn view<T: Entry>(&mut self, _: Role, column: &[T]) {
+        self.bytes += std::mem::size_of_val(column);
     }
 }
 
@@ -318,6 +326,7 @@ impl Viewer for Memory {
 pub trait Scalar {
     /// `None`: there is none, and none is written.
     fn get(&self) -> Option<f64>;
+    /// Takes the value of a state.
     fn set(&mut self, value: f64);
 }
 

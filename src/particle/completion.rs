@@ -1,7 +1,7 @@
-//! Kernel mass outside a free surface: what a particle's density lacks there.
+//! Kernel mass outside a free surface: the missing part of a particle's density.
 //!
 //! Model. A particle at depth delta under a free surface sums rho_i = SUM m W_ij over the liquid
-//! only. Were the liquid to go on beyond the surface, the rest would be rho0 gamma,
+//! only. If the liquid continued beyond the surface, it would add rho0 gamma,
 //!
 //! gamma(delta) = INT W(s) S(s) f(s) ds,                                                  (1)
 //!

@@ -13,7 +13,7 @@ use crate::space::sort::Cells;
 use crate::space::sweep::{self, Pass};
 use rayon::prelude::*;
 
-/// How far beyond the support neighbours are listed, so that a list serves several steps.
+/// Reach of neighbour lists beyond the support, so that a list is valid for several steps.
 const SLACK: f64 = 0.3;
 
 /// Liquid and wall particles with neighbour rows of the liquid.
@@ -32,13 +32,16 @@ pub struct Crowd {
     fixed: [Vec<i32>; 3],
     rows: Rows,
     support: f64,
-    /// Largest distance that anybody can have moved since the last rebuild.
+    /// Bound of the distance that a particle has moved since the last rebuild.
     moved: f64,
 }
 
 impl Crowd {
     /// `position` in any order; `wall` from [`wall_near`]; `support` is the radius of the kernel in
     /// use.
+    ///
+    /// # Errors
+    /// If a periodic side is too short for the cells.
     pub fn new(
         region: &Region,
         position: [Vec<f64>; 3],
@@ -75,6 +78,7 @@ impl Crowd {
         self.position[0].len()
     }
 
+    /// Whether there is no liquid particle.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -84,7 +88,7 @@ impl Crowd {
         [0, 1, 2].map(|k| self.position[k][i])
     }
 
-    /// Gives every liquid record its payload, a vector first; the wall's payload stays zero.
+    /// Sets the payload of every liquid record, a vector first; the payload of the wall stays zero.
     pub fn load(&mut self, payload: impl Fn(usize) -> [f32; 5] + Sync) {
         let n = self.len();
         each_mut(&mut self.records[..n], |i, record| {
@@ -133,7 +137,7 @@ impl Crowd {
     }
 
     /// Moves liquid particle `i` by `step(i)`, whose length is at most `longest`. The order of
-    /// particles changes when neighbours are found anew; returns whether that happened.
+    /// particles changes when neighbours are searched again; returns whether that happened.
     pub fn advance(&mut self, longest: f64, step: impl Fn(usize) -> [f64; 3] + Sync) -> bool {
         let n = self.len();
         let (grid, mirror) = (&self.grid, self.mirror.as_ref());
@@ -250,8 +254,8 @@ fn grid(region: &Region, support: f64) -> Result<Grid, TooSmall> {
     Ok(grid)
 }
 
-/// Those wall particles that touch the region: within `reach` of it and not behind a free face,
-/// where the completion stands for what is missing.
+/// The wall particles that touch the region: within `reach` of it and not behind a free face,
+/// where the completion replaces them.
 pub fn wall_near(region: &Region, wall: &[Vec<f64>; 3], reach: f64) -> [Vec<f64>; 3] {
     let Form::Block { low, high, face } = &region.form else {
         return Default::default();

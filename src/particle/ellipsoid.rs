@@ -1,8 +1,8 @@
 //! The nearest point of an ellipsoid or ellipse, and its curvature there.
 //!
 //! The nearest point y of x solves y_k = a_k^2 x_k / (a_k^2 + t) with SUM (y_k / a_k)^2 = 1, one
-//! unknown t > -min a^2 (Eberly, "Distance from a point to an ellipse, an ellipsoid"): bisected,
-//! because it is asked only near the surface. With g_k = y_k / a_k^2 the mean curvature is (|g|^2
+//! unknown t > -min a^2 (Eberly, "Distance from a point to an ellipse, an ellipsoid"): bisection
+//! suffices near the surface. With g_k = y_k / a_k^2 the mean curvature is (|g|^2
 //! SUM a_k^-2 - SUM g_k^2 a_k^-2) / ((d - 1) |g|^3), positive for a convex liquid.
 
 use super::shape::axes;
@@ -13,13 +13,13 @@ use crate::scene::Dimension;
 pub struct Surface {
     /// Distance to it, positive inside.
     pub depth: f64,
-    /// Outward.
+    /// Outward unit normal.
     pub normal: [f64; 3],
     /// Mean curvature.
     pub curvature: f64,
 }
 
-/// The surface as seen from `x`; `None` if it is certainly deeper than `reach` inside.
+/// The surface near `x`; `None` if `x` is certainly deeper than `reach` inside.
 pub fn nearest(
     dimension: Dimension,
     semi_axes: [f64; 3],

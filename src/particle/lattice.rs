@@ -1,10 +1,10 @@
-//! Cubic lattices: the plain arrangement of Nishio et al. (2010).
+//! Cubic lattices: the arrangement of Nishio et al. (2010).
 //!
 //! A block or layer is filled cell by cell, a particle in the middle of each cell; the number of
 //! cells along an axis is the nearest whole one, and the cells are stretched to fit, so that
 //! periodic sides match. A sphere or ellipsoid is cut out of a lattice centred ON a particle: d =
 //! 3.75 mm at s0 = 0.25 mm then holds the published 1791 particles, which are the lattice points
-//! with r <= 7.5 s0. Along an axis on which a mirror plane cuts it, the lattice stands half a
+//! with r <= 7.5 s0. Along an axis on which a mirror plane cuts it, the lattice starts half a
 //! spacing from that plane.
 
 use super::shape::{Form, Region, axes};

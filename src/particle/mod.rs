@@ -1,6 +1,6 @@
-//! What moves: arrays of particles, and how they are first placed.
+//! Arrays of particles, and their initial arrangement.
 //!
-//! What is kept for each of them beside is declared as [`column`]s.
+//! Further data of each particle are declared as [`column`]s.
 //! Reading order: [`shape`] (the region of a body), [`lattice`], [`wall`], [`pack`] and its steps
 //! [`poisson`], [`repulse`], [`optimise`], which use [`crowd`] (neighbours), [`completion`] and
 //! [`ellipsoid`] (free surfaces); [`quality`] (what is reported).
@@ -45,16 +45,18 @@ impl Particles {
         (v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]).sqrt()
     }
 
+    /// Number of particles.
     pub fn len(&self) -> usize {
         self.id.len()
     }
 
+    /// Whether there is no particle.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 }
 
-/// Checkpoints hold them by themselves.
+/// Checkpoints write these arrays themselves.
 impl Columns for Particles {
     fn visit(&mut self, visitor: &mut impl Visitor) {
         let vectors = self.position.iter_mut().chain(&mut self.velocity);
@@ -76,17 +78,20 @@ impl Columns for Particles {
 /// Fixed wall particles: positions, m, and prescribed velocities, m/s.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wall {
+    /// x, y, z, m.
     pub position: [Vec<f64>; 3],
+    /// x, y, z, m/s.
     pub velocity: [Vec<f64>; 3],
 }
 
-/// All that a bit-identical restart of a solver needs.
+/// Complete state for a bit-identical restart of a solver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Simulated time, s.
     pub time: f64,
+    /// Number of time steps done.
     pub step: u64,
-    /// In the order that the solver left them: restart keeps it.
+    /// In the order of the solver, which a restart keeps.
     pub particles: Particles,
     /// Named scalars of the method (removed mass, last time step, calibrated strength ...).
     pub scalars: Vec<(String, f64)>,
@@ -99,11 +104,17 @@ pub struct State {
 pub struct Frame {
     /// Simulated time, s.
     pub time: f64,
+    /// Identity, as in [`Particles`].
     pub id: Vec<u32>,
+    /// Index into `Scene::bodies`.
     pub body: Vec<u8>,
+    /// x, y, z, m.
     pub position: [Vec<f32>; 3],
+    /// x, y, z, m/s.
     pub velocity: [Vec<f32>; 3],
+    /// Pa.
     pub pressure: Vec<f32>,
+    /// kg/m^3.
     pub density: Vec<f32>,
     /// 1 at the free surface, else 0.
     pub surface: Vec<u8>,

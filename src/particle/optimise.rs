@@ -1,27 +1,27 @@
 //! Optimisation: drives the density of every particle to rho0 with the least displacement.
 //!
-//! Model. With what is missing outside the free surface made good, particle i has the density
+//! Model. With completion outside the free surface, particle i has the density
 //!
 //! rho_i / rho0 = mu SUM_j W_ij + gamma_i,                                                (1)
 //!
 //! j over itself, liquid and wall, mu = m / (rho0 s0^d), W in units of the spacing. Kuri et al.
 //! place the particles of drop and pool so that the standard deviation of rho from rho0 is at most
-//! 0.1 kg/m^3. To minimise SUM (rho_i - rho0)^2 outright makes pairs: where the density is too low,
-//! neighbours attract, and they fall into each other. There are d unknowns for every equation,
-//! though, so that among the steps that cancel the residual r to first order the shortest can be
-//! chosen (Gauss-Newton, minimum norm):
+//! 0.1 kg/m^3. To minimise SUM (rho_i - rho0)^2 directly makes pairs: where the density is too low,
+//! neighbours attract each other until they coincide. But there are d unknowns for every equation,
+//! so that the shortest of the steps that cancel the residual r to first order can be chosen
+//! (Gauss-Newton, minimum norm):
 //!
 //! J dx = -r,  dx = J^T lambda,  J J^T lambda = -r,                                       (2)
 //! (J dx)_i = mu SUM_j grad W_ij . (dx_i - dx_j) + grad gamma_i . dx_i,                   (3)
 //! (J^T lambda)_i = mu SUM_j grad W_ij (lambda_i + lambda_j) + grad gamma_i lambda_i,     (4)
 //!
-//! with dx = 0 and lambda = 0 at the wall. To this comes a push p that parts pairs closer than 0.82
+//! with dx = 0 and lambda = 0 at the wall. In addition, a push p separates pairs closer than 0.82
 //! spacings; the step nearest to it that still cancels the residual is
 //!
 //! dx = p + J^T lambda,  J J^T lambda = -(r + J p).                                       (5)
 //!
-//! From a glass some hundredths of a spacing suffice, so that neighbours
-//! stay where they are. (5) is solved by conjugate gradients, (3) and (4) by gathering sums.
+//! From a disordered arrangement (glass) some hundredths of a spacing suffice, so that neighbours
+//! stay the same. (5) is solved by conjugate gradients; (3) and (4) are gathering sums.
 //! Lengths are in units of the spacing. Tests: tests/engine/pack_poisson.rs.
 
 use super::completion::Completion;
@@ -34,21 +34,23 @@ use std::marker::PhantomData;
 
 /// Longest step of a particle in one iteration.
 const CAP: f32 = 0.1;
-/// Distance below which pairs are parted.
+/// Distance below which pairs are separated.
 const PART: f64 = 0.82;
-/// Residual of (5) at which its solution is good enough, relative.
+/// Relative residual at which the solution of (5) is accepted.
 const FORCING: f64 = 0.1;
-/// Most conjugate-gradient steps in one iteration.
+/// Largest number of conjugate-gradient steps in one iteration.
 const SWEEPS: usize = 60;
 
-/// What (1) needs besides places.
+/// Parameters of (1).
 #[derive(Clone, Copy, Debug)]
 pub struct Measure<K> {
+    /// Number of space dimensions d.
     pub dimension: usize,
     /// Smoothing length.
     pub h: f64,
     /// m / (rho0 s0^d).
     pub mass: f64,
+    /// The kernel W.
     pub kernel: PhantomData<K>,
 }
 
@@ -59,18 +61,19 @@ impl<K: Kernel> Measure<K> {
     }
 }
 
-/// Density of one particle and its gradient with respect to that particle's own place.
+/// Density of one particle and its gradient with respect to that particle's own position.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Local {
     /// mu SUM W: without completion.
     pub summed: f32,
     /// gamma.
     pub missing: f32,
+    /// Gradient of `summed` and, once added, of `missing`.
     pub gradient: [f32; 3],
 }
 
 impl Local {
-    /// rho / rho0 - 1 - `level`, the liquid beyond the surface at 1 + `level` as well.
+    /// rho / rho0 - 1 - `level`, with the liquid beyond the surface also at 1 + `level`.
     pub fn residual(&self, level: f64) -> f64 {
         self.summed as f64 + (1.0 + level) * (self.missing as f64 - 1.0)
     }
@@ -133,7 +136,7 @@ impl<K: Kernel> Pass<1> for Direct<K> {
     }
 }
 
-/// Densities of all particles, in their present order.
+/// Densities of all particles, in the present order of `crowd`.
 pub fn densities<K: Kernel>(
     crowd: &Crowd,
     completion: &Completion,
@@ -228,7 +231,7 @@ impl Work {
     }
 }
 
-/// The push p of (5): each of a close pair goes half of the way.
+/// The push p of (5): each particle of a close pair moves half of the distance.
 fn part(crowd: &Crowd, push: &mut Vec<[f32; 3]>) {
     push.resize(crowd.len(), [0.0; 3]);
     each_mut(&mut push[..], |i, push| {

@@ -1,11 +1,11 @@
 //! Packing: the particles of one body at rest, before relaxation.
 //!
-//! Either a lattice (Nishio et al. 2010) or, as Kuri et al. do it, Poisson-disk sampling followed
-//! by optimisation until the standard deviation of density from rho0 is small:
+//! Either a lattice (Nishio et al. 2010) or, as in Kuri et al., Poisson-disk sampling, then
+//! optimisation until the standard deviation of density from rho0 is small:
 //! [`poisson`](super::poisson) -> [`repulse`](super::repulse) -> [`optimise`](super::optimise).
 //! Spheres and ellipsoids are packed about the origin, layers and blocks in box coordinates between
-//! the wall particles of the box. The result depends on the body's shape, the spacing, the kernel,
-//! the mass setting, the seed and, for layers and blocks, the box; not on the number of threads.
+//! the wall particles. The result depends on shape, spacing, kernel, mass setting, seed and, for
+//! layers and blocks, the box; not on the number of threads.
 
 use super::completion::Completion;
 use super::crowd::{Crowd, wall_near};
@@ -22,15 +22,16 @@ use std::marker::PhantomData;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Steps of repulsion at most, and the root mean square step, in spacings, that ends it.
+/// Largest number of steps of repulsion, and the root mean square step, in spacings, that ends it.
 const REPULSIONS: usize = 120;
 const QUIET: f64 = 0.0012;
-/// No two particles may end nearer than this, in spacings: they would be a pair.
+/// Least permitted distance of two particles, in spacings: closer ones would be a pair.
 const PAIRED: f64 = 0.7;
 
 /// A body that cannot be packed.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum PackError {
+    /// The spacing is too large; `count` is below 2^d.
     #[error(
         "body `{body}`: pack.spacing = {spacing:.4e} m leaves it {count} particles; \
          make the spacing smaller than the body's least extent / 4"
@@ -40,6 +41,7 @@ pub enum PackError {
         spacing: f64,
         count: usize,
     },
+    /// The spacing is too small; `count` is above half the 32-bit numbers.
     #[error(
         "body `{body}`: pack.spacing = {spacing:.4e} m gives {count} particles, more than {}; \
          make the spacing larger or the body smaller",
@@ -50,73 +52,81 @@ pub enum PackError {
         spacing: f64,
         count: usize,
     },
+    /// The cells of the neighbour search do not fit into a periodic side.
     #[error("body `{body}`: {source}")]
     Box { body: String, source: TooSmall },
+    /// The optimisation did not converge.
     #[error(
         "body `{body}`: after pack.iterations = {iterations} density deviates by {spread:.3} \
-         kg/m^3 \
-         from rho0 and the closest particles are {closest:.3} spacings apart; wanted at most \
-         pack.tolerance = {tolerance} kg/m^3 and at least {PAIRED}: allow more iterations or a \
-         larger tolerance, or change pack.seed"
+         kg/m^3 from rho0 and the closest particles are {closest:.3} spacings apart; required: \
+         at most pack.tolerance = {tolerance} kg/m^3 and at least {PAIRED}: allow more iterations \
+         or a larger tolerance, or change pack.seed"
     )]
     NotReached {
+        /// Name of the body.
         body: String,
+        /// Standard deviation of the density from rho0, kg/m^3.
         spread: f64,
+        /// Least distance of two particles, in spacings.
         closest: f64,
+        /// Iterations done.
         iterations: usize,
+        /// Largest permitted `spread`, kg/m^3.
         tolerance: f64,
     },
-    /// The watcher wanted no more.
+    /// The watcher stopped it.
     #[error("body `{body}`: packing was stopped")]
     Stopped { body: String },
 }
 
-/// Sees each step; a break stops the packing.
+/// Called at each step; `Break` stops the packing.
 pub type Watch<'a> = dyn FnMut(&PackProgress) -> ControlFlow<()> + 'a;
 
-/// What packing is doing.
+/// Progress of packing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PackProgress {
     /// `sample`, `repel` or `optimise`.
     pub task: &'static str,
     /// Steps of this task done.
     pub done: usize,
-    /// At most so many steps.
+    /// Largest number of steps.
     pub of: usize,
     /// Root mean square of rho - rho0, kg/m^3, once it is known (`optimise`).
     pub spread: Option<f64>,
 }
 
-/// How good the packing is and what it took.
+/// Quality of the packing, and the work done.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackReport {
-    /// Particles.
+    /// Number of particles.
     pub count: usize,
-    /// Their mass together, and that of the body's volume at rho0, kg (kg/m in 2-D).
+    /// Their total mass, kg (kg/m in 2-D).
     pub mass: f64,
+    /// Mass of the body's volume at rho0, kg (kg/m in 2-D).
     pub wanted_mass: f64,
-    /// Standard deviation of the density from rho0 over all particles, kg/m^3, with what is missing
-    /// outside the free surface made good. In a body without any free surface the mean density is
-    /// given by number and volume, and Wendland's kernel, heavy at its centre, finds every glass
-    /// too dense (Dehnen & Aly 2012): there the deviation is from the mean, 1 + l in
-    /// [`optimise::level`].
+    /// Standard deviation of the density from rho0 over all particles, kg/m^3, with completion
+    /// outside the free surface. In a body without a free surface, number and volume determine the
+    /// mean density, and Wendland's kernel overestimates the density of disordered particles
+    /// (Dehnen & Aly 2012): there the deviation is from the mean, 1 + l in [`optimise::level`].
     pub spread: f64,
     /// Mean density less rho0, kg/m^3.
     pub offset: f64,
-    /// Particles whose kernel reaches no free surface, and the standard deviation of their plain
-    /// summed density, kg/m^3.
+    /// Number of particles whose kernel reaches no free surface.
     pub supported: usize,
+    /// Standard deviation of their summed density without completion, kg/m^3.
     pub supported_spread: f64,
+    /// Distances to the nearest particle.
     pub nearest: Nearest,
-    /// Gauss-Newton iterations and the conjugate-gradient steps in them.
+    /// Gauss-Newton iterations.
     pub iterations: usize,
+    /// Conjugate-gradient steps in all of them.
     pub sweeps: usize,
     /// Wall time, s.
     pub seconds: f64,
 }
 
 impl std::fmt::Display for PackReport {
-    /// One line for the stamp; no wall time, so that it is the same every time.
+    /// One line for the stamp; without wall time, so that it is reproducible.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         write!(
             f,
@@ -150,7 +160,10 @@ fn particle_mass(input: &PackInput) -> f64 {
 }
 
 /// Packs a body: at rest, density rho0, ids from 0, body 0, positions in m (about the origin for
-/// spheres and ellipsoids, in box coordinates otherwise).
+/// spheres and ellipsoids, in box coordinates otherwise). `watch` is called at each step.
+///
+/// # Errors
+/// See [`PackError`].
 pub fn pack(input: &PackInput, watch: &mut Watch) -> Result<(Particles, PackReport), PackError> {
     match input.sph.kernel {
         KernelName::CubicSpline => Packing::<CubicSpline>::new(input)?.run(watch),
@@ -162,9 +175,9 @@ pub fn pack(input: &PackInput, watch: &mut Watch) -> Result<(Particles, PackRepo
 struct Packing<'a, K> {
     input: &'a PackInput,
     region: Region,
-    /// Does the kernel find every glass too dense?
+    /// Whether the kernel overestimates the density of disordered particles.
     biased: bool,
-    /// Particles that the volume asks for.
+    /// Number of particles that fills the volume.
     count: usize,
     wall: [Vec<f64>; 3],
     measure: Measure<K>,
@@ -234,7 +247,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         Ok((self.particles(crowd), report))
     }
 
-    /// Shows a step to the watcher.
+    /// Reports a step to the watcher.
     fn tell(&self, watch: &mut Watch, progress: PackProgress) -> Result<(), PackError> {
         match watch(&progress) {
             ControlFlow::Continue(()) => Ok(()),
@@ -317,7 +330,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         }
     }
 
-    /// Measures densities; the deviation from rho0 (relative) that is aimed at.
+    /// Computes densities; returns the relative deviation from rho0 that is the goal.
     fn level(
         &self,
         crowd: &Crowd,
@@ -335,7 +348,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         Crowd::new(&self.region, position, self.wall.clone(), support).map_err(|found| {
             PackError::Box {
                 body: self.name(),
-                // The user thinks in metres.
+                // Back to metres.
                 source: TooSmall {
                     axis: found.axis,
                     size: found.size * self.input.spacing,

@@ -1,20 +1,20 @@
 //! Poisson-disk sampling of a region to an exact number of particles.
 //!
 //! Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (SIGGRAPH sketches 2007): random
-//! points no two of which are nearer than r, grown from one point until no gap takes another. A
-//! saturated sample has about 0.70 r^-d points a volume, so r = 0.89 (3-D) or 0.83 (2-D) mean
-//! spacings gives about the wanted number; the rest is made up by filling the widest gaps or by
-//! thinning the closest pairs. Lengths are in units of the particle spacing. One thread: a sequence
-//! of random numbers has an order.
+//! points at least r apart, grown from one point until no gap has room for another. A saturated
+//! sample has about 0.70 r^-d points per volume, so r = 0.89 (3-D) or 0.83 (2-D) mean spacings
+//! gives about the required number; filling the widest gaps or thinning the closest pairs gives it
+//! exactly. Lengths are in units of the particle spacing. One thread only: the random numbers form
+//! a sequence.
 
 use super::shape::Region;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rayon::prelude::*;
 
-/// Candidates that a point may try before it retires.
+/// Candidates that a point tries before it becomes inactive.
 const TRIES: usize = 24;
-/// How far inside its surface the region is sampled: particles are middles of cells of unit width.
+/// Inset of the sampled region from its surface: particles are centres of cells of unit width.
 const INSET: f64 = 0.35;
 /// No point.
 const NONE: u32 = u32::MAX;
@@ -68,7 +68,7 @@ fn inner_volume(region: &Region) -> f64 {
     .volume()
 }
 
-/// The same of an ellipsoid that is cut, by points: planes and surface are inset.
+/// The sampled volume of a cut ellipsoid, counted by points: planes and surface are inset.
 fn cut_volume(region: &Region) -> f64 {
     const POINTS: usize = 48;
     let (low, high) = region.bounds();
@@ -204,8 +204,8 @@ impl<'a> Disks<'a> {
         }
     }
 
-    /// Puts points into the widest gaps, widest first, until there are `count` or every gap that
-    /// was seen has changed.
+    /// Adds points in the widest gaps, widest first, until there are `count` or every known gap has
+    /// changed.
     fn fill_gaps(&mut self, count: usize) {
         let (low, high) = self.region.bounds();
         let steps = [0, 1, 2].map(|k| ((high[k] - low[k]) * 2.0).ceil().max(1.0) as usize);
@@ -233,8 +233,8 @@ impl<'a> Disks<'a> {
         }
     }
 
-    /// Takes away one point of each closest pair, closest first, until there are `count` or every
-    /// pair that was seen has lost one.
+    /// Removes one point of each closest pair, closest first, until there are `count` or every
+    /// known pair has lost one.
     fn thin(&mut self, count: usize) {
         let within = 1.5 * self.radius;
         let mut pairs: Vec<(f64, u32)> = (0..self.point.len() as u32)
@@ -259,8 +259,8 @@ impl<'a> Disks<'a> {
         }
     }
 
-    /// Distance from `x` to the nearest point but `except`, at most `within`. Any distance below
-    /// `enough` will do.
+    /// Distance from `x` to the nearest point except `except`, at most `within`. Any distance below
+    /// `enough` may be returned.
     fn nearest(&self, x: [f64; 3], except: u32, within: f64, enough: f64) -> f64 {
         let [xs, ys, zs] = [0, 1, 2].map(|k| self.slabs(k, x[k], within));
         let enough = enough * enough;
@@ -306,7 +306,8 @@ impl<'a> Disks<'a> {
             for (cell, gap) in [(own - step, below), (own + step, above)] {
                 let seen = 2 * step > count || (2 * step == count && cell > own);
                 if gap < within && !(periodic && seen) && (periodic || (0..count).contains(&cell)) {
-                    // Opposite a periodic box a slab is near on both sides: count it as touching.
+                    // A slab opposite in a periodic box is near on both sides: it counts as
+                    // touching.
                     let gap = if periodic && 2 * step >= count - 1 {
                         0.0
                     } else {

@@ -1,4 +1,4 @@
-//! How good a packing is: spread of density and distances of nearest neighbours.
+//! Quality of a packing: spread of density and distances of nearest neighbours.
 
 use super::crowd::Crowd;
 use super::optimise::Local;
@@ -10,7 +10,9 @@ pub const BINS: usize = 32;
 /// Distances to the nearest particle of the body, in units of the spacing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Nearest {
+    /// Minimum.
     pub least: f64,
+    /// Mean.
     pub mean: f64,
     /// Below these lie 1, 10, 50, 90 and 99 % of the particles.
     pub quantiles: [f64; 5],
@@ -18,7 +20,7 @@ pub struct Nearest {
     pub histogram: [u64; BINS],
 }
 
-/// Measures the distances in a crowd; neighbours further than its support count as that far.
+/// Measures the distances in a crowd; the support is the largest distance.
 pub fn nearest(crowd: &Crowd, support: f64) -> Nearest {
     let n = crowd.len();
     let mut distance = vec![0.0; n];
@@ -50,8 +52,8 @@ pub fn closest(crowd: &Crowd) -> f64 {
     -parallel::max(crowd.len(), |i| -crowd.nearest(i))
 }
 
-/// Number of particles with full support and the root mean square of rho / rho0 - 1 - `level` over
-/// them: no completion takes part there.
+/// Number of particles with full support, which have no completion, and the root mean square of
+/// their rho / rho0 - 1 - `level`.
 pub fn supported(local: &[Local], level: f64) -> (usize, f64) {
     let [count, sum] = parallel::sum(local.len(), |i| match local[i].missing == 0.0 {
         true => [1.0, local[i].residual(level).powi(2)],

@@ -1,14 +1,14 @@
-//! Repulsion: turns a Poisson-disk sample into a glass.
+//! Repulsion: makes a Poisson-disk sample uniform, but disordered (a glass).
 //!
 //! Particles go down the gradient of the pair energy SUM W(r_ij) (Colagrossi, Bouscasse, Antuono &
 //! Marrone 2012):
 //!
 //! dx_i = -beta (SUM_j grad W_ij + grad gamma_i),                                         (1)
 //!
-//! j over liquid and wall, gamma the kernel mass outside the free surface. Every pair repels, so
-//! that pairs cannot form, and what is missing outside repels too, so that the surface stays where
-//! it is. The kernel is Wendland's C2 with a short support: nearest neighbours dominate. Lengths
-//! are in units of the spacing.
+//! j over liquid and wall, gamma the kernel mass outside the free surface. All particles repel each
+//! other, so that pairs cannot form; the missing liquid outside also repels, so that the surface
+//! stays in place. The kernel is Wendland's C2 with a short support: nearest neighbours dominate.
+//! Lengths are in units of the spacing.
 
 use super::completion::Completion;
 use super::crowd::Crowd;
@@ -23,7 +23,7 @@ pub const SMOOTHING: f64 = 1.3;
 const STRENGTH: f32 = 0.12;
 /// Longest step.
 const CAP: f32 = 0.1;
-/// Share of the last step that goes on in the next (heavy ball).
+/// Part of the last step that is added to the next (heavy ball).
 const MOMENTUM: f32 = 0.7;
 
 struct Push {
@@ -45,7 +45,7 @@ impl Pass<3> for Push {
     }
 }
 
-/// One step of (1) with the memory of the last; returns the root mean square displacement.
+/// One step of (1) with momentum of the last; returns the root mean square displacement.
 pub fn step(
     crowd: &mut Crowd,
     completion: &Completion,

@@ -1,9 +1,8 @@
 //! The region that a body fills while it is packed.
 //!
-//! Spheres and ellipsoids are packed about the origin, so that where they hang, how fast they move
-//! and how large the box is do not change their packing. Layers and blocks touch the sides of the
-//! box and are packed in box coordinates. A 2-D region lies in the x-z plane and its volume is an
-//! area.
+//! Spheres and ellipsoids are packed about the origin, so that their packing is independent of
+//! their position and velocity and of the box. Layers and blocks touch the sides of the box and are
+//! packed in box coordinates. A 2-D region lies in the x-z plane and its volume is an area.
 
 use crate::scene::input::PackInput;
 use crate::scene::{Dimension, Domain, Shape, Side};
@@ -15,7 +14,7 @@ pub enum Face {
     Free,
     /// The wall particles of the box.
     Wall,
-    /// The region itself, again.
+    /// The region itself, repeated.
     Periodic,
     /// The image of the region.
     Mirror,
@@ -25,11 +24,17 @@ pub enum Face {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form {
     /// About the origin; all of its surface is free.
-    Ellipsoid { semi_axes: [f64; 3] },
+    Ellipsoid {
+        /// Half lengths along x, y and z.
+        semi_axes: [f64; 3],
+    },
     /// `face[axis] = [low, high]`. In 2-D the y axis is degenerate and periodic.
     Block {
+        /// Lowest corner.
         low: [f64; 3],
+        /// Highest corner.
         high: [f64; 3],
+        /// What lies behind each face.
         face: [[Face; 2]; 3],
     },
 }
@@ -37,7 +42,9 @@ pub enum Form {
 /// A region to be filled with particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
+    /// Number of space dimensions.
     pub dimension: Dimension,
+    /// Shape and size.
     pub form: Form,
     /// Along each axis the side of a mirror plane through the centre of an ellipsoid: the liquid
     /// lies on the other side.
@@ -157,7 +164,7 @@ impl Region {
         period
     }
 
-    /// Does any face touch a wall of the box?
+    /// Whether a face touches a wall of the box.
     pub fn touches_wall(&self) -> bool {
         match &self.form {
             Form::Ellipsoid { .. } => false,
@@ -165,7 +172,7 @@ impl Region {
         }
     }
 
-    /// Has it no free surface at all?
+    /// Whether it has no free surface.
     pub fn is_closed(&self) -> bool {
         match &self.form {
             Form::Ellipsoid { .. } => false,
@@ -173,8 +180,8 @@ impl Region {
         }
     }
 
-    /// Is `x` in the region when free surfaces, walls and mirrors are moved inwards by `inset` (m)?
-    /// The ellipsoid is shrunk along its axes, which is exact for a sphere.
+    /// Whether `x` is in the region when free surfaces, walls and mirrors are moved inwards by
+    /// `inset` (m). The ellipsoid is shrunk along its axes, which is exact for a sphere.
     pub fn contains(&self, x: [f64; 3], inset: f64) -> bool {
         match &self.form {
             Form::Ellipsoid { semi_axes } => {

@@ -1,9 +1,9 @@
 //! Fixed wall particles outside the box.
 //!
-//! They sit on the lattice that the box itself would have, first layer half a spacing outside, and
-//! take part in every sum of the method. Corners and edges where walls meet are filled; a wall that
-//! ends at an open side goes on beyond it by the same depth, so that the last liquid inside still
-//! sees all of it. At a mirror plane it ends: what is behind are images.
+//! They lie on the lattice of the box, the first layer half a spacing outside, and take part in
+//! every sum of the method. Corners and edges where walls meet are filled; a wall that ends at an
+//! open side continues beyond it by the same depth, so that the last liquid inside has full
+//! support. At a mirror plane it ends: images lie behind the plane.
 
 use super::Wall;
 use super::lattice::cells;
@@ -62,7 +62,7 @@ pub fn build_layers(domain: &Domain, dimension: Dimension, spacing: f64, layers:
                             wall.velocity[k].push(domain.wall_velocity[axis][side][k]);
                         }
                     }
-                    // The inside of the box is hollow: go straight to the far side.
+                    // The box itself is empty: continue at the far side.
                     None if ix == 0 => ix = count[0] - 1,
                     None => {}
                 }
@@ -73,13 +73,13 @@ pub fn build_layers(domain: &Domain, dimension: Dimension, spacing: f64, layers:
     wall
 }
 
-/// Whether the lattice cell `index` lies behind a wall; walls have no back.
+/// Whether the lattice cell `index` lies behind a wall, at any depth.
 pub fn is_wall(boundary: [[Side; 2]; 3], index: [i64; 3], count: [i64; 3]) -> bool {
     owner(boundary, index, count).is_some()
 }
 
-/// The wall to which the lattice cell `index` belongs: the one it is least deep behind, z before x
-/// before y in a tie; `None` for a cell behind no wall.
+/// The wall to which the lattice cell `index` belongs: the one with the least depth, in a tie z
+/// before x before y; `None` for a cell behind no wall.
 fn owner(boundary: [[Side; 2]; 3], index: [i64; 3], count: [i64; 3]) -> Option<(usize, usize)> {
     let mut nearest: Option<(i64, usize, usize)> = None;
     for k in [2, 0, 1] {

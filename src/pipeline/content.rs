@@ -1,4 +1,4 @@
-//! What a file of a result holds, and what becomes of one that cannot be trusted.
+//! Digests of files of results, and the handling of damaged files.
 
 use std::fs;
 use std::io::{self, Read as _};
@@ -16,7 +16,7 @@ pub const CHECKPOINT: &str = "checkpoint";
 /// Extension of logs.
 pub const LOG: &str = "mcap";
 
-/// Why a file does not yield a digest.
+/// Why a file has no digest.
 #[derive(Debug, thiserror::Error)]
 pub enum ContentError {
     /// It could not be read, so nothing is known about it.
@@ -55,8 +55,8 @@ impl From<LogError> for ContentError {
     }
 }
 
-/// Digest of what a file contains: of a checkpoint and of a log the content however it was
-/// compressed, of any other file the bytes. Symbolic links are refused.
+/// Digest of the content of a file: for a checkpoint and a log independent of compression, for any
+/// other file of its bytes. Symbolic links are rejected.
 ///
 /// # Errors
 /// See [`ContentError`].
@@ -69,7 +69,7 @@ pub fn content(path: &Path) -> Result<Digest, ContentError> {
     }
 }
 
-/// SHA-256 of all bytes of a file. Symbolic links are refused.
+/// SHA-256 of all bytes of a file. Symbolic links are rejected.
 ///
 /// # Errors
 /// See [`ContentError`].
@@ -88,8 +88,11 @@ pub fn bytes(path: &Path) -> Result<Digest, ContentError> {
     }
 }
 
-/// Renames a file that cannot be trusted to the first free `<name>.bad-N` and returns that name.
-/// The stamp goes the same way first, so that the rest is not taken for a finished result.
+/// Renames a damaged file to the first free `<name>.bad-N` and returns that name. The stamp is
+/// renamed first, so that the rest does not count as a finished result.
+///
+/// # Errors
+/// If a file cannot be renamed.
 pub fn set_aside(folder: &Path, file: &Path) -> Result<PathBuf, FileError> {
     let stamp = folder.join(stamp::FILE);
     if file != stamp {
@@ -100,7 +103,7 @@ pub fn set_aside(folder: &Path, file: &Path) -> Result<PathBuf, FileError> {
     Ok(kept)
 }
 
-/// Renames a file to the first free `<name>.bad-N`; one that does not exist stays so.
+/// Renames a file to the first free `<name>.bad-N`, if it exists.
 pub(super) fn rename_aside(file: &Path) -> Result<PathBuf, FileError> {
     let kept = free_name(file, "bad")?;
     match fs::rename(file, &kept) {
@@ -111,7 +114,10 @@ pub(super) fn rename_aside(file: &Path) -> Result<PathBuf, FileError> {
     }
 }
 
-/// First `<path>.<word>-N` that is not taken.
+/// First `<path>.<word>-N` that does not exist.
+///
+/// # Errors
+/// If the folder cannot be examined.
 pub fn free_name(path: &Path, word: &str) -> Result<PathBuf, FileError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut candidates = (1u64..).map(|n| path.with_file_name(format!("{name}.{word}-{n}")));

@@ -1,4 +1,4 @@
-//! What a running stage sees: its inputs, its folders, who watches, and whether to stop.
+//! The environment of a running stage: its inputs, its folders, the watcher, requests to stop.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,20 +19,24 @@ use crate::record::{Checkpoint, Digest, checkpoint};
 /// File in the work folder that keeps the time spent by earlier attempts.
 pub const SPENT: &str = "spent.json";
 
-/// Most bytes of that file.
+/// Largest size of that file, bytes.
 const LONGEST: u64 = 1 << 16;
 
 /// A finished input.
 #[derive(Clone, Debug)]
 pub struct Input {
+    /// Folder of the result.
     pub folder: PathBuf,
+    /// Its stamp.
     pub stamp: Stamp,
 }
 
 /// A finished result that differs in nothing but the setting that [`super::Stage::extends`] names.
 #[derive(Clone, Debug)]
 pub struct Relative {
+    /// Folder of the result.
     pub folder: PathBuf,
+    /// Its stamp.
     pub stamp: Stamp,
 }
 
@@ -44,12 +48,12 @@ pub(super) struct Spent {
     pub attempts: u32,
     pub wall_seconds: f64,
     pub cpu_seconds: f64,
-    /// What it reads, so that a clean-up keeps it.
+    /// The inputs of the result, which a clean-up keeps.
     #[serde(default)]
     pub inputs: Vec<InputStamp>,
 }
 
-/// The surroundings of a running stage.
+/// The environment of a running stage.
 pub struct Context<'a> {
     /// In the order of [`super::Stage::inputs`].
     pub inputs: Vec<Input>,
@@ -64,7 +68,7 @@ pub struct Context<'a> {
     pub(super) resumed: bool,
     pub(super) notes: Vec<String>,
     pub(super) clock: Clock,
-    /// By attempts before this one.
+    /// Time spent by earlier attempts.
     pub(super) spent: Spent,
 }
 
@@ -74,7 +78,7 @@ impl Context<'_> {
         self.key
     }
 
-    /// Folder for what outlives a kill; nobody else writes there.
+    /// Folder for files that survive a kill; no other process writes there.
     pub fn work(&self) -> &Path {
         &self.work
     }
@@ -89,13 +93,14 @@ impl Context<'_> {
         self.stop.load(Ordering::Relaxed)
     }
 
+    /// Reports progress to the watcher.
     pub fn progress(&self, progress: Progress) {
         let job = &self.job;
         self.teller.tell(&progress);
         self.watch.event(&Event::Progress { job, progress });
     }
 
-    /// Tells the user, and nobody else.
+    /// Reports a warning to the user; it is not in the stamp.
     pub fn warn(&self, text: &str) {
         let job = &self.job;
         self.watch.event(&Event::Warning { job, text });
@@ -107,17 +112,20 @@ impl Context<'_> {
         self.watch.event(&Event::Kept { job, folder });
     }
 
-    /// Keeps a sentence in the stamp.
+    /// Adds a sentence to the stamp.
     pub fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());
     }
 
-    /// Says that this attempt did not start from the beginning.
+    /// Records that this attempt did not start from the beginning.
     pub fn resumed(&mut self) {
         self.resumed = true;
     }
 
-    /// Keeps the time spent so far, so that the stamp counts attempts that are killed later.
+    /// Saves the time spent so far, so that the stamp counts attempts that are killed later.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
     pub fn save_time(&self) -> Result<(), FileError> {
         let json = serde_json::to_string_pretty(&self.spent_now()).expect("plain data");
         write_file(&self.work.join(SPENT), json.as_bytes())
@@ -175,7 +183,7 @@ impl Context<'_> {
 }
 
 impl Input {
-    /// What the stamp of its reader says about it.
+    /// Its entry in the stamp of its reader.
     pub(super) fn stamp_of(&self) -> InputStamp {
         InputStamp {
             stage: self.stamp.stage.clone(),
@@ -195,7 +203,7 @@ impl Relative {
         read_checkpoint(&self.folder, &self.stamp, file)
     }
 
-    /// Value of the setting `name`, for people; exact.
+    /// Value of the setting `name`, as shown; exact.
     pub fn setting(&self, name: &str) -> Option<&str> {
         let mut settings = self.stamp.settings.iter();
         let setting = settings.find(|setting| setting.name == name)?;
@@ -203,7 +211,7 @@ impl Relative {
     }
 }
 
-/// The digest that a stamp promises of a file.
+/// The digest of a file in a stamp.
 fn output_digest(stamp: &Stamp, file: &str) -> Result<Digest, ContentError> {
     let output = stamp.outputs.iter().find(|output| output.file == file);
     let missing = || ContentError::Damaged("its stamp does not name it".into());
@@ -225,7 +233,7 @@ fn read_checkpoint(folder: &Path, stamp: &Stamp, file: &str) -> Result<Checkpoin
 }
 
 impl Spent {
-    /// What earlier attempts left, or nothing.
+    /// The record of earlier attempts, if there is one.
     pub(super) fn read(work: &Path) -> Option<Self> {
         serde_json::from_slice(&file::read_no_link(&work.join(SPENT), LONGEST).ok()?).ok()
     }

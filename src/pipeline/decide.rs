@@ -1,4 +1,5 @@
-//! Fresh or stale, and why. `plan` shows these decisions; `run` acts on the same ones.
+//! Decides which jobs are fresh or stale, and why. `plan` shows these decisions; `run` acts on
+//! them.
 
 use std::path::{Path, PathBuf};
 
@@ -9,11 +10,12 @@ use super::{Pipeline, Stage, Work, key, label};
 use crate::file::FileError;
 use crate::record::Digest;
 
-/// What is to be done with one job.
+/// The decision about one job.
 #[derive(Clone, Debug)]
 pub struct Decision {
     /// Place in the pipeline.
     pub job: usize,
+    /// Name of the stage.
     pub stage: String,
     /// What the stage is applied to, or empty.
     pub body: String,
@@ -25,14 +27,14 @@ pub struct Decision {
     pub reasons: Vec<String>,
     /// What the work can start from, if not from the beginning.
     pub start: Option<String>,
-    /// Expected wall time, s, from the stage's own guess or from earlier runs.
+    /// Expected wall time, s, from the stage's own estimate or from earlier runs.
     pub seconds: Option<f64>,
-    /// What the stage says of it.
+    /// The stage's own estimate of the work.
     pub work: Option<Work>,
 }
 
 impl Decision {
-    /// For people: `relax drop`.
+    /// Name of the job in messages: `relax drop`.
     pub fn label(&self) -> String {
         super::stamp::label(&self.stage, &self.body)
     }
@@ -47,13 +49,15 @@ impl Decision {
     }
 }
 
-/// Setting by which earlier results are told apart: methods take their own time.
+/// Setting that distinguishes earlier results in estimates of time.
 const METHOD: &str = "method.name";
 
 /// A finished input: its key and the digest of what it contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Done {
+    /// Key of the result.
     pub key: Digest,
+    /// Digest of its content.
     pub digest: Digest,
 }
 
@@ -150,14 +154,14 @@ fn start(
     Ok(Some(format!("the result for {free} = {value}")))
 }
 
-/// Whether a work folder holds a checkpoint, from which a run can go on.
+/// Whether a work folder contains a checkpoint from which a run can continue.
 pub(super) fn has_checkpoint(work: &Path) -> Result<bool, FileError> {
     let is_checkpoint = |path: PathBuf| path.extension().is_some_and(|e| e == CHECKPOINT);
     let found = entries(work)?;
     Ok(found.into_iter().any(|entry| is_checkpoint(entry.path())))
 }
 
-/// Finished results that differ in nothing but the setting that may grow.
+/// Finished results that differ only in the setting that may grow.
 ///
 /// # Errors
 /// If something in the store cannot be read.
@@ -201,7 +205,7 @@ fn reasons(
         let list = differences(stage, wanted, &names, inputs, earlier);
         (list, &earlier.started)
     });
-    // Of equally near ones the newest: it is what the user remembers.
+    // Of equally similar results the newest.
     let nearest = differences.min_by(|(a, at), (b, bt)| (a.len(), bt).cmp(&(b.len(), at)));
     match nearest {
         None if waiting.is_empty() => vec!["never ran".to_string()],
@@ -216,7 +220,7 @@ fn reasons(
     }
 }
 
-/// Each difference between an earlier result and what is wanted, as `name old -> new`.
+/// Each difference between an earlier result and the required one, as `name old -> new`.
 fn differences(
     stage: &dyn Stage,
     wanted: &[SettingStamp],
@@ -233,7 +237,7 @@ fn differences(
     if earlier.format != format {
         list.push(format!("checkpoint format {} -> {format}", earlier.format));
     }
-    // By another name (of a body) it is the same setting.
+    // A body may have another name.
     let known = |list: &[SettingStamp], setting: &SettingStamp| {
         list.iter()
             .any(|other| other.canonical == setting.canonical)
@@ -293,15 +297,15 @@ fn input_difference(name: &str, old: Option<&InputStamp>, new: &Done) -> String 
     format!("result of {name} {before} -> {}", new.digest.short())
 }
 
-/// Wall time: what the stage expects, corrected by what earlier results of the same method took;
-/// of a stage that expects nothing, that of its newest result.
+/// Wall time, s: the stage's estimate, corrected by the time of earlier results of the same method;
+/// without an estimate the time of its newest result.
 fn estimate(stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
     let stamps = stamps.iter().map(|(_, stamp)| stamp);
     let Some(work) = stage.work() else {
         let newest = stamps.max_by_key(|stamp| &stamp.started);
         return newest.map(|stamp| stamp.wall_seconds);
     };
-    // A job shorter than a second tells nothing; nor does one in another unit.
+    // A job shorter than a second is not significant, nor is one in another unit.
     let ratio = |stamp: &Stamp| Some(stamp.cpu_seconds / stamp.work?);
     let known = |stamp: &&Stamp| ratio(stamp).is_some_and(|r| (0.1..10.0).contains(&r));
     let method = stage.settings().into_iter().find(|s| s.name == METHOD);

@@ -1,9 +1,9 @@
-//! The key of a result: SHA-256 over everything that it depends on, and nothing else.
+//! The key of a result: SHA-256 over exactly what it depends on.
 //!
-//! In it: the stage's name and VERSION, the version of the checkpoint format, each setting that the
-//! stage reads (canonical bytes) and the digest of each input. Not in it: paths, times,
-//! number of threads, compression level, names of bodies. Inputs count by the digest of what they
-//! contain, so a producer that runs again with the same result changes nothing after it.
+//! Included: the stage's name and VERSION, the version of the checkpoint format, each setting that
+//! the stage reads (canonical bytes) and the digest of each input. Not included: paths, times,
+//! number of threads, compression level, names of bodies. Inputs count by the digest of their
+//! content, so a producer that runs again with an equal result leaves later results fresh.
 
 use super::stamp::{Stamp, digest_of};
 use super::{Setting, Stage};
@@ -11,7 +11,7 @@ use crate::record::Digest;
 use crate::record::checkpoint::FORMAT_VERSION;
 use crate::record::digest::Hasher;
 
-/// All that a key is made of.
+/// The parts of a key.
 struct Parts<'a> {
     stage: &'a str,
     version: u32,
@@ -26,8 +26,8 @@ pub fn key(stage: &dyn Stage, settings: &[Setting], inputs: &[Digest]) -> Digest
     parts(stage, settings.iter(), inputs).key()
 }
 
-/// Key without the setting that [`Stage::extends`] names: what results that are beginnings of
-/// each other share. `None` if the stage has no such setting.
+/// Key without the setting that [`Stage::extends`] names, equal for results that are beginnings of
+/// each other. `None` if the stage has no such setting.
 pub fn family(stage: &dyn Stage, settings: &[Setting], inputs: &[Digest]) -> Option<Digest> {
     let free = stage.extends()?;
     let counted = settings.iter().filter(|setting| setting.name != free);
@@ -50,7 +50,7 @@ fn parts<'a>(
     }
 }
 
-/// What in a stamp does not follow from the rest of it; `None` if all does.
+/// What in a stamp contradicts the rest of it, if anything.
 pub fn contradiction(stamp: &Stamp) -> Option<&'static str> {
     if digest_of(&stamp.outputs) != stamp.digest {
         return Some("its digest is not that of its outputs");
@@ -76,7 +76,7 @@ fn follows(stamp: &Stamp) -> bool {
             .collect(),
         inputs: stamp.inputs.iter().map(|input| input.digest).collect(),
     };
-    // The stamp does not say which setting may grow, so any one may be left out.
+    // The stamp does not contain which setting may grow, so any one may be left out.
     let is_family = |family| (0..canonical.len()).any(|k| parts(Some(k)).family() == family);
     parts(None).key() == stamp.key && stamp.family.is_none_or(is_family)
 }

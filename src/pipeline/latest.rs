@@ -1,5 +1,5 @@
 //! `artifacts/latest/<pipeline>/`: the newest results by name, as links, and `manifest.json`, which
-//! says what the pipeline reaches.
+//! lists the results of the pipeline.
 
 use std::fs::{self, File};
 use std::io;
@@ -19,16 +19,18 @@ use crate::record::atomic::{is_temporary, temporary_name, write_file};
 /// File in the folder of a pipeline.
 pub const MANIFEST: &str = "manifest.json";
 
-/// No manifest is longer, bytes.
+/// Largest size of a manifest, bytes.
 const LONGEST: u64 = 16 << 20;
 
-/// Age after which a temporary file was left by a killed process.
+/// Age from which a temporary file counts as left by a killed process.
 const LEFT_OVER: Duration = Duration::from_secs(3600);
 
-/// What a named pipeline reaches.
+/// The results of a named pipeline.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
+    /// Name of the pipeline.
     pub pipeline: String,
+    /// Its results, one for each job.
     pub results: Vec<Entry>,
 }
 
@@ -39,17 +41,26 @@ pub struct Entry {
     pub name: String,
     /// From the root of the store.
     pub folder: PathBuf,
+    /// Key of the result.
     pub key: Digest,
+    /// Digest of its content.
     pub digest: Digest,
 }
 
 /// A manifest that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ManifestError {
+    /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The content is not a manifest.
     #[error("{} is not a valid manifest: {what}", path.display())]
-    Invalid { path: PathBuf, what: String },
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
 }
 
 /// Folder of a pipeline's newest results.
@@ -60,8 +71,7 @@ pub fn folder(store: &Store, pipeline: &str) -> PathBuf {
 /// Names of all pipelines with results here; a name can have several parts.
 ///
 /// # Errors
-/// If a folder cannot be listed, or a symbolic link stands for a name: what lies behind it is not
-/// known.
+/// If a folder cannot be listed, or a name is a symbolic link.
 pub fn pipelines(store: &Store) -> Result<Vec<String>, FileError> {
     let latest = store.root().join(LATEST);
     file::refuse_link(&latest)?;
@@ -118,7 +128,7 @@ pub fn read(store: &Store, pipeline: &str) -> Result<Option<Manifest>, ManifestE
 }
 
 impl Entry {
-    /// Whether it names a link in its own folder and the folder of a key in the store.
+    /// Whether the entry names a link in its own folder and the folder of a key in the store.
     fn is_plain(&self) -> bool {
         let parts: Vec<_> = self.folder.iter().collect();
         let stage = parts.first().and_then(|part| part.to_str());
@@ -130,12 +140,12 @@ impl Entry {
     }
 }
 
-/// Points the names at these results. `whole`: they are all that the pipeline has, so that other
-/// names are outdated. Returns what stood in the place of a link, as it is named now: in a copied
-/// store, folders are where links were.
+/// Points the names to these results. `whole`: they are all results of the pipeline, so that other
+/// names are outdated. Returns the new names of folders that were in place of links, as in a copied
+/// store.
 ///
 /// # Errors
-/// If a file cannot be read or written, or a symbolic link stands for a folder.
+/// If a file cannot be read or written, or a folder is a symbolic link.
 pub(super) fn finish(
     store: &Store,
     pipeline: &str,
@@ -144,7 +154,7 @@ pub(super) fn finish(
 ) -> Result<Vec<PathBuf>, FileError> {
     let old = match read(store, pipeline) {
         Ok(old) => old.unwrap_or_default(),
-        // What it said follows from the links and is written again.
+        // Its content follows from the links and is written again.
         Err(ManifestError::Invalid { .. }) => Manifest::default(),
         Err(ManifestError::File(error)) => return Err(error),
     };
@@ -161,13 +171,13 @@ pub(super) fn finish(
         pipeline: pipeline.to_string(),
         results,
     };
-    // A second run must end well where nothing can be written.
+    // A second run must succeed in a read-only store.
     let changes = manifest != old;
     let folder = folder(store, pipeline);
     if changes {
         store.create(&folder)?;
     }
-    // Without the lock, another process may be writing the younger ones.
+    // Without the lock, another process may be writing younger files.
     let lock = lock(&folder);
     sweep(&folder, lock.as_ref().map_or(LEFT_OVER, |_| Duration::ZERO))?;
     if changes {
@@ -188,7 +198,7 @@ pub(super) fn finish(
     Ok(moved)
 }
 
-/// Forgets a pipeline: its results stay until a clean-up. What else lies in its folder stays.
+/// Forgets a pipeline: its results stay until a clean-up. Other files in its folder stay.
 ///
 /// # Errors
 /// If its folder cannot be read or written, or is a symbolic link.
@@ -201,12 +211,12 @@ pub fn forget(store: &Store, pipeline: &str) -> Result<(), FileError> {
             fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
         }
     }
-    // Only if nothing is left in it.
+    // Only if it is empty.
     let _ = fs::remove_dir(&folder);
     Ok(())
 }
 
-/// Removes what killed writers left; only while no pipeline runs.
+/// Removes temporary files of killed writers; only while no pipeline runs.
 ///
 /// # Errors
 /// If a folder cannot be listed.
@@ -218,7 +228,7 @@ pub(super) fn clean_up(store: &Store) -> Result<(), FileError> {
         .try_for_each(|folder| sweep(folder, Duration::ZERO))
 }
 
-/// Keeps other processes from writing links in a folder; `None` where folders cannot be locked.
+/// Prevents other processes from writing links in a folder; `None` where folders cannot be locked.
 fn lock(folder: &Path) -> Option<File> {
     let file = File::open(folder).ok()?;
     file.lock().ok()?;
@@ -255,8 +265,8 @@ fn write(folder: &Path, manifest: &Manifest) -> Result<(), FileError> {
     write_file(&folder.join(MANIFEST), seal::seal(&json).as_bytes())
 }
 
-/// Makes `path` lead to `target`, atomically: the name always leads to the old or the new one.
-/// What stands there and is not a link is set aside.
+/// Makes `path` a link to `target`, atomically: the name always leads to the old or the new target.
+/// A file or folder at `path` that is not a link is set aside.
 #[cfg(unix)]
 fn link(target: &Path, path: &Path) -> Result<Option<PathBuf>, FileError> {
     if fs::read_link(path).is_ok_and(|old| old == target) {
@@ -282,7 +292,7 @@ fn link(target: &Path, path: &Path) -> Result<Option<PathBuf>, FileError> {
     Ok(moved)
 }
 
-/// Where links need a privilege, a text file names the folder.
+/// Where links need a privilege, a text file contains the path of the folder.
 #[cfg(not(unix))]
 fn link(target: &Path, path: &Path) -> Result<Option<PathBuf>, FileError> {
     let text = target.display().to_string();

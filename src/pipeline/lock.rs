@@ -1,4 +1,4 @@
-//! Locks: one process makes a result, and none removes results while a pipeline runs.
+//! Locks: only one process makes a result, and no process removes results while a pipeline runs.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Seek as _, Write as _};
@@ -10,10 +10,10 @@ use crate::file::{self, FileError};
 
 pub(super) const LOCK: &str = "lock";
 
-/// How often a waiting process looks again.
+/// Time between two attempts of a waiting process.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Most bytes of a lock that are shown.
+/// Largest number of bytes of a lock that are shown.
 const LONGEST: u64 = 1 << 10;
 
 /// Held while a result is being made; released when the process ends, however it ends.
@@ -34,8 +34,8 @@ impl Drop for Lock {
 
 impl Store {
     /// Takes the lock of the folder of a key, making the folder if needed. While another process
-    /// has it, `wait` is called with that process's name, again and again; it returns false to
-    /// give up (`None`).
+    /// holds it, `wait` is called repeatedly with that process's name; it returns false to give up
+    /// (`None`).
     ///
     /// # Errors
     /// If the folder or its lock cannot be used, or one of them is a symbolic link.
@@ -49,7 +49,8 @@ impl Store {
             self.create(folder)?;
             let (mut file, writable) = open(&path)?;
             match file.try_lock() {
-                // A process that removed the folder meanwhile took the name of the lock with it.
+                // A process that removed the folder meanwhile has also removed the file of the
+                // lock.
                 Ok(()) if same_file(&file, &path) => {
                     if writable {
                         sign(&mut file);
@@ -72,9 +73,8 @@ impl Store {
         }
     }
 
-    /// Keeps [`Store::lock_all`] out while a pipeline runs; makes the store if needed. `None`
-    /// where `wait` gives up, and in a store that nothing can be written to: then nothing can be
-    /// removed, either.
+    /// Excludes [`Store::lock_all`] while a pipeline runs; makes the store if needed. `None` if
+    /// `wait` gives up, and in a read-only store, from which nothing can be removed.
     ///
     /// # Errors
     /// If the store cannot be made or its lock not be opened.
@@ -103,7 +103,7 @@ impl Store {
         }
     }
 
-    /// Has the store for itself, or `None` if some pipeline runs.
+    /// Locks the store exclusively; `None` if a pipeline runs.
     ///
     /// # Errors
     /// If the lock of the store cannot be opened.
@@ -120,10 +120,10 @@ impl Store {
         }
     }
 
-    /// The process that works in the folder of a key, if there is one; nothing is written.
+    /// The process that holds the lock of the folder of a key, if any; writes nothing.
     ///
     /// # Errors
-    /// If the lock exists and cannot be opened: then nothing is known.
+    /// If the lock exists and cannot be opened.
     pub fn is_locked(&self, folder: &Path) -> Result<Option<String>, FileError> {
         let path = folder.join(LOCK);
         let file = match file::open_no_link(&path) {
@@ -138,8 +138,8 @@ impl Store {
     }
 }
 
-/// Opens a lock, making it if needed, and says whether it can be written. That of another user may
-/// only be readable, which is enough to hold it.
+/// Opens a lock, making it if needed, and returns whether it is writable. A lock of another user
+/// may only be readable, which is enough to hold it.
 fn open(path: &Path) -> Result<(File, bool), FileError> {
     file::refuse_link(path)?;
     let mut options = OpenOptions::new();
@@ -171,7 +171,7 @@ fn open(path: &Path) -> Result<(File, bool), FileError> {
     }
 }
 
-/// Writes into a lock which process has it. A full disk is no reason to stop here.
+/// Writes the name of this process into a lock. Errors, as of a full disk, are ignored.
 fn sign(file: &mut File) {
     let host = super::machine::host();
     let text = format!(

@@ -1,28 +1,28 @@
-//! Order and freshness: which stage runs, why, and where its result is kept.
+//! The pipeline: which stage runs, why, and where its result is stored.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`key`] | the name of a result before it exists: SHA-256 over all that it depends on |
-//! | [`stamp`] | what is written beside a result, for people and for the next run |
-//! | `seal`, `name` | a JSON file that shows damage; names that stay inside the store |
-//! | [`store`] | the folders of results, and a quick look at one |
-//! | [`content`] | what a file holds; setting damaged files aside |
+//! | [`stamp`] | the record beside a result, for users and for the next run |
+//! | `seal`, `name` | detection of damage in JSON files; names that stay inside the store |
+//! | [`store`] | the folders of results, and a quick check of one |
+//! | [`content`] | digests of files; setting damaged files aside |
 //! | [`lock`] | one process makes a result; none is removed while a pipeline runs |
-//! | [`decide`] | fresh or stale, and the reasons; the same function serves `plan` and `run` |
-//! | [`run`], `report` | the walk over the jobs, and what became of them |
-//! | [`context`] | what a running stage sees |
+//! | [`decide`] | fresh or stale, and the reasons; the same function for `plan` and `run` |
+//! | [`run`], `report` | the loop over the jobs, and their results |
+//! | [`context`] | the environment of a running stage |
 //! | `publish` | from files in the work folder to a stamped result |
 //! | [`latest`] | the newest results by name, which are also the roots of [`sweep`] |
-//! | [`sweep`], [`verify`] | removal of what nobody reaches; hashing everything again |
-//! | [`machine`] | where and how fast |
-//! | [`progress`] | how far a job is, for other processes |
+//! | [`sweep`], [`verify`] | removal of unreachable results; hashing of all results |
+//! | [`machine`] | the machine, and the time of a run |
+//! | [`progress`] | the progress of a job, for other processes |
 //!
-//! Nothing here knows a stage or any physics. Settings are names, values to show and canonical
-//! bytes; results are files with a digest of their content.
+//! This module is independent of the stages and of physics. Settings are names, values to show and
+//! canonical bytes; results are files with a digest of their content.
 //!
-//! A result lives in `artifacts/<stage>/<key>/`: its files and `stamp.json`, which is written last,
-//! so a folder without a stamp is unfinished. `work/` in there belongs to the run in progress and
-//! outlives kills; `lock` is held while it runs.
+//! A result is in `artifacts/<stage>/<key>/`: its files and `stamp.json`, which is written last, so
+//! a folder without a stamp is unfinished. Its `work/` belongs to the run in progress and survives
+//! kills; `lock` is held while it runs.
 
 pub mod content;
 pub mod context;
@@ -54,12 +54,11 @@ pub use store::Store;
 /// One setting that a stage reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// As the user writes it: `pack.spacing`, `body.drop.velocity`. Is in no key.
+    /// As the user writes it: `pack.spacing`, `body.drop.velocity`. Not in the key.
     pub name: String,
-    /// For people: `0.25 mm`.
+    /// The value as shown: `0.25 mm`.
     pub shown: String,
-    /// For the key: what the setting is and its value. Equal settings have equal bytes, and no
-    /// others.
+    /// For the key: identity and value of the setting. Only equal settings have equal bytes.
     pub canonical: Vec<u8>,
 }
 
@@ -68,7 +67,7 @@ pub struct Setting {
 pub struct Output {
     /// Name in the folder of the key; may have subfolders, with `/`.
     pub file: String,
-    /// Whether the content is part of the result's digest. A page that shows how long a run took is
+    /// Whether the content is part of the result's digest. A page that shows the time of a run is
     /// kept and verified, but differs from run to run.
     pub counted: bool,
 }
@@ -96,9 +95,9 @@ impl Output {
 pub struct Identity {
     /// Name of the stage, of its table in the pipeline file and of its folder.
     pub name: &'static str,
-    /// What it is applied to (the name of a body), or empty. Is in no key.
+    /// What it is applied to (the name of a body), or empty. Not in the key.
     pub part: String,
-    /// Grows when the same settings give another result.
+    /// Is increased when the same settings give another result.
     pub version: u32,
     /// The settings that this stage reads, no others, in a fixed order.
     pub settings: Vec<Setting>,
@@ -106,20 +105,25 @@ pub struct Identity {
 
 /// One job of a pipeline: a stage, applied to one thing.
 pub trait Stage: Sync {
+    /// What the job is and which settings it reads.
     fn identity(&self) -> &Identity;
 
+    /// Name of the stage.
     fn name(&self) -> &str {
         self.identity().name
     }
 
+    /// What the stage is applied to, or empty.
     fn part(&self) -> &str {
         &self.identity().part
     }
 
+    /// Version of the stage's numerics.
     fn version(&self) -> u32 {
         self.identity().version
     }
 
+    /// The settings that the stage reads.
     fn settings(&self) -> Vec<Setting> {
         self.identity().settings.clone()
     }
@@ -129,42 +133,45 @@ pub trait Stage: Sync {
         Vec::new()
     }
 
-    /// Name of the one setting (an end time) whose change lets a finished result serve as a
-    /// beginning: see [`Context::relatives`].
+    /// Name of the one setting (an end time) that may differ in a finished result from which this
+    /// one can start: see [`Context::relatives`].
     fn extends(&self) -> Option<&str> {
         None
     }
 
-    /// How much there is to do, for [`plan`].
+    /// Estimate of the work, for [`plan`].
     fn work(&self) -> Option<Work> {
         None
     }
 
-    /// What a user should know when the setting `name` makes this stage stale.
+    /// Remark for the user when the setting `name` makes this stage stale.
     fn remark(&self, _name: &str) -> Option<&str> {
         None
     }
 
     /// Makes the result's files in [`Context::output`].
+    ///
+    /// # Errors
+    /// See [`StageError`].
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError>;
 }
 
-/// What a job will take, as far as it can be told before it starts.
+/// Estimated cost of a job before it starts.
 #[derive(Clone, Copy, Debug)]
 pub struct Work {
-    /// CPU seconds, on a machine that the stage knows.
+    /// CPU seconds, on the reference machine of the stage.
     pub amount: f64,
-    /// CPU seconds of this machine for one of those; asked where no earlier result tells.
+    /// CPU seconds of this machine for one of those; called if there is no earlier result.
     pub slower: fn() -> f64,
     /// Threads that share them.
     pub threads: usize,
-    /// Bytes at most.
+    /// Peak memory, bytes.
     pub memory: f64,
-    /// Bytes of files that stay.
+    /// Size of the files that stay, bytes.
     pub disk: f64,
 }
 
-/// Name of a job for people: `relax drop`, `impact`.
+/// Name of a job in messages: `relax drop`, `impact`.
 pub fn label(stage: &dyn Stage) -> String {
     stamp::label(stage.name(), stage.part())
 }
@@ -173,41 +180,54 @@ pub fn label(stage: &dyn Stage) -> String {
 pub struct Pipeline<'a> {
     /// Name under `artifacts/latest/`.
     pub name: String,
+    /// Jobs; inputs come before their readers.
     pub jobs: Vec<Box<dyn Stage + 'a>>,
 }
 
-/// What happens while a pipeline runs, for whoever watches.
+/// Events of a running pipeline, for a watcher.
 #[derive(Clone, Debug)]
 pub enum Event<'a> {
     /// Another process makes this result.
     Waiting {
+        /// Label of the job, or `run`.
         job: &'a str,
+        /// The process that makes the result.
         holder: &'a str,
     },
-    /// A job starts; `decision` says why.
+    /// A job starts; `decision` contains the reasons.
     Started {
+        /// What is done and the reasons.
         decision: &'a Decision,
     },
+    /// A job advances.
     Progress {
+        /// Label of the job.
         job: &'a str,
+        /// How far it is.
         progress: Progress,
     },
-    /// Something that the user should know, but that stops nothing.
+    /// Something that the user should know; the run continues.
     Warning {
+        /// Label of the job.
         job: &'a str,
+        /// The message.
         text: &'a str,
     },
-    /// What a job that failed has computed so far stays in a folder.
+    /// The checkpoints and frames of a failed job stay in a folder.
     Kept {
+        /// Label of the job.
         job: &'a str,
+        /// The folder.
         folder: &'a std::path::Path,
     },
+    /// A job has ended well.
     Ended {
+        /// The result.
         report: &'a Report,
     },
 }
 
-/// How far a job is.
+/// Progress of a job.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
     /// Part of the work done, 0 to 1.
@@ -216,16 +236,17 @@ pub struct Progress {
     pub speed: f64,
     /// Unit of `speed`, as `particle-steps/s`.
     pub unit: &'static str,
-    /// Where it is: `t = 3.1 ms of 40 ms`.
+    /// Its state: `t = 3.1 ms of 40 ms`.
     pub text: String,
 }
 
 /// Receives [`Event`]s.
 pub trait Watch: Sync {
+    /// Called at each event.
     fn event(&self, event: &Event);
 }
 
-/// Watches nothing.
+/// Ignores all events.
 pub struct Silent;
 
 impl Watch for Silent {

@@ -1,4 +1,4 @@
-//! Names that come from files and arguments and become parts of paths.
+//! Names from files and arguments that become parts of paths.
 
 use std::path::{Component, Path};
 

@@ -1,4 +1,4 @@
-//! From files in the work folder to a stamped result.
+//! Publishes the files of a work folder as a stamped result.
 //!
 //! Files are made durable and renamed into place first, the stamp last: a kill in between leaves an
 //! unfinished folder, never a wrong one.
@@ -18,7 +18,7 @@ use crate::record::Digest;
 use crate::record::atomic::{FileError, create_folder, sync_folder_of};
 use crate::record::checkpoint::FORMAT_VERSION;
 
-/// What a stage has made, with all that the stamp tells.
+/// The output of a stage, with the data of the stamp.
 pub struct Made<'a> {
     /// Name and version of the program, and how many threads it had.
     pub program: &'a str,
@@ -52,7 +52,7 @@ pub fn publish(made: Made) -> Result<Stamp, PipelineError> {
     }
     move_outputs(&out, made.folder, &stamp)?;
     let work = made.folder.join(WORK);
-    // The result is complete; what remains of the work is only in the way.
+    // The result is complete; the rest of the work is not needed.
     let _ = fs::remove_dir_all(&work);
     Ok(stamp)
 }
@@ -118,13 +118,13 @@ fn stamp_of(made: &Made, outputs: Vec<OutputStamp>) -> Stamp {
     }
 }
 
-/// Seconds to a thousandth: more digits only hide the first ones.
+/// Seconds, rounded to a thousandth.
 fn milliseconds(seconds: f64) -> f64 {
     (seconds * 1e3).round() / 1e3
 }
 
-/// Digest of an earlier result of the same key that differs, from the stamp in place or from one
-/// that was set aside. Stamps that contradict themselves do not count.
+/// Digest of an earlier result of the same key that differs, from the present stamp or from one
+/// that was set aside. Inconsistent stamps do not count.
 fn contradicted(folder: &Path, new: &Stamp) -> Result<Option<Digest>, FileError> {
     for entry in entries(folder)? {
         let name = entry.file_name();

@@ -1,21 +1,23 @@
-//! What became of a run and of its jobs.
+//! The results of a run and of its jobs.
 
 use std::path::PathBuf;
 
 use super::stamp::Stamp;
 use crate::file::FileError;
 
-/// How a job ended well.
+/// How a job succeeded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Nothing had to be done.
     Fresh,
+    /// Ran from the beginning.
     Ran,
     /// Ran, but not from the beginning.
     Resumed,
 }
 
 impl Status {
+    /// `fresh`, `ran` or `resumed`.
     pub fn word(self) -> &'static str {
         match self {
             Status::Fresh => "fresh",
@@ -25,31 +27,35 @@ impl Status {
     }
 }
 
-/// A job that ended well.
+/// A job that succeeded.
 #[derive(Clone, Debug)]
 pub struct Report {
+    /// Name of the stage.
     pub stage: String,
     /// What the stage was applied to, or empty.
     pub body: String,
+    /// How it ended.
     pub status: Status,
     /// Why it ran.
     pub reasons: Vec<String>,
     /// Where the result is.
     pub folder: PathBuf,
+    /// Stamp of the result.
     pub stamp: Stamp,
-    /// Wall and CPU time of this call, s.
+    /// Wall time of this call, s.
     pub seconds: f64,
+    /// CPU time of this call, s.
     pub cpu_seconds: f64,
 }
 
 impl Report {
-    /// For people: `relax drop`.
+    /// Name of the job in messages: `relax drop`.
     pub fn label(&self) -> String {
         super::stamp::label(&self.stage, &self.body)
     }
 }
 
-/// A run whose jobs all ended well.
+/// A run whose jobs all succeeded.
 #[derive(Debug)]
 pub struct Ended {
     /// In the order of the jobs.

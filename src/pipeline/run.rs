@@ -1,4 +1,4 @@
-//! The walk over the jobs: each is found fresh, or made under its lock and published.
+//! The loop over the jobs: each is fresh, or is made under its lock and published.
 
 use std::collections::HashSet;
 use std::fs;
@@ -17,14 +17,17 @@ use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, la
 use crate::file::FileError;
 use crate::record::Digest;
 
-/// A run to be.
+/// A run of a pipeline.
 pub struct Run<'a> {
+    /// Where results are kept.
     pub store: &'a Store,
+    /// The jobs to run.
     pub pipeline: &'a Pipeline<'a>,
     /// Name of the last stage to run; all if `None`.
     pub until: Option<&'a str>,
-    /// Set by whoever wants the run to stop at the next restartable instant.
+    /// Set to stop the run at the next restartable instant.
     pub stop: &'a AtomicBool,
+    /// Receives the events.
     pub watch: &'a dyn Watch,
     /// For the stamps.
     pub threads: usize,
@@ -62,11 +65,11 @@ pub fn run(run: &Run) -> Result<Ended, PipelineError> {
     Ok(Ended { reports, unnamed })
 }
 
-/// Points the names of the pipeline at its results.
+/// Points the names of the pipeline to its results.
 fn name_results(run: &Run, reports: &[Report], whole: bool) -> Result<(), FileError> {
     for path in latest::finish(run.store, &run.pipeline.name, reports, whole)? {
         let path = path.display();
-        let text = format!("a copy stood in the place of a link; it is kept as {path}");
+        let text = format!("a copy was in place of a link; it is kept as {path}");
         run.watch.event(&Event::Warning {
             job: "latest",
             text: &text,
@@ -96,14 +99,14 @@ fn last_job(run: &Run) -> Result<usize, PipelineError> {
 struct Walk<'a> {
     run: &'a Run<'a>,
     done: Vec<Option<Report>>,
-    /// Input files that were set aside and made anew.
+    /// Input files that were set aside and regenerated.
     repaired: HashSet<PathBuf>,
 }
 
-/// What came of one attempt at a job.
+/// Result of one attempt at a job.
 enum Attempt {
     Done(Box<Report>),
-    /// Input `job` cannot be trusted.
+    /// Input `job` is damaged.
     Repair {
         job: usize,
         file: PathBuf,
@@ -112,7 +115,7 @@ enum Attempt {
 }
 
 impl Walk<'_> {
-    /// Makes job `job` up to date, repairing its inputs if they turn out damaged.
+    /// Brings job `job` up to date; repairs its inputs if they are damaged.
     fn ensure(&mut self, job: usize) -> Result<(), PipelineError> {
         loop {
             match self.attempt(job)? {
@@ -166,7 +169,7 @@ impl Walk<'_> {
         let Some(_lock) = lock else {
             return Err(interrupted());
         };
-        // Whoever had the lock before may have made it.
+        // The previous holder of the lock may have made it.
         let decision = decide()?;
         if decision.fresh.is_some() {
             return Ok(Attempt::Done(
@@ -238,7 +241,7 @@ impl Walk<'_> {
         })))
     }
 
-    /// The surroundings of the stage that `decision` is about.
+    /// The environment of the stage of `decision`.
     fn context(
         &self,
         decision: &Decision,
@@ -283,7 +286,7 @@ impl Walk<'_> {
         inputs.into_iter().map(input).collect()
     }
 
-    /// Sets a damaged file of job `producer` aside and makes it anew.
+    /// Sets a damaged file of job `producer` aside and regenerates it.
     fn repair(
         &mut self,
         reader: usize,

@@ -1,5 +1,5 @@
 //! The seal of a JSON file: its last member is the SHA-256 of the text with the digits of the seal
-//! set to zero, so that any damage is noticed.
+//! set to zero, so that any damage is detected.
 
 use crate::record::Digest;
 
@@ -16,7 +16,7 @@ pub fn seal(json: &str) -> String {
     format!("{body},\n{SEAL}{seal}{END}")
 }
 
-/// Fails if the text is not as it was sealed.
+/// Fails if the text was changed after sealing.
 pub fn check(text: &str) -> Result<(), &'static str> {
     let start = text.rfind(SEAL).ok_or("it has no seal")? + SEAL.len();
     let seal = text.get(start..start + 64).ok_or("its seal is cut off")?;

@@ -1,7 +1,7 @@
-//! `stamp.json`: what a result is, what it was made from, where and how fast.
+//! `stamp.json`: identity, inputs, machine and time of a result.
 //!
-//! For people to read and for the next run to trust. Its last member, `seal`, is the SHA-256 of the
-//! text with the seal's digits set to zero, so that a damaged stamp is noticed.
+//! Users and the next run read it. Its last member, `seal`, is the SHA-256 of the text with the
+//! seal's digits set to zero, so that a damaged stamp is detected.
 
 use std::path::Path;
 
@@ -20,13 +20,15 @@ pub const FILE: &str = "stamp.json";
 /// Version of the stamp's layout.
 const LAYOUT: u32 = 1;
 
-/// No stamp is longer, bytes.
+/// Largest size of a stamp, bytes.
 const LONGEST: u64 = 16 << 20;
 
-/// A setting as the stamp keeps it.
+/// A setting in a stamp.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SettingStamp {
+    /// Dotted name, as in the scene file.
     pub name: String,
+    /// The value with its unit.
     pub value: String,
     /// Canonical bytes, hexadecimal.
     pub canonical: String,
@@ -43,62 +45,78 @@ impl From<&Setting> for SettingStamp {
     }
 }
 
-/// An input: which job made it, and what it contains.
+/// An input: the job that made it, and its content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputStamp {
+    /// Name of the stage.
     pub stage: String,
+    /// What the stage was applied to, or empty.
     pub body: String,
+    /// Key of the input.
     pub key: Digest,
+    /// Digest of its content.
     pub digest: Digest,
 }
 
 /// One file of the result.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OutputStamp {
+    /// Name in the folder of the result.
     pub file: String,
+    /// Size of the file.
     pub bytes: u64,
     /// Of the content: see [`super::content::content`].
     pub digest: Digest,
-    /// SHA-256 of all bytes of the file, where `digest` does not count them all; early stamps
-    /// lack it.
+    /// SHA-256 of all bytes of the file, where `digest` does not include them all; missing in early
+    /// stamps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<Digest>,
-    /// Whether the result's digest counts it.
+    /// Whether the result's digest includes it.
     pub counted: bool,
 }
 
-/// All that is known about a result.
+/// The record of a result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stamp {
     /// Version of this layout.
     pub stamp: u32,
+    /// Name of the stage.
     pub stage: String,
+    /// What it was applied to, or empty.
     pub body: String,
+    /// Version of the stage.
     pub version: u32,
     /// Version of the checkpoint format.
     pub format: u32,
+    /// Key of the result.
     pub key: Digest,
     /// Key without the setting that may grow, if the stage has one.
     pub family: Option<Digest>,
+    /// The settings that the stage read.
     pub settings: Vec<SettingStamp>,
+    /// The results that the stage read.
     pub inputs: Vec<InputStamp>,
     /// Of all counted outputs.
     pub digest: Digest,
+    /// Files of the result.
     pub outputs: Vec<OutputStamp>,
-    /// What the stage found worth saying.
+    /// Notes of the stage.
     pub notes: Vec<String>,
     /// Name and version of the program.
     pub program: String,
+    /// Where it was made.
     pub machine: super::machine::Machine,
+    /// Number of threads.
     pub threads: usize,
     /// UTC, when the first attempt at this result started.
     pub started: String,
-    /// How often it was stopped or killed on the way.
+    /// Number of interruptions of the job.
     pub resumptions: u32,
-    /// Over all attempts, as far as they were recorded.
+    /// Wall time over all attempts, as far as they were recorded, s.
     pub wall_seconds: f64,
+    /// CPU time over all attempts, s.
     pub cpu_seconds: f64,
-    /// The most memory that the process had held when it ended the stage, bytes.
+    /// Peak memory of the process at the end of the stage, bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory_bytes: Option<u64>,
     /// Size of the work in the stage's unit, for estimates.
@@ -108,10 +126,17 @@ pub struct Stamp {
 /// A stamp that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum StampError {
+    /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{path} is no valid stamp: {what}")]
-    Invalid { path: String, what: String },
+    /// The content is not a stamp of this layout.
+    #[error("{path} is not a valid stamp: {what}")]
+    Invalid {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        what: String,
+    },
 }
 
 impl Stamp {
@@ -121,6 +146,9 @@ impl Stamp {
     }
 
     /// Reads and checks `folder/stamp.json`; `None` if there is none.
+    ///
+    /// # Errors
+    /// See [`StampError`].
     pub fn read(folder: &Path) -> Result<Option<Stamp>, StampError> {
         match read_file(&folder.join(FILE)) {
             Err(StampError::File(error)) if error.is_not_found() => Ok(None),
@@ -129,6 +157,9 @@ impl Stamp {
     }
 
     /// Writes `folder/stamp.json`, atomically.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), FileError> {
         write_file(&folder.join(FILE), self.text().as_bytes())
     }
@@ -137,13 +168,13 @@ impl Stamp {
         seal::seal(&serde_json::to_string_pretty(self).expect("a stamp is plain data"))
     }
 
-    /// For people: `relax drop`.
+    /// Name of the job in messages: `relax drop`.
     pub fn label(&self) -> String {
         label(&self.stage, &self.body)
     }
 }
 
-/// For people: `relax drop`, `impact`.
+/// Name of a job in messages: `relax drop`, `impact`.
 pub fn label(stage: &str, part: &str) -> String {
     if part.is_empty() {
         stage.to_string()
@@ -165,7 +196,7 @@ pub(super) fn digest_of(outputs: &[OutputStamp]) -> Digest {
     hasher.finish()
 }
 
-/// Reads and checks a stamp under any name. It names nothing outside its own folder and store.
+/// Reads and checks a stamp under any name. Rejects names that lead out of its folder or the store.
 ///
 /// # Errors
 /// If the file cannot be read, or is not a stamp that this program can use.

@@ -1,7 +1,7 @@
 //! The folders of results: `artifacts/<stage>/<key>/`.
 //!
-//! Nothing here follows a symbolic link: a folder of a stage, of a key or of work in progress that
-//! is one could lead out of the store.
+//! Symbolic links are never followed: a link in place of the folder of a stage, of a key or of work
+//! in progress could lead out of the store.
 
 use std::fs;
 use std::io;
@@ -17,15 +17,15 @@ use crate::record::{Digest, checkpoint};
 
 /// Folder of the run in progress, in the folder of a key.
 pub const WORK: &str = "work";
-/// Folder of finished files that are not published yet, in [`WORK`].
+/// Folder of finished files that are not yet published, in [`WORK`].
 pub const OUT: &str = "out";
 
 /// Name of the folder of newest results.
 pub const LATEST: &str = "latest";
 
-/// File that marks a folder as a store: only in such a folder are results ever removed.
+/// File that marks a folder as a store: results are removed only from such a folder.
 pub const MARK: &str = "store.json";
-/// All that it holds.
+/// Its content.
 const MARK_TEXT: &str = "{\n  \"coronet_store\": 1\n}\n";
 
 /// A folder of results.
@@ -34,13 +34,14 @@ pub struct Store {
     root: PathBuf,
 }
 
-/// What a quick look at the folder of a key finds: the stamp, and the sizes of the files.
+/// Result of a quick check of the folder of a key: stamp and sizes of the files.
 #[derive(Debug)]
 pub enum Found {
-    /// Finished and, as far as sizes tell, whole.
+    /// Finished, with files of the right size.
     Finished(Box<Stamp>),
+    /// There is no finished result.
     Nothing,
-    /// Not usable; why.
+    /// Not usable, with the reason.
     Unusable(String),
 }
 
@@ -50,6 +51,7 @@ impl Store {
         Store { root: root.into() }
     }
 
+    /// Folder of the store.
     pub fn root(&self) -> &Path {
         &self.root
     }
@@ -82,7 +84,7 @@ impl Store {
     /// Whether the folder is marked as a store.
     ///
     /// # Errors
-    /// If the mark is there and cannot be read.
+    /// If the mark exists and cannot be read.
     pub fn is_marked(&self) -> Result<bool, FileError> {
         match file::read_no_link(&self.root.join(MARK), MARK_TEXT.len() as u64 * 2) {
             Ok(bytes) => Ok(bytes == MARK_TEXT.as_bytes()),
@@ -103,12 +105,12 @@ impl Store {
     /// Fails if any part of `path` below the root is a symbolic link.
     ///
     /// # Errors
-    /// If it is, or if that cannot be found out.
+    /// If it is one, or cannot be examined.
     pub fn refuse_links(&self, path: &Path) -> Result<(), FileError> {
         refuse_links_below(&self.root, path)
     }
 
-    /// Folders of all keys of `stage`, in the order of their names; links are passed over.
+    /// Folders of all keys of `stage`, in the order of their names, without links.
     ///
     /// # Errors
     /// If a folder cannot be listed.
@@ -136,7 +138,7 @@ impl Store {
     }
 
     /// Valid stamps of `stage`, with their folders. Damaged ones, and those that the user may not
-    /// read, are passed over: their own key reports them.
+    /// read, are skipped: [`Store::find`] of their key reports them.
     ///
     /// # Errors
     /// If a folder or a stamp cannot be read for another reason.
@@ -155,10 +157,10 @@ impl Store {
         Ok(stamps)
     }
 
-    /// A quick look at the folder of a key: stamp and sizes, no content.
+    /// A quick check of the folder of a key: stamp and sizes, not content.
     ///
     /// # Errors
-    /// If something is there and cannot be read, or a link is in the way.
+    /// If the stamp or a file cannot be examined, or is a link.
     pub fn find(&self, stage: &str, key: &Digest) -> Result<Found, FileError> {
         let folder = self.folder(stage, key);
         self.refuse_links(&folder)?;
@@ -190,7 +192,7 @@ impl Store {
 /// Fails if any part of `path` below `root` is a symbolic link.
 ///
 /// # Errors
-/// If it is, or if that cannot be found out.
+/// If it is one, or cannot be examined.
 pub fn refuse_links_below(root: &Path, path: &Path) -> Result<(), FileError> {
     let inside = path.strip_prefix(root).unwrap_or(path);
     let mut part = root.to_path_buf();
@@ -201,7 +203,7 @@ pub fn refuse_links_below(root: &Path, path: &Path) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Whether nothing can be written there, rather than that a write failed.
+/// Whether the folder is read-only, in contrast to a failed write.
 fn is_read_only(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -226,6 +228,9 @@ pub(super) fn folders_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
 }
 
 /// The entries of a folder; none if it does not exist.
+///
+/// # Errors
+/// If the folder cannot be listed.
 pub fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>, FileError> {
     let list = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -235,7 +240,7 @@ pub fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>, FileError> {
         .map_err(FileError::new(folder, "list"))
 }
 
-/// Compares the length of a file, and what the header of a checkpoint says, with the stamp.
+/// Compares the length of a file, and the header of a checkpoint, with the stamp.
 fn quick_check(folder: &Path, output: &OutputStamp) -> Result<(), ContentError> {
     let path = folder.join(&output.file);
     refuse_links_below(folder, &path)?;
@@ -269,7 +274,7 @@ fn quick_check(folder: &Path, output: &OutputStamp) -> Result<(), ContentError> 
     Ok(())
 }
 
-/// A folder without a stamp: was something set aside?
+/// A folder without a stamp: finds a file that was set aside.
 fn set_aside_before(folder: &Path) -> Result<Found, FileError> {
     let names = entries(folder)?;
     let names = names
@@ -287,7 +292,7 @@ fn set_aside_before(folder: &Path) -> Result<Found, FileError> {
     })
 }
 
-/// Removes what killed writers left; only under the lock, so that no living writer is disturbed.
+/// Removes temporary files of killed writers; only under the lock, so that no writer is active.
 ///
 /// # Errors
 /// If a folder cannot be listed.

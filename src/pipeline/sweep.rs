@@ -1,4 +1,4 @@
-//! Removal of results that are known to be garbage. What is not known is kept, with the reason.
+//! Removal of results that are certainly unused. All others are kept, with the reason.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,48 +14,48 @@ use super::store::{Found, LATEST, MARK, Store, WORK, clean_up, entries};
 use super::{Decision, PipelineError};
 use crate::file::FileError;
 
-/// What may be removed.
+/// Options of a clean-up.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Finished results older than this that no name reaches; without it, all finished results
     /// stay.
     pub older_than: Option<Duration>,
-    /// Stopped runs with checkpoints, if they are that old, too.
+    /// Also remove stopped runs with checkpoints of that age.
     pub unfinished: bool,
-    /// Names to be forgotten, with the results that they alone reach.
+    /// Names to forget, with the results that only they reach.
     pub forgotten: Vec<String>,
     /// Pipelines whose results stay, besides those that have a name.
     pub planned: Vec<(String, Vec<Decision>)>,
-    /// Even if no name reaches any result.
+    /// Continue even if no name reaches any result.
     pub without_names: bool,
 }
 
-/// What a clean-up removes, and what it keeps.
+/// The folders that a clean-up removes or keeps.
 #[derive(Debug, Default)]
 pub struct Swept {
     /// Folder, label and bytes.
     pub removed: Vec<(PathBuf, String, u64)>,
-    /// Folder, and why it stays.
+    /// Folder, and why it is kept.
     pub kept: Vec<(PathBuf, String)>,
-    /// Folders that stay because they cannot be read.
+    /// Folders that are kept because they cannot be read.
     pub unknown: Vec<FileError>,
 }
 
 /// Results that must stay, with the names of those that reach them.
 type Roots = BTreeMap<PathBuf, Vec<String>>;
 
-/// What is to become of a folder.
+/// Decision about a folder.
 enum Fate {
     Remove(String),
     Keep(String),
-    /// It cannot be read, so it stays.
+    /// It cannot be read, so it is kept.
     Unknown(FileError),
 }
 
 /// What [`sweep`] would remove. Nothing is written.
 ///
 /// # Errors
-/// If the store or a name in it cannot be read: then nothing is known to be garbage.
+/// If the store or a name in it cannot be read: then nothing is certainly unused.
 pub fn plan(store: &Store, options: &Options) -> Result<Swept, PipelineError> {
     check(store)?;
     let roots = roots(store, options)?;
@@ -90,8 +90,8 @@ pub fn plan(store: &Store, options: &Options) -> Result<Swept, PipelineError> {
     Ok(swept)
 }
 
-/// Removes what [`plan`] names, if it is in `approved`, and what killed writers left. Refuses
-/// while a pipeline runs.
+/// Removes the folders of [`plan`] that are in `approved`, and files of killed writers. Fails while
+/// a pipeline runs.
 ///
 /// # Errors
 /// As [`plan`]; if a pipeline runs, or something cannot be removed.
@@ -124,7 +124,7 @@ pub fn sweep(
     Ok(swept)
 }
 
-/// Has the store for itself.
+/// Locks the store exclusively.
 ///
 /// # Errors
 /// [`PipelineError::Busy`] if a pipeline runs.
@@ -153,9 +153,9 @@ fn check(store: &Store) -> Result<(), PipelineError> {
     })
 }
 
-/// All that must stay: what the names in `artifacts/latest/` reach, except those to be forgotten,
-/// what the planned pipelines reach, what unfinished runs read, and finished results that are not
-/// old, with what they were made from.
+/// All that must stay: results of the names in `artifacts/latest/`, except those to forget, results
+/// of the planned pipelines, inputs of unfinished runs, and finished results that are not old, each
+/// with its inputs.
 fn roots(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
     let known = latest::pipelines(store)?;
     let is_unknown = |name: &&String| !known.contains(name);
@@ -202,7 +202,7 @@ fn named(store: &Store, name: &str) -> Result<Vec<PathBuf>, PipelineError> {
     Ok(folders.map(|folder| store.root().join(folder)).collect())
 }
 
-/// What the forgotten names reach.
+/// Folders that the forgotten names reach.
 fn released(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
     let mut released = Roots::new();
     for name in &options.forgotten {
@@ -213,7 +213,7 @@ fn released(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
     Ok(released)
 }
 
-/// Adds a folder and what it was made from.
+/// Adds a folder and its inputs.
 fn add(store: &Store, roots: &mut Roots, name: &str, folder: PathBuf) {
     let holders = roots.entry(folder.clone()).or_default();
     if holders.iter().any(|holder| holder == name) {
@@ -227,14 +227,14 @@ fn add(store: &Store, roots: &mut Roots, name: &str, folder: PathBuf) {
     }
 }
 
-/// Inputs of a run that has not finished, as its work folder says.
+/// Inputs of an unfinished run, from its work folder.
 fn read_by_unfinished(folder: &Path) -> Vec<InputStamp> {
     let spent = Spent::read(&folder.join(WORK));
     spent.map_or(Vec::new(), |spent| spent.inputs)
 }
 
-/// Whether the newest of the stamp and the checkpoints is younger than `age`; what cannot be told
-/// counts as young.
+/// Whether the newest of the stamp and the checkpoints is younger than `age`; an unknown age counts
+/// as young.
 fn is_young(folder: &Path, age: Duration) -> bool {
     let mut paths = vec![folder.join(stamp::FILE)];
     let work = entries(&folder.join(WORK)).unwrap_or_default();
@@ -243,7 +243,7 @@ fn is_young(folder: &Path, age: Duration) -> bool {
         .iter()
         .filter_map(|path| path.symlink_metadata().ok()?.modified().ok());
     let newest = modified.max().unwrap_or(SystemTime::UNIX_EPOCH);
-    // A clock that was set back makes files of the future.
+    // After a clock was set back, files may have times in the future.
     newest.elapsed().is_ok_and(|elapsed| elapsed < age) || newest > SystemTime::now()
 }
 
@@ -282,7 +282,7 @@ impl Judge<'_> {
         if self.options.older_than.is_some() || self.released.contains_key(folder) {
             return Fate::Remove(label);
         }
-        Fate::Keep("finished; to remove it, say --older-than".to_string())
+        Fate::Keep("finished; to remove it, give --older-than".to_string())
     }
 
     fn unfinished(&self, stage: &str, folder: &Path) -> Fate {
@@ -304,14 +304,14 @@ impl Judge<'_> {
                 let age = self.options.older_than.filter(|_| self.options.unfinished);
                 match age.is_some_and(|age| !is_young(folder, age)) {
                     true => Fate::Remove(format!("{stage}, unfinished")),
-                    false => Fate::Keep("unfinished, with checkpoints to go on from".to_string()),
+                    false => Fate::Keep("unfinished, with usable checkpoints".to_string()),
                 }
             }
         }
     }
 }
 
-/// Removes left-overs from the folder of a result that stays. What cannot be done does no harm.
+/// Removes temporary files from the folder of a result that stays. Errors are ignored.
 fn tidy(store: &Store, folder: &Path) {
     let Ok(Some(stamp)) = Stamp::read(folder) else {
         return;
@@ -325,8 +325,8 @@ fn tidy(store: &Store, folder: &Path) {
     }
 }
 
-/// Removes a folder, unless somebody works there. The stamp goes first, so that a kill on the way
-/// leaves an unfinished folder, not a wrong one.
+/// Removes a folder, unless a process uses it. The stamp is removed first, so that a kill leaves an
+/// unfinished folder, not a wrong one.
 fn remove(store: &Store, folder: &Path) -> Result<bool, FileError> {
     let Some(_lock) = store.lock(folder, &mut |_| false)? else {
         return Ok(false);

@@ -1,5 +1,5 @@
-//! Hashes finished results again, whole, and sets aside what does not hold what its stamp says.
-//! What cannot be read is reported and left alone.
+//! Hashes all files of finished results again, and sets aside files that differ from their stamp.
+//! Files that cannot be read are reported and not changed.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,30 +11,34 @@ use super::stamp::{self, OutputStamp, Stamp, StampError};
 use super::store::{LATEST, MARK, Store, refuse_links_below};
 use crate::file::FileError;
 
-/// What was found in one folder.
+/// Findings in one folder.
 #[derive(Clone, Debug)]
 pub struct Finding {
+    /// The folder of the result.
     pub folder: PathBuf,
-    /// For people: `relax drop`; only the stage, if the stamp cannot be used.
+    /// Name of the job in messages: `relax drop`; only the stage, if the stamp cannot be used.
     pub label: String,
     /// Bytes that were hashed.
     pub bytes: u64,
+    /// What is wrong in it; empty if all is well.
     pub problems: Vec<Problem>,
 }
 
-/// A file that is not as it should be.
+/// A file that is damaged or cannot be read.
 #[derive(Clone, Debug)]
 pub struct Problem {
+    /// The file.
     pub file: PathBuf,
+    /// What is wrong.
     pub what: String,
-    /// It was read and is wrong; otherwise it could not be read, and nothing is known about it.
+    /// It was read and is wrong; otherwise it could not be read.
     pub damaged: bool,
-    /// Where it is kept now; `None` if it is where it was.
+    /// Its new path; `None` if it was not moved.
     pub kept: Option<PathBuf>,
 }
 
-/// Verifies every finished result in the store, its mark and its manifests; `each` sees a finding
-/// as soon as it is made. Unfinished folders are passed over, those in use too.
+/// Verifies every finished result in the store, its mark and its manifests; `each` is called with
+/// each finding. Unfinished folders and those in use are skipped.
 ///
 /// # Errors
 /// If the store cannot be listed.
@@ -127,7 +131,7 @@ fn check(folder: &Path, path: &Path, output: &OutputStamp) -> Result<(), Content
     }
 }
 
-/// Sets a damaged file aside, unless somebody works in the folder.
+/// Sets a damaged file aside, unless a process uses the folder.
 fn problem(store: &Store, folder: &Path, file: &Path, error: ContentError) -> Problem {
     let damaged = matches!(error, ContentError::Damaged(_));
     let kept = match damaged {
@@ -142,7 +146,7 @@ fn problem(store: &Store, folder: &Path, file: &Path, error: ContentError) -> Pr
     }
 }
 
-/// Where a damaged file is kept now. A missing one leaves a stamp that promises too much.
+/// New path of a damaged file. If the file is missing, the stamp is set aside.
 fn aside(store: &Store, folder: &Path, file: &Path) -> Option<PathBuf> {
     let _lock = store.lock(folder, &mut |_| false).ok()??;
     if file.symlink_metadata().is_ok() {

@@ -1,6 +1,6 @@
-//! Files that appear whole or not at all: a temporary name in the same folder, fsync, rename,
-//! fsync of the folder. Whatever goes wrong on the way, the old file stays and nothing is left over
-//! (but a kill leaves the temporary file: see [`is_temporary`]).
+//! Atomic replacement of files: a temporary name in the same folder, fsync, rename, fsync of the
+//! folder. On an error the old file stays and the temporary file is removed (a kill leaves it: see
+//! [`is_temporary`]).
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -11,8 +11,8 @@ pub use crate::file::FileError;
 
 const SUFFIX: &str = ".coronet-tmp";
 
-/// A file being written under a temporary name; dropped without [`commit`](Self::commit), it
-/// vanishes.
+/// A file being written under a temporary name; without [`commit`](Self::commit), dropping removes
+/// it.
 pub struct AtomicFile {
     file: Option<File>,
     temporary: PathBuf,
@@ -22,6 +22,9 @@ pub struct AtomicFile {
 impl AtomicFile {
     /// Starts a new version of `path`, whose folder must exist. The temporary file is created
     /// exclusively, so that a link of that name is never followed.
+    ///
+    /// # Errors
+    /// If the temporary file cannot be created.
     pub fn create(path: &Path) -> Result<Self, FileError> {
         loop {
             let temporary = temporary_name(path);
@@ -37,14 +40,14 @@ impl AtomicFile {
                         path: path.to_path_buf(),
                     });
                 }
-                // Left over by a killed process with our id; the next name is another one.
+                // A killed process with our id left this file; try the next name.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(FileError::new(&temporary, "create")(error)),
             }
         }
     }
 
-    /// The open file, for writers that need it.
+    /// The open file.
     pub fn file(&mut self) -> &mut File {
         self.file.as_mut().expect("open until commit")
     }
@@ -55,6 +58,9 @@ impl AtomicFile {
     }
 
     /// Makes the content durable and gives it its final name.
+    ///
+    /// # Errors
+    /// If the file cannot be written or renamed.
     pub fn commit(mut self) -> Result<(), FileError> {
         let file = self.file.take().expect("open until commit");
         let published = file
@@ -92,6 +98,9 @@ impl Drop for AtomicFile {
 }
 
 /// Replaces `path` by `bytes`, atomically and durably.
+///
+/// # Errors
+/// If the file cannot be written or renamed.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let mut file = AtomicFile::create(path)?;
     file.write_all(bytes)
@@ -120,6 +129,9 @@ pub fn temporary_name(path: &Path) -> PathBuf {
 }
 
 /// Creates a folder with its missing parents and makes their names durable.
+///
+/// # Errors
+/// If a folder cannot be created.
 pub fn create_folder(path: &Path) -> Result<(), FileError> {
     if path.as_os_str().is_empty() || path.is_dir() {
         return Ok(());
@@ -128,7 +140,7 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
         create_folder(parent)?;
     }
     match fs::create_dir(path) {
-        // Another process was faster.
+        // Another process has created it.
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => Ok(()),
         Err(error) => Err(FileError::new(path, "create the folder")(error)),
         Ok(()) => sync_folder_of(path),
@@ -136,6 +148,9 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
 }
 
 /// Makes the names in the folder of `path` durable.
+///
+/// # Errors
+/// If the folder cannot be opened or flushed.
 pub fn sync_folder_of(path: &Path) -> Result<(), FileError> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -146,8 +161,8 @@ pub fn sync_folder_of(path: &Path) -> Result<(), FileError> {
         .map_err(FileError::new(folder, "flush to disk"))
 }
 
-/// Whether `path` is named like a temporary file of [`AtomicFile`]: after a kill such files are
-/// rubbish, unless their process still lives.
+/// Whether `path` has the name of a temporary file of [`AtomicFile`]. Such files may be removed
+/// unless their process still runs.
 pub fn is_temporary(path: &Path) -> bool {
     path.file_name()
         .is_some_and(|name| name.to_string_lossy().ends_with(SUFFIX))

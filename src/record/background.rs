@@ -1,4 +1,4 @@
-//! Checkpoints written while the solver goes on.
+//! Checkpoints that are written while the solver continues.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
@@ -12,18 +12,23 @@ use super::log::{Flush, LogError};
 /// A background write that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum BackgroundError {
+    /// The checkpoint cannot be written.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// The log cannot be flushed before it.
     #[error(transparent)]
     Log(#[from] LogError),
-    #[error("no more checkpoints are written: an earlier error ended that")]
+    /// The writer ended at an earlier error.
+    #[error("the writer of checkpoints has stopped after an earlier error")]
     Closed,
 }
 
 /// A checkpoint that has reached the disk.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Written {
+    /// The file.
     pub path: PathBuf,
+    /// Digest of its content.
     pub digest: Digest,
     /// Simulated time, s.
     pub time: f64,
@@ -35,8 +40,7 @@ struct Order {
     after: Option<Flush>,
 }
 
-/// Writes checkpoints in a thread of its own, one at a time, in order. Errors surface at the next
-/// call.
+/// Writes checkpoints in its own thread, one at a time, in order. The next call returns an error.
 pub struct CheckpointWriter {
     orders: Option<SyncSender<Order>>,
     written: Receiver<Written>,
@@ -46,8 +50,11 @@ pub struct CheckpointWriter {
 
 impl CheckpointWriter {
     /// Writer at zstd level `level`. It compresses on one thread, beside the solver's.
+    ///
+    /// # Errors
+    /// If the thread cannot be started.
     pub fn new(level: i32) -> Result<Self, BackgroundError> {
-        // One writes, one waits; a third makes the solver wait.
+        // One is being written, one is queued; a third makes the solver wait.
         let (orders, queue) = sync_channel::<Order>(1);
         let (done, written) = std::sync::mpsc::channel();
         let thread = std::thread::Builder::new()
@@ -72,7 +79,7 @@ impl CheckpointWriter {
                         digest,
                         time: order.checkpoint.time,
                     };
-                    // Whoever no longer listens needs no answer.
+                    // The receiver may be gone.
                     let _ = done.send(written);
                 }
                 Ok(())
@@ -87,8 +94,11 @@ impl CheckpointWriter {
         })
     }
 
-    /// Has `checkpoint` written to `path`, but not before `after`, the flush of the frames up to
-    /// it, is over. Waits if two are under way already.
+    /// Queues `checkpoint` for writing to `path` once `after`, the flush of the frames before it,
+    /// has ended. Waits if two are queued already.
+    ///
+    /// # Errors
+    /// If an earlier checkpoint failed.
     pub fn submit(
         &mut self,
         checkpoint: Checkpoint,
@@ -109,6 +119,9 @@ impl CheckpointWriter {
     }
 
     /// Checkpoints that have reached the disk since the last call; does not wait.
+    ///
+    /// # Errors
+    /// If a checkpoint failed.
     pub fn written(&mut self) -> Result<Vec<Written>, BackgroundError> {
         let mut all = Vec::new();
         loop {
@@ -123,8 +136,11 @@ impl CheckpointWriter {
         Ok(all)
     }
 
-    /// Waits until all that was submitted is on disk; returns what [`written`](Self::written)
-    /// would.
+    /// Waits until all submitted checkpoints are on disk; returns them as
+    /// [`written`](Self::written) does.
+    ///
+    /// # Errors
+    /// If a checkpoint failed.
     pub fn wait(&mut self) -> Result<Vec<Written>, BackgroundError> {
         let mut all = Vec::new();
         while self.waiting > 0 {
@@ -148,7 +164,7 @@ impl CheckpointWriter {
 }
 
 impl Drop for CheckpointWriter {
-    /// Finishes what was submitted.
+    /// Finishes the submitted checkpoints.
     fn drop(&mut self) {
         self.orders = None;
         if let Some(thread) = self.thread.take() {

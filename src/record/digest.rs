@@ -1,4 +1,4 @@
-//! Names of contents: SHA-256, written `sha256:` and 64 hexadecimal digits.
+//! Digests of contents: SHA-256, written `sha256:` and 64 hexadecimal digits.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,10 +11,11 @@ use sha2::{Digest as _, Sha256};
 #[serde(try_from = "String", into = "String")]
 pub struct Digest(pub [u8; 32]);
 
-/// A text that is no digest.
+/// A text that is not a digest.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{text:?} is no digest; expected `sha256:` and 64 lower-case hexadecimal digits")]
+#[error("{text:?} is not a digest; expected `sha256:` and 64 lower-case hexadecimal digits")]
 pub struct DigestError {
+    /// The text as given.
     pub text: String,
 }
 
@@ -24,7 +25,7 @@ impl Digest {
         Digest(Sha256::digest(bytes).into())
     }
 
-    /// The 64 hexadecimal digits without the prefix, fit for a file name.
+    /// The 64 hexadecimal digits without the prefix, for file names.
     pub fn hex(&self) -> String {
         self.0.iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -85,43 +86,48 @@ impl From<Digest> for String {
     }
 }
 
-/// Hashes a record of fields unambiguously: texts and byte strings carry their length, numbers have
-/// a fixed width, so no two different records feed the same bytes.
+/// Hashes a record of fields unambiguously: texts and byte strings follow their length, numbers
+/// have a fixed width, so different records never give the same bytes.
 pub struct Hasher(Sha256);
 
 impl Hasher {
-    /// `domain` keeps records of different kinds apart.
+    /// `domain` distinguishes records of different kinds.
     pub fn new(domain: &str) -> Self {
         let mut hasher = Hasher(Sha256::new());
         hasher.text(domain);
         hasher
     }
 
+    /// Adds an integer, 8 bytes little-endian.
     pub fn number(&mut self, value: u64) -> &mut Self {
         self.0.update(value.to_le_bytes());
         self
     }
 
-    /// The bits of `value`: every NaN and both zeros are told apart.
+    /// Adds the bits of `value`: different NaNs and both zeros differ.
     pub fn real(&mut self, value: f64) -> &mut Self {
         self.number(value.to_bits())
     }
 
+    /// Adds bytes, after their number.
     pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
         self.number(bytes.len() as u64);
         self.0.update(bytes);
         self
     }
 
+    /// Adds a text as UTF-8, after its number of bytes.
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.bytes(text.as_bytes())
     }
 
+    /// Adds the 32 bytes of a digest.
     pub fn digest(&mut self, digest: &Digest) -> &mut Self {
         self.0.update(digest.0);
         self
     }
 
+    /// The digest of all that was added.
     pub fn finish(self) -> Digest {
         Digest(self.0.finalize().into())
     }

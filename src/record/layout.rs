@@ -1,12 +1,12 @@
 //! A layout for Foxglove and Lichtblick. Both open a log with every topic hidden and with a camera
-//! that sees nothing nearer than half a metre; this file shows everything at once, from a distance
-//! that suits the box.
+//! whose near plane is at half a metre; this layout shows all topics from a distance that suits the
+//! box.
 
 use serde_json::{Value, json};
 
 use crate::scene::Scene;
 
-/// What the layout is to show.
+/// What the layout shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     /// Names of the bodies, as in the log.

@@ -1,12 +1,12 @@
-//! What is kept: checkpoints, the log of frames, exports.
+//! Files of results: checkpoints, the log of frames, exports.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`digest`] | SHA-256 names of contents |
-//! | [`atomic`] | files that appear whole or not at all |
+//! | [`digest`] | SHA-256 digests of contents |
+//! | [`atomic`] | atomic replacement of files |
 //! | [`checkpoint`] | verified, compressed snapshots that stages exchange |
-//! | [`log`] | frames over time, as MCAP that stock viewers show |
-//! | [`background`] | checkpoints written while the solver goes on |
+//! | [`log`] | frames over time, as MCAP for standard viewers |
+//! | [`background`] | checkpoints that are written while the solver continues |
 //! | [`layout`] | a layout file for viewers of the log |
 //! | [`export`] | checkpoints and logs as VTK, CSV, PLY |
 

@@ -1,4 +1,4 @@
-//! Holds a scene file against the schema: unknown keys, missing keys, wrong types, units, ranges.
+//! Compares a scene file with the schema: unknown and missing keys, wrong types, units, ranges.
 
 use serde_json::Value as Schema;
 use toml::de::DeValue;
@@ -103,7 +103,7 @@ impl Check<'_> {
                 }
             }
         }
-        // What is spelled wrong is not missing too.
+        // A misspelled key is not also missing.
         let is_meant = |name: &str| meant.contains(&dotted(key, name));
         let is_there = |name: &str| table.keys().any(|given| given.get_ref() == name);
         for name in required(schema) {
@@ -196,7 +196,7 @@ impl Check<'_> {
             return self.unfit(value, key, "a string");
         };
         if !text.chars().all(is_printable) {
-            let problem = "has a control character, which terminals and tables would act on";
+            let problem = "has a control character, which terminals interpret";
             return self.fault(value, key, problem, "leave it out; a text is one line");
         }
         // The only pattern without a unit is that of a colour.
@@ -229,7 +229,7 @@ impl Check<'_> {
             },
             other => match number(other) {
                 Some(given) => return self.within(value, key, schema, given),
-                None => format!("is {} where {} is wanted", kind(other), unit.name()),
+                None => format!("is {} where {} is expected", kind(other), unit.name()),
             },
         };
         let names: Vec<&str> = unit.spellings().iter().map(|(name, _)| *name).collect();
@@ -287,7 +287,7 @@ impl Check<'_> {
         self.fault(value, key, "is not known", &remedy);
     }
 
-    /// The mistakes are those of the alternative whose TOML type fits, if there is one.
+    /// Reports the mistakes of the alternative whose TOML type matches, if there is one.
     fn either(&mut self, value: &Value<'_>, key: &str, kinds: &[Schema]) {
         let mut fitting = None;
         for schema in kinds {
@@ -312,7 +312,7 @@ impl Check<'_> {
         }
     }
 
-    /// The known key that an unknown one means, if one is near.
+    /// The known key most similar to an unknown one, if it is similar enough.
     fn guess(&self, given: &str, table: &str, known: &[&str]) -> Option<String> {
         match nearest(given, known.iter().copied()) {
             Some((name, likeness)) if likeness >= ALIKE => Some(dotted(table, name)),

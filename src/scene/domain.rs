@@ -1,4 +1,4 @@
-//! `[box]`: the box and what its sides do.
+//! `[box]`: the box and its boundary conditions.
 
 use schemars::transform::{RecursiveTransform, Transform};
 use schemars::{JsonSchema, Schema};
@@ -16,23 +16,24 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// Names of the sides of an axis in a scene file.
 pub const ENDS: [&str; 2] = ["low", "high"];
 
-/// What happens at one side of the box.
+/// Boundary condition at one side of the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// Leaves here, enters opposite. Both sides of an axis are periodic or none is.
+    /// What leaves here enters at the opposite side; an axis has both sides periodic, or neither.
     Periodic,
     /// No-slip wall made of fixed particles outside the box.
     Wall,
-    /// Nothing there; a particle that leaves is removed and its mass booked.
+    /// No wall; a particle that leaves is removed and its mass recorded.
     Open,
-    /// Plane of symmetry (x and y): the liquid's image lies behind it.
+    /// Plane of symmetry (x and y), with the image of the liquid behind it.
     Mirror,
 }
 
 /// The box `[0, size_x] x [0, size_y] x [0, size_z]`, m. In 2-D `size[1] == 0` and y is periodic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
+    /// Lengths of the sides, m.
     pub size: [f64; 3],
     /// `boundary[axis] = [low side, high side]`.
     pub boundary: [[Side; 2]; 3],
@@ -65,7 +66,7 @@ pub enum Symmetry {
     Quarter,
 }
 
-/// The box [0, size] in which everything happens.
+/// The box [0, size] that contains the simulation.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 pub struct BoxTable {
     /// Lengths along x, y, z (x, z in 2-D).
@@ -116,7 +117,7 @@ impl BoxTable {
         Sides::Each([Side::Wall, Side::Open])
     }
 
-    /// The table that gives a domain, in canonical form.
+    /// The table that describes a domain, in canonical form.
     pub fn of(domain: &Domain, dimension: Dimension) -> BoxTable {
         let [x, y, z] = domain.boundary.map(Sides::Each);
         let velocity = |axis: usize, end: usize| {
@@ -143,7 +144,7 @@ impl BoxTable {
     /// The domain of a scene of this dimension.
     ///
     /// # Errors
-    /// Sides and velocities that make no sense, at their places in the file.
+    /// If sides or velocities contradict each other; with their places in the file.
     pub fn domain(&self, dimension: Dimension, tree: &Tree<'_>) -> Result<Domain, SceneError> {
         let size = dimension.vector(&self.size, "box.size", tree)?;
         let mut boundary = [[Side::Periodic; 2]; 3];
@@ -184,7 +185,7 @@ impl BoxTable {
             let key = format!("box.wall_velocity.{}_{}", AXES[axis], ENDS[end]);
             if boundary[axis][end] != Side::Wall {
                 let remedy = format!("make side {} of `box.{}` a wall", ENDS[end], AXES[axis]);
-                return Err(tree.fault(&key, "is the velocity of a side that is no wall", &remedy));
+                return Err(tree.fault(&key, "is the velocity of a side without a wall", &remedy));
             }
             let components = dimension.vector(components, &key, tree)?;
             if components[axis] != 0.0 {

@@ -1,4 +1,4 @@
-//! `[effects]`: what acts on the liquid. A table that is absent is an effect that is off.
+//! `[effects]`: effects on the liquid. An absent table turns its effect off.
 
 use std::f64::consts::TAU;
 
@@ -9,15 +9,17 @@ use super::Dimension;
 use super::error::SceneError;
 use super::schema::{by_preset, positive};
 use super::tree::Tree;
-use super::unit::{self, Acceleration, Angle, Length, Maybe, One, Rate, Vector};
-use super::wetting::Wetting;
+use super::unit::{self, Acceleration, Length, One, Rate, Vector};
+use super::wetting::{ContactAngle, Wetting};
 
-/// Effects that the scene asks for. `None` is absent: no cost, no array, no key.
+/// Effects in the scene. `None`: absent, without cost, array or key.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Effects {
     /// Acceleration vector, m/s^2.
     pub gravity: Option<[f64; 3]>,
+    /// Viscous stress of the liquid.
     pub viscosity: Option<Viscosity>,
+    /// Surface tension of the liquid.
     pub tension: Option<SurfaceTension>,
     /// Contact angle on the walls.
     pub wetting: Option<Wetting>,
@@ -52,8 +54,7 @@ impl Effects {
         self.tension.map(|tension| tension.coefficient)
     }
 
-    /// What acts on a body that relaxes, in a box at rest; on one that hangs free neither gravity
-    /// nor walls.
+    /// Effects on a relaxing body, in a box at rest; on a free body neither gravity nor walls.
     pub fn at_rest(&self, is_free: bool) -> Effects {
         let mut effects = self.clone();
         effects.vibration = None;
@@ -64,7 +65,7 @@ impl Effects {
         effects
     }
 
-    /// The extremes of the acceleration that all particles have alike, m/s^2; none without.
+    /// Extremes of the uniform acceleration of all particles, m/s^2; empty without one.
     pub fn body_forces(&self) -> Vec<[f64; 3]> {
         let Some(vibration) = &self.vibration else {
             return self.gravity.into_iter().collect();
@@ -80,7 +81,7 @@ impl Effects {
     }
 }
 
-/// What acts: a table each; absent is off.
+/// Effects, one table each; an absent table turns its effect off.
 #[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct EffectTables {
@@ -97,14 +98,14 @@ pub struct EffectTables {
 }
 
 impl EffectTables {
-    /// The tables that give effects, in canonical form.
+    /// The tables that describe effects, in canonical form.
     pub fn of(effects: &Effects, dimension: Dimension) -> EffectTables {
         let gravity = effects.gravity.map(|vector| match vector {
             [0.0, 0.0, z] if z < 0.0 => Gravity {
                 acceleration: -z,
                 direction: None,
             },
-            // The length is that of the direction; the vector says both.
+            // The direction keeps its length: the vector contains the magnitude.
             vector => Gravity {
                 acceleration: 1.0,
                 direction: Some(dimension.components(vector)),
@@ -125,7 +126,7 @@ impl EffectTables {
     }
 
     /// # Errors
-    /// A direction that is none, contact angles that contradict each other.
+    /// If a direction is zero or contact angles contradict each other.
     pub fn effects(&self, dimension: Dimension, tree: &Tree<'_>) -> Result<Effects, SceneError> {
         let gravity = self.gravity.as_ref();
         let wetting = self.wetting.as_ref();
@@ -257,12 +258,12 @@ pub enum TensionForm {
     CahnHilliard,
     /// Xie Eqs. 10-16: curvature from counted neighbours.
     NumberDensity,
-    /// That with the curvature of a circle or a sphere, and smooth weights.
+    /// As number-density, with the curvature of a circle or a sphere, and smooth weights.
     NumberDensityExact,
 }
 
 impl TensionForm {
-    /// Whether the force is curvature times normal, and no divergence of a stress.
+    /// Whether the force is curvature times normal, not the divergence of a stress.
     pub fn is_counted(self) -> bool {
         matches!(
             self,
@@ -275,7 +276,7 @@ impl TensionForm {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionStrength {
-    /// Calibrated by the virial identity on the arrangement at hand.
+    /// Calibrated by the virial identity on the arrangement of the particles.
     Virial,
     /// By the integral of the squared gradient across a flat interface (Kuri, after Eq. 6).
     Flat,
@@ -284,13 +285,13 @@ pub enum TensionStrength {
     Fixed(#[schemars(transform = positive)] f64),
 }
 
-/// Where the tension of the surface stress counts as sigma.
+/// Where the tension of the surface stress equals sigma.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionLevel {
     /// At the depth at which the stress acts.
     Inside,
-    /// At the surface of the liquid: carried there by the curvature (raw-colour).
+    /// At the surface of the liquid: corrected by the curvature (raw-colour).
     Surface,
 }
 
@@ -310,96 +311,14 @@ pub struct SurfaceTension {
     /// Long smoothing length over the short one, H / h.
     #[schemars(transform = by_preset, range(min = 0.5, max = 3.0))]
     pub smoothing: f64,
-    /// Where the tension counts as sigma: where the stress acts, or at the surface.
+    /// Where the tension equals sigma: where the stress acts, or at the surface.
     #[schemars(transform = by_preset)]
     pub level: TensionLevel,
 }
 
 impl SurfaceTension {
-    /// Whether the tension is carried to the surface: the raw colour alone knows how.
+    /// Whether the tension is corrected to the surface; only the raw-colour form does this.
     pub fn is_lifted(&self) -> bool {
         self.level == TensionLevel::Surface && self.form == TensionForm::RawColour
-    }
-}
-
-/// How a wall gives a contact angle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum WettingForm {
-    /// The liquid goes on into the wall at the angle, and Young's force acts on the line.
-    Young,
-    /// Xie Eq. 18, four types of particles.
-    ParticleTypes,
-}
-
-/// Contact angle on the walls; needs tension.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-pub struct ContactAngle {
-    /// Contact angle, through the liquid.
-    #[serde(default, with = "Maybe::<Angle>")]
-    #[schemars(extend("minimum" = 0.0, "maximum" = 180.0))]
-    pub angle: Option<f64>,
-    /// How a wall gives it, in place of the preset's.
-    #[schemars(transform = by_preset)]
-    pub form: WettingForm,
-    /// L1, L2, L3 of particle-types, in spacings.
-    #[serde(default)]
-    #[schemars(transform = positive)]
-    pub layers: Option<[f64; 3]>,
-    /// In place of `angle`: that at which a contact line begins to advance.
-    #[serde(default, with = "Maybe::<Angle>")]
-    #[schemars(extend("minimum" = 0.0, "maximum" = 180.0))]
-    pub advancing: Option<f64>,
-    /// With `advancing`: that at which a contact line begins to recede.
-    #[serde(default, with = "Maybe::<Angle>")]
-    #[schemars(extend("minimum" = 0.0, "maximum" = 180.0))]
-    pub receding: Option<f64>,
-}
-
-/// L1, L2, L3 of Xie et al. 2007, Section 2.5, in spacings.
-const LAYERS: [f64; 3] = [2.1, 4.1, 4.1];
-
-impl ContactAngle {
-    fn of(wetting: &Wetting) -> ContactAngle {
-        let angles = wetting.hysteresis;
-        ContactAngle {
-            angle: angles.is_none().then_some(wetting.angle),
-            form: match wetting.layers {
-                None => WettingForm::Young,
-                Some(_) => WettingForm::ParticleTypes,
-            },
-            layers: wetting.layers,
-            advancing: angles.map(|[advancing, _]| advancing),
-            receding: angles.map(|[_, receding]| receding),
-        }
-    }
-
-    fn wetting(&self, tree: &Tree<'_>) -> Result<Wetting, SceneError> {
-        let wetting = match (self.angle, self.advancing, self.receding) {
-            (Some(angle), None, None) => Wetting::of(angle),
-            (None, Some(advancing), Some(receding)) if receding <= advancing => {
-                Wetting::between([advancing, receding])
-            }
-            (None, Some(_), Some(_)) => {
-                let remedy = "exchange the two angles";
-                let key = "effects.wetting.receding";
-                return Err(tree.fault(key, "is above the advancing angle", remedy));
-            }
-            _ => {
-                let remedy = "give `angle` alone, or `advancing` and `receding`";
-                let problem = "needs one contact angle or two";
-                return Err(tree.fault("effects.wetting", problem, remedy));
-            }
-        };
-        let layers = match (self.form, self.layers) {
-            (WettingForm::Young, None) => None,
-            (WettingForm::Young, Some(_)) => {
-                let remedy = "remove it, or set `form = \"particle-types\"`";
-                let problem = "has no effect with Young's force";
-                return Err(tree.fault("effects.wetting.layers", problem, remedy));
-            }
-            (WettingForm::ParticleTypes, layers) => Some(layers.unwrap_or(LAYERS)),
-        };
-        Ok(Wetting { layers, ..wetting })
     }
 }

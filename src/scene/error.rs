@@ -1,4 +1,4 @@
-//! What can be wrong with a scene file, said so that it can be put right.
+//! Errors of a scene file, each with its place and a remedy.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -8,11 +8,16 @@ use crate::file::FileError;
 /// Where a value was written: a file with line and column (from 1), or a `--set` argument.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
+    /// A place in a file.
     File {
+        /// The file.
         path: PathBuf,
+        /// Line number, from 1.
         line: usize,
+        /// Column number, from 1.
         column: usize,
     },
+    /// The text of a `--set` argument.
     Argument(String),
 }
 
@@ -27,45 +32,79 @@ impl fmt::Display for Place {
     }
 }
 
-/// A scene that cannot be had from its file. Every variant names the place; the message ends with
-/// what would be right.
+/// A scene file that cannot be loaded. Every variant names the place; the message ends with a
+/// remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
+    /// The file cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The file is not UTF-8 text.
     #[error("{}: is not UTF-8 text; give a TOML file", path.display())]
-    NotText { path: PathBuf },
+    NotText {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is not valid TOML.
     #[error("{place}: not TOML: {message}")]
-    Syntax { place: Place, message: String },
-    /// What the schema allows and the type does not.
+    Syntax {
+        /// Where the parser stopped.
+        place: Place,
+        /// The parser's message.
+        message: String,
+    },
+    /// A value that the schema permits and the type rejects.
     #[error("{place}: {message}")]
-    Unfit { place: Place, message: String },
+    Unfit {
+        /// Where the value is.
+        place: Place,
+        /// The reason.
+        message: String,
+    },
+    /// A `--set` argument that cannot be read.
     #[error(
         "--set {argument}: {problem}; write --set key.key=value, as in --set impact.end=\"20 ms\""
     )]
-    Argument { argument: String, problem: String },
+    Argument {
+        /// The argument.
+        argument: String,
+        /// The reason.
+        problem: String,
+    },
+    /// A key that the schema does not contain.
     #[error("{place}: unknown key `{key}`; {remedy}")]
     UnknownKey {
+        /// Where the key is.
         place: Place,
         /// Dotted, from the root.
         key: String,
         /// The known key that is spelled most like it, dotted, if one is close.
         nearest: Option<String>,
+        /// What to write instead.
         remedy: String,
     },
+    /// A required key that is not there.
     #[error("{place}: `{key}` is missing; {remedy}")]
     Missing {
+        /// Where its table starts.
         place: Place,
+        /// Dotted, from the root.
         key: String,
+        /// What to write.
         remedy: String,
     },
+    /// A value that is not allowed.
     #[error("{place}: `{key}` = {value}: {problem}; {remedy}")]
     Value {
+        /// Where the value is.
         place: Place,
+        /// Dotted, from the root.
         key: String,
         /// As written.
         value: String,
+        /// Why it is not allowed.
         problem: String,
+        /// What to write instead.
         remedy: String,
     },
     /// Two or more of these, in the order of the file.
@@ -96,12 +135,12 @@ impl SceneError {
     }
 }
 
-/// The mistakes of a scene file, so that all are told at once.
+/// Collects the mistakes of a scene file, so that all are reported at once.
 #[derive(Debug, Default)]
 pub struct Mistakes(Vec<SceneError>);
 
 impl Mistakes {
-    /// Notes a mistake.
+    /// Adds a mistake.
     pub fn add(&mut self, mistake: SceneError) {
         match mistake {
             SceneError::Many(more) => self.0.extend(more),
@@ -114,13 +153,15 @@ impl Mistakes {
         part.map_err(|mistake| self.add(mistake)).ok()
     }
 
-    /// Whether there is any.
+    /// Whether there is no mistake.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
+    /// Ends the collection.
+    ///
     /// # Errors
-    /// The mistake, or all of them.
+    /// The mistake, or [`SceneError::Many`].
     pub fn told(mut self) -> Result<(), SceneError> {
         self.0.sort_by_key(SceneError::order);
         match self.0.len() {

@@ -1,4 +1,4 @@
-//! The scene file: TOML with units, and `--set` over it.
+//! The scene file: TOML with units, and the overrides of `--set`.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -18,24 +18,24 @@ use super::stage::{Frames, Impact, Pack, Post, Relax};
 use super::tree::{Sources, Tree};
 use super::{Dimension, Problem, Scene, check, conform, preset, symmetry};
 
-/// No scene file is longer, bytes.
+/// Largest size of a scene file, bytes.
 const LONGEST: u64 = 16 << 20;
 
 /// The scene file, with its preset and defaults.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct Document {
-    /// What the run is about; stands on the report.
+    /// Title of the run, shown in the report.
     #[serde(default)]
     pub title: String,
     /// 3, or 2 for the x-z plane.
     #[serde(default)]
     pub dimension: Dimension,
-    /// The box [0, size] in which everything happens.
+    /// The box [0, size] that contains the simulation.
     #[serde(rename = "box")]
     pub domain: BoxTable,
     /// The liquid of all bodies.
     pub liquid: Liquid,
-    /// What acts: a table each; absent is off.
+    /// Effects, one table each; an absent table turns its effect off.
     #[serde(default)]
     pub effects: EffectTables,
     /// Bodies of liquid, by name.
@@ -43,17 +43,17 @@ pub struct Document {
     pub body: BodyTables,
     /// How the particles of a body are placed.
     pub pack: Pack,
-    /// Run at rest before the impact; absent is none.
+    /// Relaxation at rest before the impact; none if absent.
     #[serde(default)]
     pub relax: Option<Relax>,
-    /// The simulation proper.
+    /// The simulation of the impact.
     pub impact: Impact,
     /// What is recorded for viewers and measures.
     pub frames: Frames,
     /// What is drawn and compared.
     #[serde(default)]
     pub post: Post,
-    /// Which solver, with which settings.
+    /// The solver and its settings.
     #[serde(default)]
     pub method: MethodTable,
 }
@@ -74,8 +74,9 @@ pub fn json_schema() -> String {
 /// A scene with the text that it came from.
 #[derive(Clone, Debug)]
 pub struct Loaded {
+    /// The resolved scene.
     pub scene: Scene,
-    /// TOML that gives the same scene: the file as it stands, or, after `--set`, rewritten.
+    /// TOML of this scene: the text of the file, or, after `--set`, rewritten.
     pub text: String,
     /// The scene file, as given.
     pub path: PathBuf,
@@ -84,8 +85,8 @@ pub struct Loaded {
 /// Reads the scene file at `path` with the overrides `sets`, each `key.key=value`.
 ///
 /// # Errors
-/// [`SceneError`]: unreadable file, no TOML; all unknown keys, missing keys, wrong types, units and
-/// ranges; or, of a file without these, what makes no sense.
+/// [`SceneError`]: unreadable file, invalid TOML; all unknown keys, missing keys, wrong types,
+/// units and ranges; or, without these, values that contradict each other.
 pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
     let content = crate::file::read(path, LONGEST)?;
     let text = String::from_utf8(content).map_err(|_| SceneError::NotText {
@@ -94,7 +95,7 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
     read(&text, path, sets)
 }
 
-/// As [`load`], with the text at hand; `path` names it and leads to reference curves.
+/// As [`load`], from a text; `path` names it, and reference curves are relative to its folder.
 ///
 /// # Errors
 /// As [`load`].
@@ -124,7 +125,7 @@ pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneErr
     })
 }
 
-/// Reads another kind of file, whose type is its format, with all its mistakes at once.
+/// Reads another kind of file, whose format is the type, and reports all its mistakes at once.
 ///
 /// # Errors
 /// [`SceneError`].
@@ -148,7 +149,7 @@ impl Document {
         let effects = found.take(self.effects.effects(dimension, tree));
         let method = found.take(self.method(tree));
         found.told()?;
-        let known = "told otherwise";
+        let known = "its mistake is reported";
         let mut scene = Scene {
             name: name.to_string(),
             title: self.title,
@@ -179,7 +180,7 @@ impl Document {
         if let Some(Method::Mps(_)) = method
             && tree.get("effects.viscosity.form").is_some()
         {
-            let problem = "is not read by mps, which has Eq. 9";
+            let problem = "has no effect with mps, which uses Eq. 9";
             return Err(tree.fault("effects.viscosity.form", problem, "remove it"));
         }
         let absent = || tree.fault("method", "has no settings", "give a preset");

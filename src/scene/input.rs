@@ -1,11 +1,11 @@
-//! What each stage reads, as one value: the material of keys and of reasons.
+//! The input of each stage as one value, from which keys and reasons are made.
 //!
-//! An input holds exactly what can change the result of its stage, and the stage gets nothing else
-//! of the scene. It is serialised in the words of the scene file, SI values with their units, so
-//! that equal values are equal texts, however they were written. A setting of an absent effect is
-//! in no input, nor are paths, thread counts, checkpoint cadence. A body that hangs free is packed
-//! and relaxed alone: neither where it hangs, how fast it moves, gravity, the box nor other bodies
-//! are in its inputs. Layers and blocks meet the sides of the box, so the box is in theirs.
+//! An input contains exactly what can change the result of its stage, and the stage gets nothing
+//! else of the scene. It is serialised with the keys of the scene file, SI values with their units,
+//! so that equal values are equal texts. Settings of absent effects, paths, thread counts and the
+//! checkpoint interval are in no input. A free body is packed and relaxed alone: its position and
+//! velocity, gravity, the box and other bodies are not in its inputs. Layers and blocks touch the
+//! sides of the box, so their inputs contain the box.
 
 use std::path::{Path, PathBuf};
 
@@ -23,11 +23,12 @@ use super::{
     TensionStrength,
 };
 
-/// What packing a body reads.
+/// Input of the packing of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackInput {
-    /// Of the body, for messages.
+    /// Name of the body, for messages.
     pub name: String,
+    /// Number of space dimensions.
     pub dimension: Dimension,
     /// The box in which the body relaxes: see [`Problem::resting`].
     pub domain: Domain,
@@ -37,43 +38,52 @@ pub struct PackInput {
     pub spacing: f64,
     /// A lattice reads the kernel too: its particles are numbered along the kernel's cells.
     pub sph: Sph,
+    /// Region to fill with particles.
     pub shape: Shape,
+    /// Arrangement and its parameters.
     pub packing: Packing,
 }
 
-/// What the relaxation of a body reads, besides its packing.
+/// Input of the relaxation of a body, besides its packing.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RelaxInput {
     /// See [`Problem::resting`].
     #[serde(flatten)]
     pub problem: Problem,
+    /// When the relaxation ends.
     pub relax: Relax,
 }
 
-/// What the calibration of the tension strength reads, besides the bodies.
+/// Input of the calibration of the tension strength, besides the particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrateInput {
     /// Each body at rest, without viscosity.
     pub bodies: Vec<Problem>,
 }
 
-/// What the impact reads, besides the bodies.
+/// Input of the impact, besides the particles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ImpactInput {
+    /// The resolved physical and numerical problem.
     #[serde(flatten)]
     pub problem: Problem,
+    /// State of the bodies at the start.
     pub start: Start,
+    /// When the run ends.
     pub impact: End,
+    /// When frames are recorded, and their colours.
     pub frames: Frames,
     /// Names and, if particles are coloured by body, colours.
     pub labels: Vec<Label>,
 }
 
-/// What the bodies of an impact are.
+/// State of the bodies at the start of an impact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
+    /// As packed.
     Packed,
+    /// As relaxed at rest.
     Relaxed,
 }
 
@@ -85,26 +95,34 @@ pub struct End {
     pub end: f64,
 }
 
-/// What a body is called, and its colour.
+/// Name and colour of a body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Label {
+    /// Name of the body.
     pub name: String,
+    /// Colour of the body; `None` where particles are not coloured by body.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colour: Option<Colour>,
 }
 
-/// What the evaluation reads, besides the log.
+/// Input of the evaluation, besides the log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PostInput {
-    /// Of the scene file; stands where there is no title.
+    /// Stem of the name of the scene file; replaces a missing title.
     #[serde(skip)]
     pub name: String,
+    /// Title of the plots and the report.
     pub title: String,
+    /// The resolved physical and numerical problem.
     #[serde(flatten)]
     pub problem: Problem,
+    /// When the run ends.
     pub impact: End,
+    /// Time between frames.
     pub frames: Interval,
+    /// Names and colours of the bodies.
     pub labels: Vec<Label>,
+    /// Instants of pictures, and reference curves.
     pub post: Drawn,
 }
 
@@ -117,7 +135,7 @@ pub struct Interval {
 }
 
 impl PostInput {
-    /// A scene with what the evaluation may read, and nothing else.
+    /// A scene that contains only what the evaluation may read.
     pub fn scene(&self) -> Scene {
         let curve = |curve: &Curve| super::Reference {
             label: curve.label.clone(),
@@ -157,18 +175,21 @@ pub struct Drawn {
     /// Instants, s.
     #[serde(with = "List::<Time>")]
     pub fields: Vec<f64>,
+    /// Reference curves to compare with.
     pub references: Vec<Curve>,
 }
 
-/// A reference curve, by what it contains, not by where it is.
+/// A reference curve, identified by its content, not by its path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
+    /// Name of the curve in legends.
     pub label: String,
-    /// Where it lies, from the folder of the scene file.
+    /// Path, relative to the folder of the scene file.
     #[serde(skip)]
     pub path: PathBuf,
     /// SHA-256 of the file.
     pub content: String,
+    /// Zero of its times; `None`: as its column of times is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock: Option<Clock>,
 }
@@ -205,8 +226,8 @@ struct PackFragment {
 
 impl Serialize for CalibrateInput {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        // The box and the effects of bodies that hang free follow from their shapes and from those
-        // of a body that stands in the box.
+        // The box and the effects of free bodies follow from their shapes and from those of a body
+        // that touches the box.
         let stands = |problem: &&Problem| !problem.bodies[0].shape.is_free();
         let lead = self.bodies.iter().find(stands).or(self.bodies.first());
         let bodies = self.bodies.iter().map(|problem| problem.bodies[0].clone());
@@ -219,7 +240,7 @@ impl Serialize for CalibrateInput {
 }
 
 impl Scene {
-    /// What packing body number `body` reads.
+    /// Input of the packing of body number `body`.
     pub fn pack_input(&self, body: usize) -> PackInput {
         let Problem {
             dimension,
@@ -249,14 +270,14 @@ impl Scene {
         }
     }
 
-    /// What the relaxation of body number `body` reads; `None` if there is none.
+    /// Input of the relaxation of body number `body`; `None` if there is none.
     pub fn relax_input(&self, body: usize) -> Option<RelaxInput> {
         let relax = self.relax.clone()?;
         let problem = self.resting(body);
         Some(RelaxInput { problem, relax })
     }
 
-    /// What the calibration of the tension strength reads; `None` if the scene has none.
+    /// Input of the calibration of the tension strength; `None` if the scene has none.
     pub fn calibrate_input(&self) -> Option<CalibrateInput> {
         let tension = self.effects.tension?;
         (tension.strength == TensionStrength::Virial).then(|| CalibrateInput {
@@ -264,7 +285,7 @@ impl Scene {
         })
     }
 
-    /// What the impact reads.
+    /// Input of the impact.
     pub fn impact_input(&self) -> ImpactInput {
         ImpactInput {
             problem: self.problem.clone(),
@@ -280,7 +301,7 @@ impl Scene {
         }
     }
 
-    /// What the evaluation reads. `folder` holds the scene file.
+    /// Input of the evaluation. `folder` contains the scene file.
     ///
     /// # Errors
     /// [`KeyError::Reference`] if a reference curve cannot be read.
@@ -328,7 +349,7 @@ impl Scene {
 }
 
 impl Problem {
-    /// A body at rest as the calibration of the tension sees it: without viscosity.
+    /// A body at rest for the calibration of the tension: without viscosity.
     pub fn calm(&self, body: usize) -> Problem {
         let mut problem = self.resting(body);
         problem.effects.viscosity = None;

@@ -1,4 +1,4 @@
-//! The settings in the input of a stage, one by one: the material of keys and of reasons.
+//! The settings in the input of a stage, one by one, from which keys and reasons are made.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -8,24 +8,31 @@ use super::Problem;
 /// One setting that a stage reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// Dotted, as in the scene file: for people. Holds the names of bodies, so hash `canonical`.
+    /// Dotted, as in the scene file, for messages. Contains names of bodies, so hash `canonical`.
     pub name: String,
     /// The value with its unit.
     pub value: String,
-    /// What the setting is and its value: equal for equal settings and no others.
+    /// Identity and value of the setting: equal for equal settings only.
     pub canonical: Vec<u8>,
 }
 
-/// A setting that can be in no key.
+/// A setting that cannot be part of a key.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum KeyError {
+    /// A setting is NaN; its name.
     #[error("`{0}` is not a number: it cannot be part of a key")]
     NotANumber(String),
+    /// A reference curve cannot be read.
     #[error("`{name}`: {problem}")]
-    Reference { name: String, problem: String },
+    Reference {
+        /// Dotted key of its path.
+        name: String,
+        /// The reason.
+        problem: String,
+    },
 }
 
-/// The settings in an input; `problem` is the scene's, which names its bodies and its method.
+/// The settings in an input; `problem` is the scene's, for the names of bodies and method.
 ///
 /// # Errors
 /// [`KeyError::NotANumber`].
@@ -40,7 +47,7 @@ pub fn settings(input: &impl Serialize, problem: &Problem) -> Result<Vec<Setting
     Ok(list)
 }
 
-/// The name that a person knows: with names of bodies in place of their numbers.
+/// The name in messages: with names of bodies in place of their numbers.
 fn named(name: &str, problem: &Problem) -> String {
     for list in ["body", "labels"] {
         if let Some((index, rest)) = indexed(name, list)
@@ -50,7 +57,7 @@ fn named(name: &str, problem: &Problem) -> String {
         }
     }
     match name.strip_prefix("method.") {
-        // Kernel, smoothing and mass of a packing, whatever the method.
+        // Kernel, smoothing and mass of a packing, for any method.
         Some(key @ ("kernel" | "smoothing" | "mass")) => {
             format!("method.{}.{key}", problem.method.name())
         }
@@ -97,7 +104,7 @@ fn flatten(value: &Value, name: &str, list: &mut Vec<Setting>) -> Result<(), Key
     Ok(())
 }
 
-/// A value as a person would write it.
+/// A value as a user writes it.
 fn shown(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

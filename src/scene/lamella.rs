@@ -1,6 +1,6 @@
-//! Theory of how thick the lamella of a drop on a dry wall is.
+//! Theory of the thickness of the lamella of a drop on a dry wall.
 //!
-//! Roisman, Rioboo & Tropea (2002), as Xie, Koshizuka & Oka (2007) quote it and take it to two
+//! Roisman, Rioboo & Tropea (2002), as Xie, Koshizuka & Oka (2007) quote it and extend it to two
 //! dimensions. At t = D0 / U0 the liquid is a lamella of mean thickness h1 D0 and diameter d1 D0:
 //! (1) 3 We + 5 (1 - cos theta) Re h1 = 10 Re We h1^3,  d1 = sqrt(2 / (3 h1))  Eqs. 19, 20
 //! (2) 3 We + 2 (1 - cos theta) Re h1 = 4 Re We h1^3,  d1 = pi / (4 h1)  2-D: Eqs. 21, 22
@@ -19,7 +19,7 @@ use super::Dimension;
 pub struct Thickness {
     /// (1) or (2).
     pub printed: f64,
-    /// The same with (3).
+    /// (3) in place of the second term.
     pub corrected: f64,
 }
 
@@ -30,7 +30,7 @@ impl Thickness {
             Dimension::Three => (10.0, 5.0),
             Dimension::Two => (4.0, 2.0),
         };
-        // Over We, so that it may be infinite.
+        // Divided by We, which may be infinite.
         let meniscus = (1.0 - angle.to_radians().cos()) * reynolds / weber;
         let thickness = |capillary: &dyn Fn(f64) -> f64| {
             positive_root(|h| cubic * reynolds * h.powi(3) - 3.0 - capillary(h) * meniscus)
@@ -42,7 +42,7 @@ impl Thickness {
     }
 }
 
-/// Where a function that is negative at 0 and rises beyond its only positive root has that root.
+/// The only positive root of a function that is negative at 0 and increases beyond the root.
 fn positive_root(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while f(high) < 0.0 {

@@ -1,6 +1,6 @@
-//! What is asked: the resolved scene, in SI units, defaults filled in. No numerics.
+//! The resolved scene: what is to be simulated, in SI units, defaults filled in. No numerics.
 //!
-//! The file format lives in [`file`]; everything after it sees only these types.
+//! [`file`] contains the file format; all later modules use only these types.
 //! Axes: x and y are lateral, z is up. A 2-D scene is the x-z plane: y is zero everywhere.
 
 mod body;
@@ -13,6 +13,7 @@ pub mod file;
 pub mod input;
 pub mod key;
 pub mod lamella;
+pub mod limit;
 mod method;
 pub mod numbers;
 pub mod preset;
@@ -60,7 +61,9 @@ pub use wetting::Wetting;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "u8", into = "u8")]
 pub enum Dimension {
+    /// The x-z plane.
     Two,
+    /// x, y and z.
     #[default]
     Three,
 }
@@ -111,7 +114,7 @@ impl Dimension {
         }
     }
 
-    /// The components that exist: x, z of a plane.
+    /// The components along these axes: x, z in 2-D.
     fn components<U: unit::Dimension>(self, vector: [f64; 3]) -> unit::Vector<U> {
         let axes = self.axes().iter();
         unit::Vector::new(axes.map(|&axis| vector[axis]).collect())
@@ -120,7 +123,7 @@ impl Dimension {
     /// [x, y, z], or [x, 0, z] of two components.
     ///
     /// # Errors
-    /// Another number of components, at `key` of the file.
+    /// If their number is another one; `key` is their place in the file.
     fn vector<U: unit::Dimension>(
         self,
         vector: &unit::Vector<U>,
@@ -143,17 +146,24 @@ impl Dimension {
     }
 }
 
-/// A scene, resolved: a problem, and what the stages do with it.
+/// A resolved scene: a problem, and the settings of the stages.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
+    /// Stem of the name of the scene file.
     pub name: String,
+    /// Title of the plots and the report.
     pub title: String,
+    /// The physical and numerical problem.
     pub problem: Problem,
+    /// How bodies are filled with particles.
     pub pack: Packing,
     /// `None`: bodies go to the impact as packed.
     pub relax: Option<Relax>,
+    /// When the run ends, and how often it writes a checkpoint.
     pub impact: Impact,
+    /// When frames are recorded, and their colours.
     pub frames: Frames,
+    /// Instants of pictures, and reference curves.
     pub post: Post,
 }
 

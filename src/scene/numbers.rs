@@ -1,8 +1,9 @@
-//! What a scene amounts to: dimensionless numbers, particle counts, speed of sound, limits of the
-//! time step. Printed before anything runs.
+//! Numbers derived from a scene: dimensionless numbers, particle counts, speed of sound, limits of
+//! the time step. Printed before a run.
 
 use std::fmt;
 
+use super::limit;
 use super::quantity::{Unit, human};
 use super::shape::lattice;
 use super::{
@@ -15,21 +16,23 @@ use super::{
 pub struct Row {
     /// Short name: `We`, `acoustic`, or the name of a body.
     pub name: String,
-    /// SI.
+    /// The value in SI units.
     pub value: f64,
-    /// The value for a person, with its unit.
+    /// The value as text, with its unit.
     pub text: String,
+    /// How it is computed, in symbols.
     pub definition: String,
 }
 
-/// All that [`of`] derives, in the order of printing: titles with rows.
+/// Result of [`of`], in the order of printing: titles with rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
+    /// Title and rows of each group.
     pub groups: Vec<(String, Vec<Row>)>,
 }
 
 impl Numbers {
-    /// The value of the row with this name, in whatever group.
+    /// The value of the row with this name, in any group.
     pub fn get(&self, name: &str) -> Option<f64> {
         let mut rows = self.groups.iter().flat_map(|(_, rows)| rows);
         rows.find(|row| row.name == name).map(|row| row.value)
@@ -72,14 +75,14 @@ pub fn of(scene: &Scene) -> Numbers {
     Numbers { groups }
 }
 
-/// Reference speed where nothing moves and nothing pulls, m/s.
+/// Reference speed without motion and forces, m/s.
 const IDLE: f64 = 0.1;
 
 /// Sound speed of a body at rest in units of its own reference speed: density then varies by 0.1 %
 /// where Mach 0.1 allows 1 %, so that the packed spacing survives.
 const REST_STIFFNESS: f64 = 31.6;
 
-/// Settings of the method in which sound has a speed.
+/// Settings of WCSPH; other methods have no speed of sound.
 fn wcsph(scene: &Problem) -> Option<&Wcsph> {
     match &scene.method {
         Method::Wcsph(settings) => Some(settings),
@@ -121,7 +124,7 @@ pub fn length(vector: [f64; 3]) -> f64 {
 
 /// The speed V of Nishio et al. 2010, Eq. 8, m/s: as set, or the largest of the impact speed, the
 /// speed of a fall through the liquid's height sqrt(2 g T), the speed sqrt(8 sigma / (rho R)) at
-/// which the smallest drop swings, and the speed of a sliding wall.
+/// which the smallest drop oscillates, and the speed of a sliding wall.
 pub fn reference_speed(scene: &Problem) -> f64 {
     match wcsph(scene).map(|settings| settings.reference_speed) {
         Some(SpeedOf::Given(speed)) => speed,
@@ -129,7 +132,7 @@ pub fn reference_speed(scene: &Problem) -> f64 {
     }
 }
 
-/// [`reference_speed`] without the impact, m/s: what is there even when nothing moves.
+/// [`reference_speed`] without the impact, m/s.
 fn standing_speed(scene: &Problem) -> f64 {
     let walls = scene.domain.wall_velocity.iter().flatten();
     let sliding = walls.fold(0.0, |speed: f64, wall| speed.max(length(*wall)));
@@ -162,9 +165,9 @@ pub fn sound_speed(scene: &Problem) -> f64 {
     })
 }
 
-/// Speed of sound for the relaxation of one body at rest, m/s. It depends neither on the impact
-/// speed nor on the stiffness of the impact, nor on other bodies, and for a body that hangs free
-/// not on gravity, so a relaxed body serves every impact that starts from it.
+/// Speed of sound for the relaxation of one body at rest, m/s. It does not depend on the impact
+/// speed, the stiffness of the impact or other bodies, and for a free body not on gravity, so
+/// that a relaxed body can start every impact.
 pub fn rest_sound_speed(scene: &Problem) -> f64 {
     let shape = &scene.bodies[0].shape;
     let fall = if shape.is_free() {
@@ -217,7 +220,7 @@ fn moving(speed: f64) -> f64 {
     if speed > 0.0 { speed } else { IDLE }
 }
 
-/// Particles that a body will have. Exact for lattices; else the body's volume over that of a
+/// Number of particles of a body. Exact for lattices; else the body's volume over that of a
 /// particle.
 pub fn count(scene: &Scene, body: usize) -> u64 {
     let shape = &scene.bodies[body].shape;
@@ -242,50 +245,50 @@ pub fn count(scene: &Scene, body: usize) -> u64 {
     }
 }
 
-/// Limits of the time step, s, least first; those of absent effects are absent.
-///
-/// Acoustic and viscous: Monaghan 1992, Morris, Fox & Zhu 1997; capillary: Morris 2000; force:
-/// Monaghan 1992.
+/// Limits of the time step ([`limit`]), s, least first; those of absent effects are absent.
 pub fn limits(scene: &Problem) -> Vec<Row> {
     let h = smoothing_length(scene);
     let speed = reference_speed(scene);
     let sound = sound_speed(scene);
-    let limit = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
+    let of = |name: &str, value: f64, definition: &str| row(name, value, Unit::Time, definition);
     let cross = scene.spacing / speed;
     let mut limits = match scene.method.projection() {
         None => vec![
-            limit("acoustic", 0.25 * h / (sound + speed), "0.25 h / (c + V)"),
-            limit("advective", 0.25 * cross, "0.25 s0 / V"),
+            of(
+                "acoustic",
+                limit::acoustic(h, sound, speed),
+                "0.25 h / (c + V)",
+            ),
+            of("advective", 0.25 * cross, "0.25 s0 / V"),
         ],
         Some(settings) => {
             let value = (settings.courant * cross).clamp(settings.shortest, settings.longest);
-            vec![limit("advective", value, "courant s0 / V")]
+            vec![of("advective", value, "courant s0 / V")]
         }
     };
     if let Some(viscosity) = scene.effects.mu() {
-        let value = 0.125 * h * h * scene.density / viscosity;
-        limits.push(limit("viscous", value, "0.125 h^2 / nu"));
+        let value = limit::viscous(h, scene.density, viscosity);
+        limits.push(of("viscous", value, "0.125 h^2 / nu"));
     }
     if let Some(tension) = scene.effects.sigma() {
-        let square = scene.density * h.powi(3) / (2.0 * std::f64::consts::PI * tension);
-        let definition = "0.25 sqrt(rho h^3 / (2 pi sigma))";
-        limits.push(limit("capillary", 0.25 * square.sqrt(), definition));
+        let value = limit::capillary(h, scene.density, tension);
+        limits.push(of("capillary", value, "0.25 sqrt(rho h^3 / (2 pi sigma))"));
     }
     let forces = scene.effects.body_forces().into_iter().map(length);
     if let Some(strongest) = forces.reduce(f64::max) {
-        let value = 0.25 * (h / strongest).sqrt();
-        limits.push(limit("force", value, "0.25 sqrt(h / g)"));
+        let value = limit::force(h, strongest);
+        limits.push(of("force", value, "0.25 sqrt(h / g)"));
     }
     limits.sort_by(|a, b| a.value.total_cmp(&b.value));
     limits
 }
 
-/// Above this fixed step, s, the largest published acoustic constant is passed: 0.6 h / (c + V).
+/// Limit of a fixed step, s, with the largest published acoustic constant: 0.6 h / (c + V).
 pub fn unstable_step(scene: &Problem) -> f64 {
     0.6 * smoothing_length(scene) / (sound_speed(scene) + reference_speed(scene))
 }
 
-/// The drop: the fastest body that hangs free. Diameter of equal volume, m.
+/// Diameter of equal volume of the drop, m: of the fastest free body.
 pub fn drop_diameter(scene: &Problem) -> Option<f64> {
     let speed = |motion: &Motion| match motion {
         Motion::Uniform(velocity) => length(*velocity),
@@ -298,15 +301,6 @@ pub fn drop_diameter(scene: &Problem) -> Option<f64> {
     });
     let radius = |body: &super::Body| body.shape.equivalent_radius(&scene.domain, scene.dimension);
     fastest.map(|body| 2.0 * radius(body))
-}
-
-/// Depth T of the deepest layer, m.
-fn pool_depth(scene: &Problem) -> Option<f64> {
-    let depths = scene.bodies.iter().filter_map(|body| match body.shape {
-        Shape::Layer { depth } => Some(depth),
-        _ => None,
-    });
-    depths.reduce(f64::max)
 }
 
 fn dimensionless(scene: &Scene) -> (String, Vec<Row>) {
@@ -345,7 +339,7 @@ fn dimensionless(scene: &Scene) -> (String, Vec<Row>) {
     if let (Some(g), Some(sigma)) = (gravity, scene.effects.sigma()) {
         push("Bo", rho * g * d * d / 4.0 / sigma, "rho g (d/2)^2 / sigma");
     }
-    if let Some(depth) = pool_depth(scene) {
+    if let Some(depth) = scene.pool_depth() {
         push("T/d", depth / d, "depth of the layer / d");
     }
     push("d/s0", d / scene.spacing, "particles across the drop");

@@ -1,4 +1,4 @@
-//! What is computed, apart from what is done with it: all that a solver reads.
+//! The physical and numerical problem: all that a solver reads.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
@@ -14,23 +14,29 @@ use super::{
 
 /// Liquid in a box, the effects that act on it, and the method that computes its motion, SI.
 ///
-/// It is serialised as the part of a scene file that gives it: that is its key.
+/// It is serialised as the corresponding part of a scene file, from which its key is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
+    /// Number of space dimensions.
     pub dimension: Dimension,
+    /// The box and its boundaries.
     pub domain: Domain,
     /// Liquid density rho0, kg/m^3.
     pub density: f64,
     /// Particle spacing s0, m.
     pub spacing: f64,
+    /// Forces besides pressure.
     pub effects: Effects,
+    /// Bodies of liquid, in the order of the file.
     pub bodies: Vec<Body>,
+    /// The particle method and its settings.
     pub method: Method,
+    /// How sums over pairs are computed.
     pub pairs: Pairs,
 }
 
 impl Problem {
-    /// The relaxation of one body: alone and at rest, in the box of the scene if it stands on it,
+    /// The relaxation of one body: alone and at rest, in the box of the scene if it touches it,
     /// else in an open box around it, with the mirror planes that cut it, and without gravity.
     pub fn resting(&self, body: usize) -> Problem {
         let mut body = self.bodies[body].clone();
@@ -75,13 +81,22 @@ impl Problem {
         }
     }
 
+    /// Depth of the deepest layer, m.
+    pub fn pool_depth(&self) -> Option<f64> {
+        let depths = self.bodies.iter().filter_map(|body| match body.shape {
+            Shape::Layer { depth } => Some(depth),
+            _ => None,
+        });
+        depths.reduce(f64::max)
+    }
+
     /// Whether a side of the box is a wall.
     pub fn has_wall(&self) -> bool {
         let mut sides = self.domain.boundary.iter().flatten();
         sides.any(|side| *side == Side::Wall)
     }
 
-    /// Whether a setting of this name is there and nothing reads it.
+    /// Whether a setting of this name is present and has no effect.
     pub(super) fn ignores(&self, name: &str) -> bool {
         let is_completed = match &self.method {
             Method::Mps(settings) => settings.closure == MpsClosure::Completed,
@@ -99,7 +114,8 @@ impl Problem {
     }
 }
 
-/// A method without what bodies at rest do not read: their speed of sound is their own.
+/// A method without the settings that bodies at rest do not use: they have their own speed of
+/// sound.
 fn at_rest(method: &Method) -> Method {
     let mut method = method.clone();
     if let Method::Wcsph(settings) = &mut method {
@@ -110,8 +126,7 @@ fn at_rest(method: &Method) -> Method {
 }
 
 impl Domain {
-    /// Where the centre of a body stands that relaxes in this box: in the middle, or in the mirror
-    /// plane that cuts it.
+    /// Centre of a relaxing body in this box, m: the middle, or in the mirror plane that cuts it.
     fn home(&self) -> [f64; 3] {
         [0, 1, 2].map(|axis| match self.fold(axis) {
             Some(side) => [0.0, self.size[axis]][side],
@@ -129,7 +144,7 @@ pub struct Liquid {
     pub density: f64,
 }
 
-/// The part of a scene file that gives a problem.
+/// The part of a scene file that describes a problem.
 #[derive(Serialize)]
 struct Fragment {
     dimension: Dimension,

@@ -1,22 +1,31 @@
 //! Quantities with units: `"3.13 m/s"` to SI and back.
 //!
 //! A unit of this table is a power of ten of the SI unit, so a conversion shifts the decimal
-//! exponent in the text and rounds once: `"0.9 mm"` and `"0.0009 m"` are the same `f64`.
-//! (`0.9 * 1e-3` is not: equal quantities would get unequal keys.)
+//! exponent in the text and rounds once: `"0.9 mm"` and `"0.0009 m"` give the same `f64`.
+//! (`0.9 * 1e-3` does not: equal quantities would get unequal keys.)
 
 /// The physical dimension of a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
+    /// m.
     Length,
+    /// s.
     Time,
+    /// m/s.
     Speed,
+    /// m/s^2.
     Acceleration,
+    /// kg/m^3.
     Density,
+    /// Dynamic viscosity, Pa s.
     Viscosity,
+    /// Surface tension, N/m.
     Tension,
+    /// Energy per mass, J/kg.
     SpecificEnergy,
+    /// 1/s.
     Rate,
-    /// Kept in degrees.
+    /// Degrees.
     Angle,
     /// No unit.
     One,
@@ -115,7 +124,7 @@ impl Unit {
         }
     }
 
-    /// As in "a length is wanted".
+    /// As in "a length is expected".
     pub fn name(self) -> &'static str {
         match self {
             Unit::Length => "a length",
@@ -172,26 +181,42 @@ impl Unit {
     }
 }
 
-/// Why a text is no quantity of the wanted dimension.
+/// Why a text is not a quantity of the expected dimension.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum QuantityError {
+    /// The text does not start with a number.
     #[error("does not start with a number")]
     NoNumber,
-    #[error("has no unit where {} is wanted", .0.name())]
+    /// There is a number, but no unit.
+    #[error("has no unit where {} is expected", .0.name())]
     NoUnit(Unit),
-    #[error("`{unit}` is the unit of {}, where {} is wanted", is.name(), wanted.name())]
+    /// The unit belongs to another dimension.
+    #[error("`{unit}` is the unit of {}, where {} is expected", is.name(), wanted.name())]
     WrongUnit {
+        /// The unit as written.
         unit: String,
+        /// Its dimension.
         is: Unit,
+        /// The expected dimension.
         wanted: Unit,
     },
-    #[error("`{unit}` is no known unit of {}", wanted.noun())]
-    UnknownUnit { unit: String, wanted: Unit },
+    /// The unit is not in the tables.
+    #[error("`{unit}` is not a known unit of {}", wanted.noun())]
+    UnknownUnit {
+        /// The unit as written.
+        unit: String,
+        /// The expected dimension.
+        wanted: Unit,
+    },
+    /// The number overflows.
     #[error("is not finite")]
     NotFinite,
 }
 
-/// Reads `text`, a number and a unit of `wanted`, into SI.
+/// Converts `text`, a number with a unit of `wanted`, to SI.
+///
+/// # Errors
+/// See [`QuantityError`].
 pub fn parse(text: &str, wanted: Unit) -> Result<f64, QuantityError> {
     let text = text.trim();
     let (mantissa, exponent, rest) = split_number(text).ok_or(QuantityError::NoNumber)?;
@@ -215,7 +240,7 @@ pub fn parse(text: &str, wanted: Unit) -> Result<f64, QuantityError> {
     }
 }
 
-/// Writes an SI value with the unit a person would choose, digits exact: `parse` gives it back.
+/// Writes an SI value with a readable unit and exact digits: `parse` returns the same value.
 pub fn human(value: f64, unit: Unit) -> String {
     let scales = unit.scales();
     let Some(&(si, _)) = scales.first() else {

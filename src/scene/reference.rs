@@ -1,4 +1,4 @@
-//! The reference of all settings as a page in Markdown, from the schema.
+//! The reference page of all settings in Markdown, from the schema.
 
 use serde_json::Value;
 
@@ -7,8 +7,7 @@ use super::rule::{required, unit_of, wording, words};
 use super::schema::NAME;
 use super::tree::dotted;
 
-/// Every table of a scene file with its keys: what they take, what they are if left out, what they
-/// mean.
+/// Every table of a scene file with its keys: values, defaults and meanings.
 pub fn markdown() -> String {
     let mut page = String::from(
         "# Settings of a scene file\n\n\
@@ -44,7 +43,7 @@ fn table(schema: &Value, path: &str, page: &mut String) {
     }
 }
 
-/// Whether a key has a part of its own: a table that is not one of several choices.
+/// Whether a key has its own section: a table that is not one of several choices.
 fn is_table(schema: &Value) -> bool {
     schema["type"] == "object"
 }
@@ -54,7 +53,7 @@ fn about(schema: &Value) -> String {
     text.replace('\n', " ").replace('|', "\\|")
 }
 
-/// What a key takes.
+/// The values that a key accepts.
 fn value(schema: &Value) -> String {
     let range = range(schema);
     if let Some(words) = words(schema) {

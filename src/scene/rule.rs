@@ -1,4 +1,4 @@
-//! What a JSON schema allows, in the words of the messages about mistakes.
+//! What a JSON schema permits, worded for error messages.
 
 use serde_json::Value as Schema;
 use toml::de::DeValue;
@@ -17,7 +17,7 @@ pub fn required(schema: &Schema) -> Vec<&str> {
     keys.filter_map(Schema::as_str).collect()
 }
 
-/// Keys of which exactly one must be there.
+/// Keys of which exactly one must be present.
 pub fn choice(schema: &Schema) -> Vec<&str> {
     let kinds = schema["oneOf"].as_array().into_iter().flatten();
     kinds.flat_map(required).collect()
@@ -27,7 +27,7 @@ pub fn unit_of(schema: &Schema) -> Option<Unit> {
     Unit::called(schema["x-unit"].as_str()?)
 }
 
-/// The words of a schema that allows nothing else.
+/// The words of a schema that permits nothing else.
 pub fn words(schema: &Schema) -> Option<Vec<Schema>> {
     if let Some(words) = schema["enum"].as_array() {
         return Some(words.clone());
@@ -73,7 +73,7 @@ pub fn alternatives(schema: &Schema) -> Option<Vec<Schema>> {
     }
     for kind in rest {
         let mut kind = kind.clone();
-        // A range that stands beside the alternatives is that of the one with numbers.
+        // A range beside the alternatives applies to the alternative with numbers.
         for word in ["minimum", "maximum", "exclusiveMinimum"] {
             if let (Some(bound), Some(object)) = (schema.get(word), kind.as_object_mut()) {
                 object.entry(word).or_insert(bound.clone());
@@ -113,7 +113,7 @@ pub fn wording(schema: &Schema) -> String {
     }
 }
 
-/// How a key might be written.
+/// An example of a key with a value.
 pub fn example(name: &str, schema: &Schema) -> String {
     let item = unit_of(&schema["items"]);
     let value = match (unit_of(schema), item, words(schema)) {

@@ -1,8 +1,8 @@
-//! The JSON schema of scene files, from the types that read them, and what it says beside them.
+//! The JSON schema of scene files, from the types that read them, with extensions.
 //!
-//! The schema is data for the search for mistakes ([`super::conform`]), for the laying of presets
-//! ([`super::preset`]) and for editors, which complete keys and underline what is wrong. Two words
-//! of its own: `x-unit` names the unit of a quantity, `x-preset` marks a key that a preset gives.
+//! The schema is used in the search for mistakes ([`super::conform`]), for presets
+//! ([`super::preset`]) and by editors, which complete keys and underline mistakes. It has two
+//! extensions: `x-unit` names the unit of a quantity, `x-preset` marks a key of a preset.
 
 use schemars::generate::SchemaSettings;
 use schemars::transform::{RecursiveTransform, Transform};
@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 /// Names of bodies.
 pub const NAME: &str = "^[a-z][a-z0-9_-]*$";
 
-/// JSON Schema 2020-12 of TOML files that `T` reads: no null, no key but those that are named.
+/// JSON Schema 2020-12 of TOML files that `T` reads: no null, no unnamed keys.
 pub fn of<T: JsonSchema>(title: &str) -> Schema {
     let settings =
         SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
@@ -23,7 +23,7 @@ pub fn of<T: JsonSchema>(title: &str) -> Schema {
     schema
 }
 
-/// TOML has no null: what is optional is left out.
+/// TOML has no null: an optional key is left out.
 fn without_null(schema: &mut Schema) {
     let Some(object) = schema.as_object_mut() else {
         return;
@@ -64,7 +64,7 @@ fn drop_nulls(value: &mut Value) {
     }
 }
 
-/// No keys but those that are named; what a preset gives may be left out.
+/// Permits no unnamed keys; a key that a preset supplies may be left out.
 fn closed(schema: &mut Schema) {
     let Some(object) = schema.as_object_mut() else {
         return;
@@ -84,7 +84,7 @@ fn closed(schema: &mut Schema) {
     object.insert("additionalProperties".to_string(), false.into());
 }
 
-/// Where a range of a schema belongs: on its items, if it has some.
+/// The schema to which a range belongs: that of the items of a list.
 fn ranged(schema: &mut Schema) -> Option<&mut Map<String, Value>> {
     let object = schema.as_object_mut()?;
     match object.contains_key("items") {
@@ -107,7 +107,7 @@ pub fn not_negative(schema: &mut Schema) {
     }
 }
 
-/// Given by a preset where a scene leaves it out.
+/// A preset supplies the key where a scene leaves it out.
 pub fn by_preset(schema: &mut Schema) {
     schema.insert("x-preset".to_string(), true.into());
 }
@@ -144,7 +144,7 @@ pub fn property<'a>(schema: &'a Value, key: &str) -> Option<&'a Value> {
         .or_else(|| alternatives.flatten().find_map(|one| property(one, key)))
 }
 
-/// Every key of a schema, dotted; a body's name stands as NAME.
+/// Every key of a schema, dotted; NAME stands for the name of a body.
 pub fn keys(schema: &Value) -> Vec<String> {
     let mut found = Vec::new();
     collect(schema, "", &mut found);

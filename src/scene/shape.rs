@@ -4,14 +4,14 @@ use super::{Dimension, Domain, Shape};
 use std::f64::consts::PI;
 
 impl Shape {
-    /// True for shapes that hang free and are packed about the origin: where they hang enters the
-    /// impact only. Layers and blocks meet sides of the box and are packed in box coordinates.
+    /// True for free shapes, which are packed about the origin: only the impact uses their
+    /// position. Layers and blocks touch sides of the box and are packed in box coordinates.
     pub fn is_free(&self) -> bool {
         matches!(self, Shape::Sphere { .. } | Shape::Ellipsoid { .. })
     }
 
-    /// Lowest and highest corner of the bounding box, m, of what is inside mirror planes. y is 0
-    /// throughout in 2-D.
+    /// Lowest and highest corner of the bounding box, m, of the part inside mirror planes. y is 0
+    /// in 2-D.
     pub fn bounds(&self, domain: &Domain, dimension: Dimension) -> ([f64; 3], [f64; 3]) {
         let around = |centre: &[f64; 3], half: [f64; 3]| {
             let low = std::array::from_fn(|axis| centre[axis] - half[axis]);
@@ -86,8 +86,8 @@ impl Shape {
     }
 }
 
-/// Points of the unit lattice about the origin inside an ellipsoid, its surface included; along
-/// axes that are cut the lattice stands half a cell from the plane, and one side counts.
+/// Number of points of the unit lattice about the origin in an ellipsoid, its surface included;
+/// along cut axes the lattice starts half a cell from the plane, on one side.
 pub(super) fn lattice(dimension: Dimension, semi_axes: [f64; 3], is_cut: [bool; 2]) -> u64 {
     let [x, y, z] = semi_axes;
     let off = is_cut.map(|cut| if cut { 0.5 } else { 0.0 });

@@ -1,8 +1,8 @@
-//! Words as users type them: what was meant, and what can be printed.
+//! Words as users type them: the probable meaning, and printable texts.
 
-/// From which likeness (1 is equal) on a word may be meant: one letter in three is wrong.
+/// Likeness (1 is equal) from which a word may be meant: one wrong letter in three.
 pub(super) const ALIKE: f64 = 0.6;
-/// The same of a key of another table.
+/// Likeness from which a key of another table may be meant.
 const VERY_ALIKE: f64 = 0.8;
 
 /// The word most like `given`, with its likeness from 0 to 1.
@@ -23,7 +23,7 @@ pub(super) fn nearest<'a>(
 /// The key, one of `keys`, spelled most like `given` in the tables beside, above and below that at
 /// `path`.
 pub(super) fn beside(given: &str, path: &str, keys: &[String]) -> Option<(String, f64)> {
-    // The name of a body stands for any.
+    // One schema describes all bodies.
     let general = match path.strip_prefix("body.") {
         Some(rest) => rest.find('.').map_or("body.NAME".to_string(), |end| {
             format!("body.NAME{}", &rest[end..])

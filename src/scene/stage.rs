@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::schema::{not_negative, positive};
 use super::unit::{Density, Length, List, Rate, SpecificEnergy, Time};
 
-/// How a body's particles are first placed.
+/// Initial arrangement of the particles of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Arrangement {
@@ -35,7 +35,7 @@ pub struct Pack {
 pub struct Packing {
     /// Poisson-disk sampling and optimisation, or a simple cubic lattice.
     pub arrangement: Arrangement,
-    /// Standard deviation of density at which the optimisation is done (poisson).
+    /// Standard deviation of density at which the optimisation ends (poisson).
     #[serde(with = "Density")]
     #[schemars(transform = positive)]
     pub tolerance: f64,
@@ -57,7 +57,7 @@ impl Default for Packing {
     }
 }
 
-/// Run at rest before the impact; absent is none.
+/// Relaxation at rest before the impact; none if absent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Relax {
@@ -90,14 +90,14 @@ impl Default for Relax {
     }
 }
 
-/// The simulation proper.
+/// The simulation of the impact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Impact {
     /// Simulated time to reach.
     #[serde(with = "Time")]
     #[schemars(transform = positive)]
     pub end: f64,
-    /// Wall-clock time between checkpoints in flight; in no key.
+    /// Wall-clock time between checkpoints of a running stage; in no key.
     #[serde(default = "Impact::checkpoint_every", with = "Time")]
     #[schemars(transform = positive)]
     pub checkpoint_every: f64,
@@ -113,8 +113,11 @@ impl Impact {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Colouring {
+    /// Colour of the body.
     Body,
+    /// Speed of the particle.
     Speed,
+    /// Pressure at the particle.
     Pressure,
 }
 
@@ -159,7 +162,7 @@ pub struct Post {
     pub references: Vec<Reference>,
 }
 
-/// No reference curve is longer, bytes.
+/// Largest size of a reference curve, bytes.
 pub const LONGEST_REFERENCE: u64 = 256 << 20;
 
 /// A reference curve from a CSV file with the column names of `measures.csv`.
@@ -167,16 +170,16 @@ pub const LONGEST_REFERENCE: u64 = 256 << 20;
 pub struct Reference {
     /// Name in the plots.
     pub label: String,
-    /// CSV file with columns as in measures.csv, from this file.
+    /// CSV file with columns as in measures.csv; its path is relative to this file.
     #[schemars(with = "String")]
     pub path: PathBuf,
-    /// From when its times count: the start of the run, or the contact of the drop. Left out: start
-    /// for the column time_s, contact for time_after_contact_s.
+    /// Zero of its times: the start of the run, or the contact of the drop. Left out: start for the
+    /// column time_s, contact for time_after_contact_s.
     #[serde(default)]
     pub clock: Option<Clock>,
 }
 
-/// From which instant the times of a table count.
+/// Zero of the times of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
@@ -187,7 +190,7 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// Names of the column of times, in seconds, that goes with each clock.
+    /// Name of the column of times, in seconds, for each clock.
     pub const COLUMNS: [(&'static str, Clock); 2] = [
         ("time_s", Clock::Start),
         ("time_after_contact_s", Clock::Contact),

@@ -1,13 +1,13 @@
 //! Mirror planes: scenes that are a part of a symmetric whole.
 //!
 //! A lateral side of the box may be a plane of symmetry, [`Side::Mirror`]. The box is then half of
-//! a whole that is unfolded about its low side, or about the high one if only that is a mirror; if
-//! both are, the whole is periodic. A round body whose centre lies in the plane of unfolding is cut
-//! by it, a block that touches the plane goes on behind it. `box.symmetry` makes such a part of a
-//! whole scene. Solvers, checkpoints and logs know the part only; measures are those of the whole,
-//! in which a body beside the plane has an image. An axis whose plane of unfolding cuts no body is
-//! not unfolded: its mirrors are sides without friction, and measures are those of the box.
-//! Mist that crosses the plane of unfolding is reflected like all else; at the plane on the other
+//! a whole that is unfolded about its low side, or about the high side if only that is a mirror; if
+//! both are, the whole is periodic. The plane of unfolding cuts a round body whose centre lies in
+//! it; a block that touches the plane continues behind it. `box.symmetry` cuts such a part from a
+//! whole scene. Solvers, checkpoints and logs contain the part only; measures are those of the
+//! whole, in which a body beside the plane has an image. An axis whose plane of unfolding cuts no
+//! body is not unfolded: its mirrors are frictionless sides, and measures are those of the box.
+//! Mist that crosses the plane of unfolding is reflected like all liquid; at the plane on the other
 //! side of the box it is removed, as at the periodic sides of the whole.
 //! Tests: tests/engine/scene_symmetry.rs, tests/engine/method_mirror.rs.
 
@@ -37,8 +37,8 @@ impl Domain {
         (0..3).any(|axis| self.fold(axis).is_some())
     }
 
-    /// Whether `x` m is beyond a side of the box that mist does not come back from: any but that of
-    /// unfolding. In the whole, what crosses that is still inside.
+    /// Whether `x` m is beyond a side of the box from which mist does not return: any side but that
+    /// of unfolding. A particle that crosses that one is still inside the whole.
     pub fn is_crossed(&self, axis: usize, x: f64) -> bool {
         let fold = self.fold(axis);
         let size = self.size[axis];
@@ -63,7 +63,7 @@ impl Shape {
         })
     }
 
-    /// Of how many equal parts this is one: 2 for each plane of unfolding that it meets.
+    /// Number of equal parts of which this is one: a factor of 2 for each plane of unfolding.
     pub fn parts(&self, domain: &Domain) -> f64 {
         let met = (0..3).filter(|axis| self.is_met(domain, *axis)).count();
         2f64.powi(met as i32)
@@ -85,7 +85,7 @@ impl Shape {
 
 impl Scene {
     /// The side about which an axis is unfolded to the whole: that of a mirror plane that cuts a
-    /// body, or that a block touches. A layer alone meets every side and makes no whole.
+    /// body or touches a block. A layer alone touches every side and does not count.
     pub fn unfolds(&self, axis: usize) -> Option<usize> {
         let is_cut = |body: &Body| body.shape.is_met(&self.domain, axis);
         let solid = |body: &&Body| !matches!(body.shape, Shape::Layer { .. });
@@ -94,8 +94,8 @@ impl Scene {
         bodies.any(is_cut).then_some(fold)
     }
 
-    /// The whole that this scene is a part of; a scene that no mirror plane cuts is itself. Bodies
-    /// that the planes do not meet are followed, after all others, by their images.
+    /// The whole of which this scene is a part; the scene itself if no mirror plane cuts it. Images
+    /// of bodies that the planes do not touch come after all other bodies.
     pub fn whole(&self) -> Scene {
         let mut whole = self.clone();
         for axis in 0..3 {
@@ -143,7 +143,7 @@ fn image(body: &Body, axis: usize, plane: f64) -> Body {
     image
 }
 
-/// Puts a body of the part where it is in the whole.
+/// Moves a body of the part to its place in the whole.
 fn unfold(body: &mut Body, domain: &Domain, axis: usize, fold: usize) {
     let size = domain.size[axis];
     let (shift, near) = ([size, 0.0][fold], EQUAL * size);
@@ -162,7 +162,7 @@ fn unfold(body: &mut Body, domain: &Domain, axis: usize, fold: usize) {
     }
 }
 
-/// Cuts a whole scene as `box.symmetry` asks; mirror planes then stand at its low sides.
+/// Cuts a whole scene as `box.symmetry` requires; its low sides become mirror planes.
 ///
 /// # Errors
 /// [`SceneError`] if the scene is not symmetric about its middle.
@@ -187,7 +187,7 @@ pub(super) fn cut(
     Ok(())
 }
 
-/// What is not symmetric about the middle of an axis, and what would be.
+/// What is not symmetric about the middle of an axis, and a remedy.
 fn lopsided(scene: &Problem, axis: usize) -> Option<(String, String)> {
     let (domain, name) = (&scene.domain, AXES[axis]);
     let [low, high] = domain.boundary[axis];
@@ -211,7 +211,7 @@ fn lopsided(scene: &Problem, axis: usize) -> Option<(String, String)> {
     })
 }
 
-/// What moves or pulls across the planes of an axis, and what would not.
+/// What moves or acts across the planes of an axis, and a remedy.
 pub(super) fn crosswise(scene: &Problem, axis: usize) -> Option<(String, String)> {
     let name = AXES[axis];
     let domain = &scene.domain;
@@ -231,7 +231,7 @@ pub(super) fn crosswise(scene: &Problem, axis: usize) -> Option<(String, String)
     }
     scene.bodies.iter().find_map(|body| {
         let across = match body.motion {
-            // A body beside the plane meets its image.
+            // A body beside the plane collides with its image.
             Motion::Uniform(v) => {
                 let meets = domain.fold(axis).is_none() || body.shape.parts(domain) > 1.0;
                 v[axis] != 0.0 && meets

@@ -1,4 +1,4 @@
-//! A scene file as TOML that remembers where each value was written, with `--set` laid over it.
+//! A scene file as TOML that keeps the place of each value, with the overrides of `--set`.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,7 @@ impl Sources {
         }
     }
 
-    /// Where a byte of the sources, one after the other, is.
+    /// Place of a byte of the sources, which follow each other.
     fn place(&self, offset: usize) -> Place {
         let mut end = self.text.len();
         if offset <= end {
@@ -54,7 +54,7 @@ impl Sources {
     }
 }
 
-/// The file with the arguments laid over it. Spans count bytes of all sources.
+/// The file with the overrides. Spans count bytes of all sources.
 #[derive(Clone, Debug)]
 pub struct Tree<'a> {
     pub root: Value<'a>,
@@ -82,7 +82,7 @@ impl<'a> Tree<'a> {
         Ok(tree)
     }
 
-    /// Lays `key.key=value` over the file. The value is TOML if it parses as such, else a string.
+    /// Applies `key.key=value`. The value is TOML if it parses as such, else a string.
     fn set(&mut self, argument: &'a str, span: Range<usize>) -> Result<(), SceneError> {
         let wrong = |problem: &str| SceneError::Argument {
             argument: argument.to_string(),
@@ -118,10 +118,10 @@ impl<'a> Tree<'a> {
         toml::to_string(&plain(self.root.get_ref())).unwrap_or_default()
     }
 
-    /// The type that reads the whole.
+    /// Deserialises the whole file.
     ///
     /// # Errors
-    /// [`SceneError::Unfit`] for what the schema does not refuse and the type does.
+    /// [`SceneError::Unfit`] for a value that the schema permits and the type rejects.
     pub fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T, SceneError> {
         let from = ValueDeserializer::from(self.root.clone());
         T::deserialize(from).map_err(|error| SceneError::Unfit {
@@ -135,8 +135,8 @@ impl<'a> Tree<'a> {
         self.sources.place(offset)
     }
 
-    /// The value at a dotted key, `name[0]` for an item, or the value above it that is nearest,
-    /// with its own key.
+    /// The value at a dotted key, `name[0]` for an item, or the nearest value above it, with its
+    /// own key.
     fn nearest<'k>(&self, key: &'k str) -> (&Value<'a>, &'k str) {
         let mut found = (&self.root, "");
         let ends = key.char_indices().filter(|(_, c)| ['.', '['].contains(c));
@@ -162,7 +162,7 @@ impl<'a> Tree<'a> {
         found
     }
 
-    /// The value at a dotted key, if it is there.
+    /// The value at a dotted key, if it is present.
     pub fn get(&self, key: &str) -> Option<&Value<'a>> {
         let (value, found) = self.nearest(key);
         (found == key).then_some(value)
@@ -180,7 +180,7 @@ impl<'a> Tree<'a> {
         keys.map(|key| key.get_ref().as_ref()).collect()
     }
 
-    /// An error about the value at a dotted key, or about the value above it that is nearest.
+    /// An error about the value at a dotted key, or about the nearest value above it.
     pub fn fault(&self, key: &str, problem: &str, remedy: &str) -> SceneError {
         let (value, found) = self.nearest(key);
         self.fault_of(value, found, problem, remedy)
@@ -240,7 +240,7 @@ pub fn child<'t, 'a>(
     table.entry(name).or_insert_with(empty)
 }
 
-/// As in "an array where a string is wanted".
+/// As in "an array where a string is expected".
 pub fn kind(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "a string",
@@ -268,7 +268,7 @@ pub fn number(value: &DeValue<'_>) -> Option<f64> {
     }
 }
 
-/// The value as it would be written in one line of TOML.
+/// The value in one line of TOML.
 fn inline(value: &DeValue<'_>) -> String {
     plain(value).to_string()
 }
@@ -297,7 +297,7 @@ fn plain(value: &DeValue<'_>) -> toml::Value {
     }
 }
 
-/// A value that stands at a span, with all that is in it.
+/// Sets the span of a value and of all that it contains.
 fn relocated<'a>(value: DeValue<'a>, span: &Range<usize>) -> DeValue<'a> {
     let moved = |item: Value<'a>| {
         let value = relocated(item.into_inner(), span);

@@ -1,7 +1,7 @@
 //! Quantities as settings: f64 in SI in memory, in a file a number in SI or a text with a unit.
 //!
 //! A field names its unit once: `#[serde(with = "Length")] spacing: f64`. Reading, writing and the
-//! JSON schema follow from it. [`Maybe`], [`List`] and [`Unlimited`] do so for `Option<f64>`,
+//! JSON schema follow from it. [`Maybe`], [`List`] and [`Unlimited`] are for `Option<f64>`,
 //! `Vec<f64>` and an f64 that may be infinite.
 
 use std::borrow::Cow;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::quantity::{self, Unit};
 
-/// A type that stands for a unit.
+/// A type that represents a unit.
 pub trait Dimension {
     const UNIT: Unit;
 }
@@ -43,7 +43,7 @@ macro_rules! units {
     )*};
 }
 
-/// What `#[serde(with = "...")]` calls.
+/// The functions that `#[serde(with = "...")]` calls.
 macro_rules! fields {
     ($($name:ident)*) => {$(
         impl $name {
@@ -105,7 +105,7 @@ impl One {
     }
 }
 
-/// Reads a quantity, or a word that stands for infinity.
+/// Reads a quantity, or a word for infinity.
 struct Reader {
     unit: Unit,
     word: Option<&'static str>,

@@ -1,10 +1,10 @@
-//! How far the sums of a scene reach.
+//! Reach of the sums of a scene.
 
 use super::{Problem, TensionForm, Wetting};
 
 impl Problem {
-    /// sqrt(sigma / (rho H)), m/s, of a tension that derives from an energy: rho v^2 of it is what
-    /// its layer may have to hold. At Mach 0.1 of it the layer gives way by 1 %.
+    /// sqrt(sigma / (rho H)), m/s, of a tension that derives from an energy: rho v^2 of it is the
+    /// pressure that its layer may carry. At Mach 0.1 of it the layer is compressed by 1 %.
     pub fn layer_speed(&self) -> f64 {
         match self.effects.tension {
             Some(tension) if tension.form == TensionForm::SurfaceEnergy => {
@@ -16,8 +16,8 @@ impl Problem {
         }
     }
 
-    /// Whether surfaces are followed into walls by sums that are sheared along them: for a stress,
-    /// and for the angles that lines with hysteresis have.
+    /// Whether sums that are sheared along walls continue surfaces into them: for a stress, and for
+    /// the angles of lines with hysteresis.
     pub fn shears(&self, wetting: &Wetting) -> bool {
         let has_energy = self.effects.has_tension(TensionForm::SurfaceEnergy);
         wetting.layers.is_none() && !(has_energy && wetting.hysteresis.is_none())
@@ -30,7 +30,7 @@ impl Problem {
         let over_kernel = match self.effects.tension {
             Some(tension) => {
                 let smoothing = tension.smoothing;
-                // How far beside a particle neighbours are counted, in 2 h (Xie et al., Eq. 14).
+                // Range in which neighbours are counted, in 2 h (Xie et al., Eq. 14).
                 let beside = match tension.form {
                     TensionForm::NumberDensity => 0.5 / sph.smoothing,
                     _ => 0.0,

@@ -1,5 +1,5 @@
-//! A scene from Rust, without files: pack, relax, impact and measure as calls, with the results of
-//! the program, bit for bit.
+//! Simulation of a scene by calls from Rust, without files: pack, relax, impact and measure. The
+//! results are those of the program, bit for bit.
 //!
 //! ```
 //! let scene = coronet::simulate::scene(r#"
@@ -54,7 +54,7 @@ pub enum Error {
     /// The method cannot be set up.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// The physics went wrong.
+    /// The simulation diverged.
     #[error(transparent)]
     Diverged(#[from] Box<Diverged>),
 }
@@ -73,7 +73,7 @@ pub fn scene(text: &str) -> Result<Scene, Error> {
     Ok(file::read(text, Path::new("scene.toml"), &[])?.scene)
 }
 
-/// The same, from a file, with the overrides `sets`, each `key.key=value`.
+/// The scene of a file, with the overrides `sets`, each `key.key=value`.
 ///
 /// # Errors
 /// [`Error::Scene`].
@@ -92,7 +92,7 @@ pub fn pack(scene: &Scene, index: usize) -> Result<Particles, Error> {
     Ok(body)
 }
 
-/// Lets a packed body come to rest, if the scene has a relaxation.
+/// Relaxes a packed body at rest, if the scene has a relaxation.
 ///
 /// # Errors
 /// [`Error::Method`], [`Error::Diverged`].
@@ -115,7 +115,7 @@ pub fn relax(scene: &Scene, packed: Particles) -> Result<Particles, Error> {
     Ok(body)
 }
 
-/// An impact under way.
+/// A running impact.
 pub struct Simulation {
     scene: Scene,
     solver: Box<dyn Solver>,
@@ -126,7 +126,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Packs and relaxes every body, calibrates the tension, and brings all to their places.
+    /// Packs and relaxes every body, calibrates the tension, and moves the bodies to their places.
     ///
     /// # Errors
     /// [`Error`].
@@ -146,7 +146,7 @@ impl Simulation {
         Simulation::of(scene, state, strength.map(|s| s.strength))
     }
 
-    /// Goes on from a state; what is measured counts from it.
+    /// Continues from a state; measures count from it.
     ///
     /// # Errors
     /// [`Error::Method`].
@@ -173,7 +173,7 @@ impl Simulation {
         self.solver.time()
     }
 
-    /// What a log would show now.
+    /// The present frame, as in a log.
     pub fn frame(&self) -> Frame {
         self.solver.frame()
     }
@@ -183,7 +183,7 @@ impl Simulation {
         self.solver.state()
     }
 
-    /// A few steps.
+    /// Makes a few steps.
     ///
     /// # Errors
     /// [`Error::Diverged`].
@@ -191,8 +191,8 @@ impl Simulation {
         Ok(self.solver.advance(&mut |_| ())?)
     }
 
-    /// Goes on to `impact.end`. `each` sees every frame of `frames.interval` with its measures, by
-    /// column name; the result has them all.
+    /// Continues to `impact.end`. `each` is called with every frame of `frames.interval` and its
+    /// measures, by column name; the result contains the measures of all frames.
     ///
     /// # Errors
     /// [`Error::Diverged`].

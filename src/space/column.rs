@@ -14,9 +14,13 @@ const MOST: usize = (2 * REACH + WIDE) * (2 * REACH + WIDE);
 /// Slabs whose numbers are found together.
 const GROUP: usize = 8;
 
+/// Cells from a block of points, beyond any grid: so that numbers of cells fit into 32 bits.
+const FARTHEST: f32 = 1e9;
+
 /// A cell and a place in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
+    /// Which cell.
     pub cell: [usize; 3],
     /// In cells from the low side; outside 0..1 beyond the grid.
     pub part: [f32; 3],
@@ -83,12 +87,14 @@ impl<'a> Columns<'a> {
             for (gaps, ranges) in groups.zip(ranges).take(rows.div_ceil(GROUP)) {
                 for j in 0..GROUP {
                     let r = (left - gaps[j]).max(0.0).sqrt() * per_edge;
-                    // Finite, and far below 2^31: r is at most the cutoff in cells.
-                    ranges[j] = unsafe {
-                        let first = (low.part[2] - r).floor().max(-1e9).to_int_unchecked();
-                        let last = (high.part[2] + r).floor().min(1e9).to_int_unchecked();
-                        (first, last)
-                    };
+                    let (first, last) = ((low.part[2] - r).floor(), (high.part[2] + r).floor());
+                    #[expect(clippy::manual_clamp, reason = "`clamp` would keep what is no number")]
+                    let (first, last) = (
+                        first.max(-FARTHEST).min(FARTHEST),
+                        last.min(FARTHEST).max(-FARTHEST),
+                    );
+                    // SAFETY: both are numbers, below 2^31.
+                    ranges[j] = unsafe { (first.to_int_unchecked(), last.to_int_unchecked()) };
                 }
             }
             for j in 0..rows {

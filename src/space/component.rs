@@ -132,6 +132,7 @@ impl Components {
         self.runs.len()
     }
 
+    /// Whether there are no runs.
     pub fn is_empty(&self) -> bool {
         self.runs.is_empty()
     }

@@ -23,6 +23,7 @@ pub struct Grid {
     pub edge: [f64; 3],
     /// Cells per axis.
     pub count: [usize; 3],
+    /// Which axes are periodic.
     pub periodic: [bool; 3],
     /// Period, or four times the covered length, m.
     range: [f64; 3],
@@ -33,17 +34,18 @@ pub struct Grid {
 /// What makes fixed-point differences multiples of a length, and how exactly pairs are summed.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
+    /// Multiples of the length in a fixed-point unit.
     pub factor: [f64; 3],
+    /// Of the pair sums.
     pub precision: Precision,
 }
 
 impl Scale {
-    /// # Safety
-    /// The processor has the features of `L`.
+    /// The factors in all lanes.
     #[inline(always)]
-    pub unsafe fn lanes<L: Lanes>(self) -> [L::F; 3] {
+    pub fn lanes<L: Lanes>(self, lanes: L) -> [L::F; 3] {
         let [x, y, z] = self.factor;
-        unsafe { [L::constant(x), L::constant(y), L::constant(z)] }
+        [lanes.constant(x), lanes.constant(y), lanes.constant(z)]
     }
 }
 
@@ -54,8 +56,11 @@ impl Scale {
      make the box larger or the spacing smaller"
 )]
 pub struct TooSmall {
+    /// Which axis: 0, 1 or 2.
     pub axis: usize,
+    /// Its length, m.
     pub size: f64,
+    /// The least length that would do, m.
     pub need: f64,
 }
 
@@ -144,6 +149,7 @@ impl Grid {
     pub fn fix_all(&self, axis: usize, x: &[f64], out: &mut [i32]) {
         #[cfg(target_arch = "x86_64")]
         if super::lane::wide() && self.unit[axis] != 0.0 {
+            // SAFETY: `wide` has found AVX2 and FMA.
             return unsafe { fix_avx2(self.low[axis], self.unit[axis], x, out) };
         }
         for (out, x) in out.iter_mut().zip(x) {
@@ -208,7 +214,7 @@ impl Grid {
 /// the ones place in its last bit.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-unsafe fn fix_avx2(low: f64, unit: f64, x: &[f64], out: &mut [i32]) {
+fn fix_avx2(low: f64, unit: f64, x: &[f64], out: &mut [i32]) {
     for (out, x) in out.iter_mut().zip(x) {
         *out = (((x - low) / unit).trunc() + 6755399441055744.0).to_bits() as i32;
     }

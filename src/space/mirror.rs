@@ -75,9 +75,11 @@ impl Planes {
 /// Images of one kind of points, along cells.
 #[derive(Clone, Debug, Default)]
 pub struct Images {
+    /// The cells that they are in.
     pub cells: Cells,
     /// Their points.
     pub source: Vec<u32>,
+    /// How they are reflected.
     pub code: Vec<Code>,
     position: [Vec<f64>; 3],
     indices: Vec<u32>,
@@ -120,10 +122,12 @@ impl Images {
         self.cells.permute(&mut self.code, &mut self.codes);
     }
 
+    /// The number of images.
     pub fn len(&self) -> usize {
         self.source.len()
     }
 
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.source.is_empty()
     }
@@ -136,17 +140,22 @@ impl Images {
 /// The images of liquid and wall.
 #[derive(Clone, Debug)]
 pub struct Mirror {
+    /// Where the planes are.
     pub planes: Planes,
+    /// Of the liquid.
     pub liquid: Images,
+    /// Of the wall.
     pub wall: Images,
     /// First image record.
     pub first: usize,
     /// Of every image record: the record of its point, and how it is reflected.
     pub source: Vec<u32>,
+    /// See `source`.
     pub code: Vec<Code>,
 }
 
 impl Mirror {
+    /// Without images yet.
     pub fn new(planes: Planes) -> Self {
         Mirror {
             planes,
@@ -177,6 +186,7 @@ impl Mirror {
         self.source.len()
     }
 
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.source.is_empty()
     }

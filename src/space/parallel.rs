@@ -12,10 +12,14 @@ pub struct Slots<'a, T> {
     _life: std::marker::PhantomData<&'a mut [T]>,
 }
 
+// SAFETY: it gives access to different items only, each to one thread at a time, as [`Slots::at`]
+// asks: it is as if the items themselves were sent.
 unsafe impl<T: Send> Sync for Slots<'_, T> {}
+// SAFETY: the same; it stands for the slice, which is borrowed by nobody else.
 unsafe impl<T: Send> Send for Slots<'_, T> {}
 
 impl<'a, T> Slots<'a, T> {
+    /// The items of `slice`, which is borrowed for as long.
     pub fn new(slice: &'a mut [T]) -> Self {
         Slots {
             start: slice.as_mut_ptr(),
@@ -24,11 +28,15 @@ impl<'a, T> Slots<'a, T> {
         }
     }
 
+    /// Item `i`.
+    ///
     /// # Safety
-    /// No two threads use the same index at a time.
+    /// `i` is below the length of the slice, and nobody else uses the same item at a time.
+    #[expect(clippy::mut_from_ref, reason = "different items, says the contract")]
     #[inline(always)]
     pub unsafe fn at(&self, i: usize) -> &mut T {
         debug_assert!(i < self.len);
+        // SAFETY: there is such an item, and nobody else uses it.
         unsafe { &mut *self.start.add(i) }
     }
 }

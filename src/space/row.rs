@@ -29,6 +29,8 @@ struct Chunk {
 pub struct Rows {
     chunks: Vec<Chunk>,
     count: usize,
+    /// Every index in a row is below this.
+    bound: usize,
     /// First target: row k belongs to record `first + k`.
     pub first: usize,
 }
@@ -38,23 +40,45 @@ pub struct Rows {
 pub struct Source<'a> {
     /// First of each cell, and the number of all.
     pub start: &'a [u32],
+    /// Their first point.
     pub offset: usize,
 }
 
 impl Source<'_> {
-    /// The points of the cells `first..=last` (one column): first and end.
+    /// The points of the cells `first..=last` (one column): first and end; none if there are no
+    /// such cells.
     #[inline(always)]
     pub(super) fn run(&self, (first, last): (u32, u32)) -> (usize, usize) {
         let begin = self.start[first as usize] as usize;
         let end = self.start[last as usize + 1] as usize;
-        (begin + self.offset, end + self.offset)
+        (begin + self.offset, end.max(begin) + self.offset)
     }
+}
+
+/// The number of points at `at`, without the spare ones.
+///
+/// # Panics
+/// Unless eight coordinates of every axis can be read from each point of `sources` on, and from the
+/// end of their cells on. The reads in [`Near`] and in the sweeps are not checked: they rely on
+/// this, which is asked once per search.
+pub(super) fn count_points(at: &[Vec<i32>; 3], sources: &[Source]) -> usize {
+    let all = at[0].len();
+    assert!(all >= WIDTH, "no spare coordinates");
+    assert!(at.iter().all(|at| at.len() == all), "coordinates differ");
+    let count = all - WIDTH;
+    for source in sources {
+        let last = source.start.last().map_or(0, |&last| last as usize);
+        let fits = source.offset <= count && last <= count - source.offset;
+        assert!(source.start.is_sorted() && fits, "cells of other points");
+    }
+    count
 }
 
 /// One to four sources.
 pub struct Sources<'a>([Source<'a>; 4], usize);
 
 impl<'a> Sources<'a> {
+    /// Those of `some`: one to four.
     pub fn of(some: &[Source<'a>]) -> Self {
         let all = std::array::from_fn(|k| some[k.min(some.len() - 1)]);
         Sources(all, some.len())
@@ -71,9 +95,11 @@ impl<'a> std::ops::Deref for Sources<'a> {
 /// What a build needs.
 #[derive(Clone, Copy)]
 pub struct Search<'a> {
+    /// The cells.
     pub grid: &'a Grid,
     /// Fixed-point coordinates of all points, with at least eight spare at the end.
     pub at: &'a [Vec<i32>; 3],
+    /// Which of the points are looked at.
     pub sources: &'a [Source<'a>],
     /// Longest cutoff, m.
     pub cutoff: f64,
@@ -95,6 +121,7 @@ impl Rows {
         self.count
     }
 
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -112,6 +139,11 @@ impl Rows {
         self.chunks.iter().map(|c| c.index.len()).sum()
     }
 
+    /// One more than the largest index that any row can hold.
+    pub(super) fn bound(&self) -> usize {
+        self.bound
+    }
+
     /// Bytes held for building.
     pub fn scratch(&self) -> usize {
         self.chunks
@@ -122,12 +154,18 @@ impl Rows {
 
     /// Finds the neighbours of the points `first .. first + position.len()`, which lie at
     /// `position` (m).
+    ///
+    /// # Panics
+    /// If the sources or the targets are not all among the points of `search`.
     pub fn build(&mut self, search: Search, first: usize, position: &[Vec<f64>; 3]) {
-        self.first = first;
-        self.count = position[0].len();
+        let (points, count) = (count_points(search.at, search.sources), position[0].len());
+        let fits = first <= points && count <= points - first;
+        assert!(fits, "targets that are no points");
+        // Should this panic on the way, some rows are still those of the last time.
+        self.bound = self.bound.max(points);
+        (self.first, self.count) = (first, count);
         self.chunks
-            .resize_with(self.count.div_ceil(CHUNK), Chunk::default);
-        let count = self.count;
+            .resize_with(count.div_ceil(CHUNK), Chunk::default);
         self.chunks
             .par_iter_mut()
             .enumerate()
@@ -141,6 +179,7 @@ impl Rows {
                     chunk,
                 });
             });
+        self.bound = points;
     }
 }
 
@@ -155,7 +194,7 @@ struct Filling<'a> {
 
 impl Job for Filling<'_> {
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, lanes: L) {
         let (search, first, position, chunk) = (self.search, self.first, self.position, self.chunk);
         chunk.start.clear();
         chunk.index.clear();
@@ -171,22 +210,32 @@ impl Job for Filling<'_> {
                 end += 1;
             }
             let found = columns.about(&low, &high, cutoff);
-            let count = chunk.near.gather(search, found);
+            // SAFETY: `build` has counted the points of the search.
+            let count = unsafe { chunk.near.gather(search, found) };
             for k in k..end {
                 chunk.start.push(chunk.index.len() as u32);
                 let own = first + k;
-                let row = &mut chunk.index;
                 let cutoff = search.cutoff_of(own);
-                unsafe {
-                    let filled = chunk.near.within::<L>(search, (own, cutoff), count, row);
-                    let padding = row.as_mut_ptr().add(filled) as *mut [u32; WIDTH];
-                    padding.write_unaligned([own as u32; WIDTH]);
-                    row.set_len(filled.next_multiple_of(WIDTH));
-                }
+                let row = &mut chunk.index;
+                chunk.near.within(lanes, search, (own, cutoff), count, row);
+                pad(row, own as u32);
             }
             k = end;
         }
         chunk.start.push(chunk.index.len() as u32);
+    }
+}
+
+/// Fills `row` up with `own` to whole eights. All eight are written: a loop would be mispredicted.
+#[inline(always)]
+fn pad(row: &mut Vec<u32>, own: u32) {
+    row.reserve(WIDTH);
+    let filled = row.len();
+    // SAFETY: there is room for eight, of which fewer are kept.
+    unsafe {
+        let padding = row.as_mut_ptr().add(filled) as *mut [u32; WIDTH];
+        padding.write_unaligned([own; WIDTH]);
+        row.set_len(filled.next_multiple_of(WIDTH));
     }
 }
 
@@ -210,7 +259,7 @@ fn extend(low: &mut Place, high: &mut Place, mut place: Place) -> bool {
     true
 }
 
-/// Candidates, copied together.
+/// Candidates, copied together. `at` is as long as `index`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Near {
     pub at: [Vec<i32>; 3],
@@ -218,9 +267,13 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// Copies the points of `columns`; how many there are. At least eight words more can be read.
+    /// Copies the points of `columns`; how many there are. If there are any, at least eight words
+    /// more can be read.
+    ///
+    /// # Safety
+    /// [`count_points`] has counted the points of `search`.
     #[inline(always)]
-    pub fn gather(&mut self, search: Search, columns: &[(u32, u32)]) -> usize {
+    pub unsafe fn gather(&mut self, search: Search, columns: &[(u32, u32)]) -> usize {
         let (mut count, last) = (0, search.at[0].len() - WIDTH);
         for &column in columns {
             for source in search.sources {
@@ -232,11 +285,14 @@ impl Near {
                     self.index.resize(room, 0);
                 }
                 // Mostly two times eight or less: a loop would be mispredicted.
+                // SAFETY: `begin` and `end` are at most `last`; there is room for all and for two
+                // times eight more.
                 unsafe {
                     self.copy(search.at, begin, count);
                     self.copy(search.at, (begin + WIDTH).min(last), count + WIDTH);
                 }
                 for j in (begin + 2 * WIDTH..end).step_by(WIDTH) {
+                    // SAFETY: the same.
                     unsafe { self.copy(search.at, j, count + j - begin) };
                 }
                 count += end - begin;
@@ -245,57 +301,70 @@ impl Near {
         count
     }
 
-    /// Writes the indices of those of the first `count` that are within `cutoff` m of point `own`,
-    /// itself at distance 0 among them, behind what `row` has, with eight words to spare; to where.
+    /// Appends to `row` the indices of those of the first `count` that are within `cutoff` m of
+    /// point `own`, itself at distance 0 among them.
     #[inline(always)]
-    pub unsafe fn within<L: Lanes>(
+    pub fn within<L: Lanes>(
         &self,
+        lanes: L,
         search: Search,
         (own, cutoff): (usize, f64),
         count: usize,
         row: &mut Vec<u32>,
-    ) -> usize {
-        unsafe {
-            let scale = search.grid.scale(cutoff).lanes::<L>();
-            let [x, y, z] = search.at;
-            let at = [x[own], y[own], z[own]];
-            let one = L::splat(1.0);
-            row.reserve(count + 2 * WIDTH);
-            let mut filled = row.len();
-            let (out, words) = (row.as_mut_ptr(), self.index.as_ptr());
-            let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr());
-            let mut j = 0;
-            while j < count {
-                let other = [
-                    L::load_fixed(x.add(j)),
-                    L::load_fixed(y.add(j)),
-                    L::load_fixed(z.add(j)),
-                ];
-                let d = separation::<L>(at, other, scale);
-                let mut mask = dot(d, d).less_mask(one);
-                if count - j < WIDTH {
-                    mask &= (1 << (count - j)) - 1;
-                }
-                filled += L::compress(mask, words.add(j), out.add(filled));
-                j += WIDTH;
+    ) {
+        assert!(count.div_ceil(WIDTH) <= self.index.len() / WIDTH);
+        let scale = search.grid.scale(cutoff).lanes(lanes);
+        let [x, y, z] = search.at;
+        let at = [x[own], y[own], z[own]];
+        let one = lanes.splat(1.0);
+        row.reserve(count + 2 * WIDTH);
+        let mut filled = row.len();
+        let (out, words) = (row.as_mut_ptr(), self.index.as_ptr());
+        let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr());
+        let mut j = 0;
+        while j < count {
+            // SAFETY: the arrays hold as many whole eights, as asserted.
+            let other = unsafe {
+                [
+                    lanes.load_fixed(x.add(j)),
+                    lanes.load_fixed(y.add(j)),
+                    lanes.load_fixed(z.add(j)),
+                ]
+            };
+            let d = separation(lanes, at, other, scale);
+            let mut mask = dot(d, d).less_mask(one);
+            if count - j < WIDTH {
+                mask &= (1 << (count - j)) - 1;
             }
-            filled
+            // SAFETY: the same; at most `j` were written, and there is room for more than `count`.
+            filled += unsafe { lanes.compress(mask, words.add(j), out.add(filled)) };
+            j += WIDTH;
         }
+        // SAFETY: so many were written.
+        unsafe { row.set_len(filled) };
     }
 
     /// Eight points from `j` on become those from `to` on.
+    ///
+    /// # Safety
+    /// `at` has eight words from `j` on, and every array here has eight from `to` on.
     #[inline(always)]
     unsafe fn copy(&mut self, at: &[Vec<i32>; 3], j: usize, to: usize) {
-        unsafe {
-            for (near, at) in self.at.iter_mut().zip(at) {
+        for (near, at) in self.at.iter_mut().zip(at) {
+            debug_assert!(j + WIDTH <= at.len() && to + WIDTH <= near.len());
+            // SAFETY: eight words are there and there.
+            unsafe {
                 let from = at.as_ptr().add(j) as *const [i32; WIDTH];
                 let to = near.as_mut_ptr().add(to) as *mut [i32; WIDTH];
                 to.write_unaligned(from.read_unaligned());
             }
-            let mut index = [0; WIDTH];
-            for (k, index) in index.iter_mut().enumerate() {
-                *index = (j + k) as u32;
-            }
+        }
+        let mut index = [0; WIDTH];
+        for (k, index) in index.iter_mut().enumerate() {
+            *index = (j + k) as u32;
+        }
+        // SAFETY: eight words are there.
+        unsafe {
             let to = self.index.as_mut_ptr().add(to) as *mut [u32; WIDTH];
             to.write_unaligned(index);
         }
@@ -304,16 +373,15 @@ impl Near {
 
 /// Own minus other, scaled.
 #[inline(always)]
-pub(super) unsafe fn separation<L: Lanes>(
+pub(super) fn separation<L: Lanes>(
+    lanes: L,
     at: [i32; 3],
     other: [L::I; 3],
     scale: [L::F; 3],
 ) -> [L::F; 3] {
-    unsafe {
-        [
-            L::difference(at[0], other[0]) * scale[0],
-            L::difference(at[1], other[1]) * scale[1],
-            L::difference(at[2], other[2]) * scale[2],
-        ]
-    }
+    [
+        lanes.difference(at[0], other[0]) * scale[0],
+        lanes.difference(at[1], other[1]) * scale[1],
+        lanes.difference(at[2], other[2]) * scale[2],
+    ]
 }

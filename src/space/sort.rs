@@ -4,9 +4,10 @@ use super::grid::Grid;
 use super::parallel::each_mut;
 use rayon::prelude::*;
 
-/// First particle of each cell; `start[cells]` is the number of particles.
+/// Particles counted into cells.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
+    /// First particle of each cell; `start[cells]` is the number of particles.
     pub start: Vec<u32>,
     key: Vec<u32>,
     /// `order[new] = old` of the last sort.

@@ -7,7 +7,7 @@
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, Record, WIDTH};
 use super::row::{CHUNK, Rows};
-use super::sweep::{Pair, gathered};
+use super::sweep::{Pair, TOO_FEW, gathered};
 use rayon::prelude::*;
 
 /// What couples a pair, and what else is summed along the row.
@@ -28,22 +28,29 @@ struct Chunk {
 pub struct Sparse {
     chunks: Vec<Chunk>,
     count: usize,
+    /// Every index in a row is below this.
+    bound: usize,
 }
 
 /// Where rows come from: unknown i < `liquid.len()` is a liquid particle; each group of wall
 /// particles is one more unknown, whose row is that of all its members.
 #[derive(Clone, Copy)]
 pub struct Layout<'a> {
+    /// All records: liquid, wall, images.
     pub records: &'a [Record],
+    /// Rows of the liquid particles.
     pub liquid: &'a Rows,
+    /// Rows of the wall particles.
     pub wall: &'a Rows,
     /// Members of group g: `member[start[g] .. start[g + 1]]`, wall indices.
     pub start: &'a [u32],
+    /// See `start`.
     pub member: &'a [u32],
     /// Unknown of each wall particle.
     pub unknown: &'a [u32],
     /// First image record, and the record that each is an image of: it has no unknown of its own.
     pub images: (usize, &'a [u32]),
+    /// Fixed-point units to multiples of the smoothing length.
     pub scale: Scale,
 }
 
@@ -53,6 +60,7 @@ impl Layout<'_> {
         self.liquid.len() + self.start.len().saturating_sub(1)
     }
 
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -88,6 +96,7 @@ impl Sparse {
         self.count
     }
 
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -113,14 +122,18 @@ impl Sparse {
     }
 
     /// SUM weight x over row `i`.
+    ///
+    /// # Panics
+    /// If `x` is shorter than there are unknowns.
     #[inline(always)]
     pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
+        assert!(self.bound <= x.len(), "fewer values than unknowns");
         let (index, weight) = self.row(i);
         let (mut sum, mut k) = ([0.0f64; 4], 0);
         let whole = index.len() / 4 * 4;
         while k < whole {
             for (lane, sum) in sum.iter_mut().enumerate() {
-                // Indices are below `len`, which is asserted once per product.
+                // SAFETY: indices are below the bound, which is at most the length, as asserted.
                 let x = unsafe { *x.get_unchecked(index[k + lane] as usize) };
                 *sum += weight[k + lane] as f64 * x;
             }
@@ -133,6 +146,10 @@ impl Sparse {
     }
 
     /// Couples all unknowns; `degree[i]` becomes the sum of row i, `sums[i]` what else is summed.
+    ///
+    /// # Panics
+    /// If rows were built for more points than there are records, or if a wall particle belongs to
+    /// no unknown that there is.
     pub fn build<const N: usize, P: Couple<N>>(
         &mut self,
         layout: &Layout,
@@ -140,7 +157,14 @@ impl Sparse {
         degree: &mut Vec<f64>,
         sums: &mut Vec<[f32; N]>,
     ) {
-        self.count = layout.len();
+        let (count, records) = (layout.len(), layout.records.len());
+        let bound = layout.liquid.bound().max(layout.wall.bound());
+        assert!(bound <= records, "{TOO_FEW}");
+        let known = layout.unknown.iter().all(|&i| (i as usize) < count);
+        assert!(known, "walls of unknowns that there are not");
+        self.count = count;
+        // Should this panic on the way, some rows are still those of the last time.
+        self.bound = self.bound.max(count);
         self.chunks
             .resize_with(self.count.div_ceil(CHUNK), Chunk::default);
         degree.resize(self.count, 0.0);
@@ -161,10 +185,11 @@ impl Sparse {
             };
             lane::run(layout.scale.precision, job);
         });
+        self.bound = count;
     }
 }
 
-/// Some unknowns of [`Matrix::build`].
+/// Some unknowns of [`Sparse::build`].
 struct Filling<'a, const N: usize, P> {
     layout: &'a Layout<'a>,
     pass: &'a P,
@@ -176,38 +201,42 @@ struct Filling<'a, const N: usize, P> {
 
 impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, lanes: L) {
         let (layout, pass, from, chunk) = (self.layout, self.pass, self.from, self.chunk);
-        unsafe {
-            let n = layout.liquid.len();
-            for (k, (degree, sums)) in self.degree.iter_mut().zip(self.sums).enumerate() {
-                chunk.start.push(chunk.index.len() as u32);
-                let mut lanes = [L::splat(0.0); N];
-                *degree = 0.0;
-                let i = from + k;
-                if i < n {
-                    let row = layout.liquid.row(i);
-                    *degree += append::<L, N, P>(layout, pass, i, row, &mut lanes, chunk);
-                } else {
-                    let g = i - n;
-                    let members = layout.start[g] as usize..layout.start[g + 1] as usize;
-                    for &j in &layout.member[members] {
-                        let (row, j) = (layout.wall.row(j as usize), n + j as usize);
-                        *degree += append::<L, N, P>(layout, pass, j, row, &mut lanes, chunk);
-                    }
-                }
-                for (sum, lanes) in sums.iter_mut().zip(lanes) {
-                    *sum = lanes.sum();
+        let n = layout.liquid.len();
+        for (k, (degree, sums)) in self.degree.iter_mut().zip(self.sums).enumerate() {
+            chunk.start.push(chunk.index.len() as u32);
+            let mut eights = [lanes.splat(0.0); N];
+            *degree = 0.0;
+            let i = from + k;
+            if i < n {
+                let row = layout.liquid.row(i);
+                // SAFETY: `build` has asserted that rows name records.
+                *degree += unsafe { append(lanes, layout, pass, i, row, &mut eights, chunk) };
+            } else {
+                let g = i - n;
+                let members = layout.start[g] as usize..layout.start[g + 1] as usize;
+                for &j in &layout.member[members] {
+                    let (row, j) = (layout.wall.row(j as usize), n + j as usize);
+                    // SAFETY: the same.
+                    *degree += unsafe { append(lanes, layout, pass, j, row, &mut eights, chunk) };
                 }
             }
-            chunk.start.push(chunk.index.len() as u32);
+            for (sum, eight) in sums.iter_mut().zip(eights) {
+                *sum = eight.sum();
+            }
         }
+        chunk.start.push(chunk.index.len() as u32);
     }
 }
 
 /// Appends the couplings of record `target`; their sum. Walls are not coupled to walls.
+///
+/// # Safety
+/// All indices in `row` are below the number of records.
 #[inline(always)]
 unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
+    lanes: L,
     layout: &Layout,
     pass: &P,
     target: usize,
@@ -215,37 +244,43 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     sum: &mut [L::F; N],
     chunk: &mut Chunk,
 ) -> f64 {
-    unsafe {
-        let n = layout.liquid.len();
-        let record = &layout.records[target];
-        let at = [record.at(0), record.at(1), record.at(2)];
-        let scale = layout.scale.lanes::<L>();
-        let mut own = [L::splat(0.0); 6];
-        for (c, own) in own.iter_mut().enumerate().take(5) {
-            *own = L::splat(record.payload(c));
-        }
-        let mut degree = 0.0;
-        chunk.make_room(row.len());
-        let mut kept = chunk.index.len();
-        let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
-        for group in row.chunks_exact(WIDTH) {
-            let pair = gathered::<L>(layout.records, group, at, own, scale);
-            let weight = pass.pair(&pair, sum).to_array();
-            // All are written, and those that count are passed: no branch that cannot be foretold.
-            for (w, &j) in weight.into_iter().zip(group) {
-                let j = layout.original(j as usize);
-                let w = if j >= n && target >= n { 0.0 } else { w };
-                *indices.add(kept) = match j < n {
-                    true => j as u32,
-                    false => layout.unknown[j - n],
-                };
+    let n = layout.liquid.len();
+    let record = &layout.records[target];
+    let at = [record.at(0), record.at(1), record.at(2)];
+    let scale = layout.scale.lanes(lanes);
+    let mut own = [lanes.splat(0.0); 6];
+    for (c, own) in own.iter_mut().enumerate().take(5) {
+        *own = lanes.splat(record.payload(c));
+    }
+    let mut degree = 0.0;
+    chunk.make_room(row.len());
+    let mut kept = chunk.index.len();
+    let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
+    for group in row.chunks_exact(WIDTH) {
+        // SAFETY: a group has eight indices, all of records.
+        let pair = unsafe { gathered(lanes, layout.records, group, at, own, scale) };
+        let weight = pass.pair(&pair, sum).to_array();
+        // All are written, and those that count are passed: no branch that cannot be foretold.
+        for (w, &j) in weight.into_iter().zip(group) {
+            let j = layout.original(j as usize);
+            let w = if j >= n && target >= n { 0.0 } else { w };
+            let unknown = match j < n {
+                true => j as u32,
+                false => layout.unknown[j - n],
+            };
+            // SAFETY: there is room for the whole row, and no more was kept so far.
+            unsafe {
+                *indices.add(kept) = unknown;
                 *weights.add(kept) = w;
-                kept += usize::from(w != 0.0);
-                degree += w as f64;
             }
+            kept += usize::from(w != 0.0);
+            degree += w as f64;
         }
+    }
+    // SAFETY: so many were written.
+    unsafe {
         chunk.index.set_len(kept);
         chunk.weight.set_len(kept);
-        degree
     }
+    degree
 }

@@ -1,4 +1,4 @@
-//! `coronet completions`: what completes the commands in a shell.
+//! `coronet completions`: completion of the commands in a shell.
 
 use anyhow::Result;
 use clap::CommandFactory as _;

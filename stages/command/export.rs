@@ -58,7 +58,7 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
     Ok(())
 }
 
-/// The frames of a run, or else each checkpoint of a result.
+/// Exports the frames of a run, or else each checkpoint of a result.
 fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<export::Exported> {
     if is_there(&path.join(FRAMES))? {
         return Ok(export::export_log(&path.join(FRAMES), folder, format)?);
@@ -73,7 +73,7 @@ fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<e
         }
     }
     if files.is_empty() {
-        bail!(Usage(format!("{} holds no particles", path.display())));
+        bail!(Usage(format!("{} contains no particles", path.display())));
     }
     Ok(export::Exported { files, removed: 0 })
 }

@@ -1,4 +1,4 @@
-//! `coronet gc`: removes what nothing leads to.
+//! `coronet gc`: removes unreachable results.
 
 use std::io::{BufRead as _, IsTerminal as _};
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ pub fn sweep(arguments: &SweepArguments) -> Result<()> {
     if arguments.dry_run {
         return print_swept(sweep::plan(&store, &options)?, json, "would remove");
     }
-    // Refused before anything is asked.
+    // Fails before the question.
     drop(sweep::hold(&store)?);
     let planned = sweep::plan(&store, &options)?;
     let asks = !arguments.yes && !json && std::io::stdin().is_terminal();
@@ -55,7 +55,7 @@ fn options(store: &Store, arguments: &SweepArguments) -> Result<Options> {
     })
 }
 
-/// Asks on the terminal.
+/// Asks for confirmation on the terminal.
 fn agreed() -> Result<bool> {
     note!("remove these results? [y/N]");
     let mut answer = String::new();

@@ -1,4 +1,4 @@
-//! What a user types: one command a file.
+//! The commands: one in each file.
 
 pub mod completions;
 pub mod diff;

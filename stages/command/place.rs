@@ -1,4 +1,4 @@
-//! What a path of the user leads to.
+//! Resolves a path that a user gives.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use coronet::pipeline::stamp;
 
 use crate::fault::Usage;
 
-/// What a path leads to.
+/// The thing at a path.
 pub enum Thing {
     Checkpoint(PathBuf),
     Log(PathBuf),
@@ -35,7 +35,7 @@ pub fn thing(path: &Path) -> Result<Thing> {
         }
         results.sort();
         if results.is_empty() {
-            let text = format!("{} is neither a result nor holds one", path.display());
+            let text = format!("{} neither is nor contains a result", path.display());
             bail!(Usage(text));
         }
         return Ok(Thing::Latest(results));
@@ -44,7 +44,7 @@ pub fn thing(path: &Path) -> Result<Thing> {
         Some(LOG) => Ok(Thing::Log(path.to_path_buf())),
         Some(CHECKPOINT) => Ok(Thing::Checkpoint(path.to_path_buf())),
         _ => bail!(Usage(format!(
-            "{} is no checkpoint (.{CHECKPOINT}), log (.{LOG}) or folder of a result",
+            "{} is not a checkpoint (.{CHECKPOINT}), log (.{LOG}) or folder of a result",
             path.display()
         ))),
     }

@@ -1,4 +1,4 @@
-//! `coronet plan`, and the head of `coronet run`.
+//! `coronet plan`, and the first output of `coronet run`.
 
 use std::path::Path;
 
@@ -16,13 +16,13 @@ use coronet::measure::series::Reference;
 use coronet::scene::file::{self, Loaded};
 use coronet::scene::{Scene, sanity};
 
-/// How much more than this machine's memory is surely too much: forecasts may be a quarter off.
+/// Factor of this machine's memory from which a forecast is too much: its error may be a quarter.
 const DOUBT: f64 = 1.25;
 
-/// Bytes not worth telling.
+/// Size below which memory and disk are not reported, bytes.
 const LITTLE: f64 = 1e8;
 
-/// The scene, with references that can be read: a fault there would be found after the run.
+/// Loads the scene and checks its references: a mistake there would be found only after the run.
 pub fn load(arguments: &PipelineArguments) -> Result<Loaded> {
     let loaded = file::load(&arguments.pipeline, &arguments.set)?;
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
@@ -33,7 +33,7 @@ pub fn load(arguments: &PipelineArguments) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// Warns of settings that are probably not meant.
+/// Warns of settings that are probably not intended.
 pub fn warn(scene: &Scene) {
     for warning in sanity::warnings(scene) {
         note!("warning: {warning}");
@@ -71,7 +71,7 @@ fn needs(memory: f64, disk: f64) -> String {
     format!(", {memory} of memory, {disk} of disk")
 }
 
-/// Refuses what is surely more than this machine's memory holds.
+/// Fails if the forecast is certainly more than this machine's memory.
 pub fn fits(decisions: &[Decision]) -> Result<()> {
     let memory = machine::memory();
     for decision in decisions.iter().filter(|decision| decision.fresh.is_none()) {
@@ -89,14 +89,14 @@ pub fn fits(decisions: &[Decision]) -> Result<()> {
     Ok(())
 }
 
-/// One line a job; a stale one with its reasons, one a line.
+/// One line for each job; the reasons of a stale one follow, one per line.
 pub fn text(decisions: &[Decision]) -> String {
     let mut text = String::new();
     for decision in decisions {
         let (word, label) = (decision.word(), decision.label());
         let mut details = decision.reasons.clone();
         if let Some(start) = &decision.start {
-            details.push(format!("goes on from {start}"));
+            details.push(format!("continues from {start}"));
         }
         if let Some(seconds) = decision.seconds {
             let need = decision.work.filter(|work| work.memory > LITTLE);

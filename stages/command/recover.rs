@@ -17,7 +17,7 @@ pub fn recover(arguments: &RecoverArguments) -> Result<()> {
     let recovered = log::recover(&arguments.log, &new).map_err(|error| match error {
         LogError::NotReplaced { .. } => Usage(error.to_string()).into(),
         error if error.is_damage() => Untrusted(format!(
-            "{error}; nothing was written. Run the pipeline again to get the frames: it goes on \
+            "{error}; nothing was written. Run the pipeline again to get the frames: it continues \
              from its last checkpoint"
         ))
         .into(),

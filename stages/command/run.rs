@@ -16,7 +16,7 @@ use crate::print::{note, out};
 use crate::watch::Screen;
 use crate::{PROGRAM, impact, jobs, journal, post, signals};
 
-/// What a first signal is answered with.
+/// Answer to a first signal.
 const STOPPING: &str = "stopping after the next checkpoint";
 
 pub fn run(arguments: &RunArguments) -> Result<()> {
@@ -56,7 +56,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         threads,
         program: PROGRAM.to_string(),
     };
-    // On one of the threads: from outside, each pass would wait for another thread to wake up.
+    // On one of the threads: outside, each parallel loop would wait for another thread to wake up.
     let ended = match rayon::scope(|_| pipeline::run(&all)) {
         Err(stopped @ PipelineError::Interrupted { .. }) => {
             if let Some(rest) = Rest::of(&store, &pipeline) {
@@ -137,8 +137,8 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
     }
 }
 
-/// Where the results are. Names are for people; scripts get the folders, which never change what
-/// they hold.
+/// Places of the results. Names are for users; scripts get the folders, whose content never
+/// changes.
 fn places(store: &Store, name: &str, find: impl Fn(&str, &str) -> Option<PathBuf>) {
     let latest = latest::folder(store, name);
     out!("latest   {}", latest.display());

@@ -1,4 +1,4 @@
-//! `coronet show`: what a file or a result holds.
+//! `coronet show`: the content of a file or a result.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::answer;
 use crate::arguments::ShowArguments;
 use crate::print::{note, out, shown, size};
 
-/// What is known about a thing, in an order for people.
+/// Facts in the order of printing.
 type Facts = Vec<(&'static str, Value)>;
 
 pub fn show(arguments: &ShowArguments) -> Result<()> {
@@ -41,7 +41,7 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
     Ok(())
 }
 
-/// Reads, and so verifies, a whole checkpoint.
+/// Reads and thereby verifies a whole checkpoint.
 fn checkpoint_facts(path: &Path) -> Result<Facts> {
     let peek = checkpoint::peek(path)?;
     let checkpoint = checkpoint::read(path)?;
@@ -65,7 +65,7 @@ fn checkpoint_facts(path: &Path) -> Result<Facts> {
     ])
 }
 
-/// Least and greatest value; NaN if there is none.
+/// Minimum and maximum; NaN if there is no value.
 fn range(array: &Array) -> (f64, f64) {
     fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
         values.fold((f64::NAN, f64::NAN), |(low, high), value| {
@@ -155,7 +155,7 @@ fn result_facts(folder: &Path, json: bool) -> Result<Facts> {
     Ok(facts)
 }
 
-/// One line a fact; lists below their names.
+/// One line for each fact; lists below their names.
 fn write_facts(facts: &Facts) {
     for (name, value) in facts {
         match value {
@@ -172,7 +172,7 @@ fn write_facts(facts: &Facts) {
     out!("");
 }
 
-/// A value in one line: of an object first its name, then the rest.
+/// A value in one line; an object starts with its name.
 fn line(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

@@ -1,9 +1,9 @@
-//! `coronet study`: a table of runs over one store: what accuracy costs in time, some figures of
-//! each, or which promises hard cases keep.
+//! `coronet study`: a table of runs over one store: the cost of accuracy, figures of each run, or
+//! the promises that hard cases keep.
 //!
 //! The points are the product of the axes, for each case. Each is an ordinary run, so finished
-//! points are never computed again, a killed study goes on, and packed and relaxed bodies are
-//! shared.
+//! points are never computed again, a killed study continues, and points share packed and relaxed
+//! bodies.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -27,21 +27,21 @@ use crate::study::trial::{Outcome, Trial};
 use crate::study::{figures, finding, verdict};
 use crate::watch::duration;
 
-/// The table, one row a point.
+/// The table, one row for each point.
 const TABLE: &str = "study.csv";
 const FIGURE: &str = "error-against-time.svg";
-/// What was found against what theory says, where that differs between points.
+/// Results against theory, where theory differs between points.
 const COMPARISON: &str = "found-against-theory.svg";
-/// The same for reading.
+/// The table as a page.
 const COSTS: &str = "study.md";
-/// The table of figures, one row a point, and the same for reading.
+/// The table of figures, one row for each point, and the table as a page.
 const FIGURES: &str = "figures.csv";
 const READ: &str = "figures.md";
-/// The table of promises, one row each, and the page that sums it up.
+/// The table of promises, one row for each, and its summary page.
 const PROMISES: &str = "promises.csv";
 const PAGE: &str = "promises.md";
 
-/// What a first signal is answered with.
+/// Answer to a first signal.
 pub const STOPPING: &str = "stopping all points after their next checkpoint";
 
 pub fn study(arguments: &StudyArguments) -> Result<()> {
@@ -54,13 +54,13 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     }
 }
 
-/// Where the results of a study are named.
+/// Prefix of the names of a study's results.
 fn folder(path: &Path, artifacts: &Path) -> Result<PathBuf> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     if !is_plain_name(&stem) {
         let path = path.display();
         bail!(Usage(format!(
-            "{path}: {stem:?} cannot name results; rename the file"
+            "{path}: {stem:?} cannot be a name of results; rename the file"
         )));
     }
     Ok(latest::folder(&Store::new(artifacts), &stem))
@@ -172,7 +172,7 @@ fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Who is on the front: of repeats the worst, if it is.
+/// Marks the points on the Pareto front; of repeats only the worst counts.
 fn on_front(samples: &[Sample]) -> Vec<bool> {
     let worst = worst(samples);
     let some: Vec<Sample> = worst.iter().map(|k| samples[*k]).collect();
@@ -183,7 +183,7 @@ fn on_front(samples: &[Sample]) -> Vec<bool> {
     on_front
 }
 
-/// Fails if a promise is broken that the study does not know to be, or kept that it says is broken.
+/// Fails if a promise is broken that is not a known failure, or a known failure is kept.
 fn tell_promises(
     study: &Study,
     trials: &[Trial],
@@ -219,7 +219,7 @@ fn tell_promises(
         }
         out!("{kept} of {} points keep all promises", trials.len());
         if known > 0 {
-            out!("{known} do not, as the study says");
+            out!("{known} do not, as the study states");
         }
         out!("table    {}", out.join(PROMISES).display());
         out!("page     {}", out.join(PAGE).display());
@@ -227,7 +227,7 @@ fn tell_promises(
     let surprises = verdicts.iter().filter(|v| !v.as_told()).count();
     if surprises > 0 {
         bail!(
-            "{surprises} of {} points do not do what {} says; see {}",
+            "{surprises} of {} points do not end as {} states; see {}",
             trials.len(),
             arguments.study.display(),
             out.join(PAGE).display()
@@ -242,8 +242,8 @@ fn run_all(trials: &[Trial], arguments: &StudyArguments) -> Result<Vec<Outcome>>
     run(trials, &arguments.store.artifacts, arguments.jobs, &stop)
 }
 
-/// Runs all points, `jobs` at a time; says what became of each. Those that run when `stop` is set
-/// stop after a checkpoint.
+/// Runs all points, `jobs` at a time; reports the result of each. Points that run when `stop` is
+/// set stop after a checkpoint.
 pub fn run(
     trials: &[Trial],
     artifacts: &Path,
@@ -287,7 +287,7 @@ pub fn run(
     if is_stopped() {
         let done = outcomes.iter().filter(|outcome| outcome.is_ok()).count();
         let text = format!(
-            "stopped on request with {done} of {} points done; the same command goes on from there",
+            "stopped on request with {done} of {} points done; the same command continues there",
             trials.len()
         );
         bail!(Stopped(text));

@@ -1,8 +1,8 @@
 //! `coronet tune`: from a study, the cheapest settings that meet an error.
 //!
-//! Points that the study lacks are run first. Between two spacings of a group, error and time are
-//! taken as powers of the spacing; `--check` runs what was chosen, and if that misses, chooses
-//! again with one point more, so that what it ends with has been measured to meet the error.
+//! Missing points of the study are run first. Between two spacings of a group, error and time are
+//! powers of the spacing; `--check` runs the chosen settings, and if they miss the error, chooses
+//! again with one more point, so that the final settings have been measured to meet the error.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -28,7 +28,7 @@ use crate::study::trial::{Outcome, Trial};
 
 const SPACING: &str = "pack.spacing=";
 
-/// Settings with what is to be expected of them.
+/// Settings with their expected error and cost.
 struct Tuned {
     trial: Trial,
     /// Relative error and cost.
@@ -76,10 +76,10 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
     Ok(())
 }
 
-/// Predictions that may miss before a measured point is taken instead.
+/// Number of wrong predictions after which a measured point is taken instead.
 const TRIES: usize = 3;
 
-/// What has been run: the study, and what was checked.
+/// The points of the study, and the settings that were checked.
 struct Points {
     cost: Cost,
     trials: Vec<Trial>,
@@ -94,7 +94,7 @@ impl Points {
     }
 }
 
-/// The cheapest settings that meet the error: between two points, or else one that was run.
+/// The cheapest settings that meet the error: between two points, or at one that was run.
 fn cheapest(
     points: &Points,
     target: &Target,
@@ -104,7 +104,7 @@ fn cheapest(
 ) -> Result<Tuned> {
     let errors = points.errors(target, arguments)?;
     let samples = samples(points.cost, &points.trials, &points.outcomes, &errors);
-    // What repeats meets the error if all of it does.
+    // Repeats meet the error if all of them do.
     let worst = worst(&samples);
     let some: Vec<Sample> = worst.iter().map(|k| samples[*k]).collect();
     let mut choices = meeting(&some, wanted);
@@ -138,7 +138,7 @@ fn part(text: &str) -> Result<f64, Usage> {
         .filter(|v| *v > 0.0 && v.is_finite())
         .ok_or_else(|| {
             Usage(format!(
-                "--error `{text}` is no error; give a part above zero such as \"5 %\" or 0.05"
+                "--error `{text}` is not an error; give a part above zero such as \"5 %\" or 0.05"
             ))
         })
 }
@@ -147,7 +147,7 @@ fn percent(part: f64) -> String {
     format!("{:.2} %", 100.0 * part)
 }
 
-/// The largest spacing up to that of the choice which suits the scene, and what it should give.
+/// The largest spacing up to that of the choice that is possible, with its expected error and cost.
 fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned> {
     let base = &trials[choice.sample];
     let scene = file::load(&base.pipeline, &base.sets)?.scene;
@@ -197,7 +197,7 @@ fn with_spacing(sets: &[String], spacing: f64) -> Vec<String> {
     sets.iter().map(replace).collect()
 }
 
-/// To 12 digits, so that 40 mm / 80 reads 0.5 mm.
+/// Rounds to 12 digits, so that 40 mm / 80 is shown as 0.5 mm.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
@@ -244,7 +244,7 @@ fn check(
     Ok((errors[errors.len() - 1], cost))
 }
 
-/// `misses`: spacings that were predicted to meet the error and did not, with theirs.
+/// `misses`: spacings that did not meet the error as predicted, with their errors.
 fn tell(
     tuned: &Tuned,
     (target, cost): (&Target, Cost),

@@ -1,4 +1,4 @@
-//! `coronet verify`: whether what is stored is what was made.
+//! `coronet verify`: compares stored results with their stamps.
 
 use anyhow::{Context as _, Result, bail};
 use coronet::pipeline::Store;
@@ -27,25 +27,24 @@ pub fn verify(arguments: &StoreArguments) -> Result<()> {
     }
     let damaged = problems.iter().filter(|problem| problem.damaged).count();
     if damaged > 0 {
-        let text =
-            format!("files that cannot be trusted: {damaged}; `coronet run` makes them again");
+        let text = format!("damaged files: {damaged}; `coronet run` regenerates them");
         bail!(Untrusted(text));
     }
     if count > 0 {
         bail!(Unreadable(format!(
-            "files that cannot be read: {count}; they are left as they are"
+            "files that cannot be read: {count}; they are not changed"
         )));
     }
     if results == 0 {
         let path = store.root().display();
         bail!(Usage(format!(
-            "{path} holds no finished result, so nothing was verified"
+            "{path} contains no finished result, so nothing was verified"
         )));
     }
     Ok(())
 }
 
-/// The store at a path, where there must be one.
+/// The store at a path; fails if there is none.
 pub fn existing(path: &std::path::Path) -> Result<Store> {
     match path.metadata() {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {

@@ -1,4 +1,4 @@
-//! What a study counts as the cost of a point.
+//! The cost of a point of a study.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -6,21 +6,21 @@ use serde::Deserialize;
 use crate::study::trial::Outcome;
 use crate::watch::duration;
 
-/// Of the impact.
+/// Cost of the impact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Cost {
     /// CPU seconds of all threads.
     #[default]
     Cpu,
-    /// Seconds by the clock.
+    /// Wall time, s.
     Wall,
-    /// Most memory of the process, MB.
+    /// Peak memory of the process, MB.
     Memory,
 }
 
 impl Cost {
-    /// `NaN` where it is not known.
+    /// The cost of a point; NaN if unknown.
     pub fn of(self, outcome: &Outcome) -> f64 {
         let Outcome::Done {
             cpu_seconds,

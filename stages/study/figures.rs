@@ -1,4 +1,4 @@
-//! What a study without an error tells: figures of each point, and their curves in time together.
+//! Results of a study without an error: figures of each point, and plots of their curves in time.
 
 use std::path::Path;
 
@@ -62,7 +62,7 @@ impl Figure {
 }
 
 impl Study {
-    /// Whether what figures and curves name is there.
+    /// Checks that the names in figures and curves exist.
     pub fn check_figures(&self) -> Result<(), String> {
         for figure in &self.figure {
             figure.times().map_err(|error| error.to_string())?;
@@ -83,7 +83,7 @@ impl Study {
                 let axes: Vec<&str> = self.axis.iter().map(|axis| axis.name.as_str()).collect();
                 let axes = axes.join(", ");
                 return Err(format!(
-                    "[[curves]] each: `{each}` is no axis; axes are {axes}"
+                    "[[curves]] each: `{each}` is not an axis; axes are {axes}"
                 ));
             }
         }
@@ -102,7 +102,7 @@ impl Study {
     }
 }
 
-/// The measures of each point that came to its end, times from contact.
+/// The measures of each finished point, times from contact.
 ///
 /// # Errors
 /// If a scene cannot be read.
@@ -120,7 +120,7 @@ pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option
         .collect()
 }
 
-/// The figures of each point, `NaN` where it has none; `folder`: of the study file.
+/// The figures of each point, NaN where it has none; `folder`: of the study file.
 ///
 /// # Errors
 /// A column that no point measures; a reference that cannot be read.
@@ -167,7 +167,7 @@ pub fn measure(
     Ok(rows)
 }
 
-/// One row a point, SI, as CSV.
+/// One row for each point, SI, as CSV.
 pub fn table(
     study: &Study,
     trials: &[Trial],
@@ -190,13 +190,13 @@ pub fn table(
     Ok(file.into_inner()?)
 }
 
-/// A row of a table that no spreadsheet takes for formulas: labels come from study files.
+/// A row of a table without formulas for spreadsheets: labels come from study files.
 pub fn cells<T: AsRef<str>>(row: impl IntoIterator<Item = T>) -> Vec<String> {
     let row = row.into_iter();
     row.map(|text| cell(text.as_ref()).into_owned()).collect()
 }
 
-/// A number for a table; nothing for none.
+/// A number for a table; empty for NaN.
 pub fn number(value: f64) -> String {
     match value.is_finite() {
         true => format!("{value}"),
@@ -204,7 +204,7 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// The same for reading.
+/// The table as a page.
 pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], found: &[Vec<f64>]) -> String {
     let axes = study.axis.iter().map(|axis| axis.name.as_str());
     let names = study.figure.iter().map(|figure| figure.name.as_str());
@@ -226,7 +226,7 @@ pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], found: &[Vec<
     page
 }
 
-/// The plots: of more curves than colours, the second round is dashed.
+/// The plots; further curves than there are colours are dashed.
 ///
 /// # Errors
 /// A reference that cannot be read.

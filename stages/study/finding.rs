@@ -1,4 +1,4 @@
-//! What a study found: groups, table, figure, sentences.
+//! Results of a study: groups, table, figure, sentences.
 
 use anyhow::Result;
 use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
@@ -12,14 +12,14 @@ use crate::study::points::Study;
 use crate::study::target::{Found, Target};
 use crate::study::trial::{Outcome, Trial};
 
-/// Below this order an error does not fall with the spacing, to speak of.
+/// Order below which an error does not decrease significantly with the spacing.
 const LEVEL: f64 = 0.2;
 
-/// Relative errors from this on are in the table only: on a plot they would leave no room.
+/// Relative errors from this value are in the table only, not in the plot.
 const HOPELESS: f64 = 10.0;
 
-/// Which axes name groups: not that of the spacing, nor those that repeat. An axis is the spacing's
-/// if points that differ in it alone differ in spacing.
+/// Axes that name groups: not that of the spacing, nor those that repeat. An axis is that of the
+/// spacing if points that differ only in it differ in spacing.
 fn naming(trials: &[Trial]) -> Vec<bool> {
     let Some(first) = trials.first() else {
         return Vec::new();
@@ -37,7 +37,7 @@ fn naming(trials: &[Trial]) -> Vec<bool> {
     (0..first.labels.len()).map(names).collect()
 }
 
-/// Name of the group of each point: its labels without that of its spacing, and of what repeats.
+/// Name of the group of each point: its labels without those of spacing and repeats.
 fn names(trials: &[Trial]) -> Vec<String> {
     let naming = naming(trials);
     let name = |trial: &Trial| {
@@ -79,7 +79,7 @@ pub fn samples(cost: Cost, trials: &[Trial], outcomes: &[Outcome], errors: &[f64
         .collect()
 }
 
-/// The table, one row a point, as CSV.
+/// The table, one row for each point, as CSV.
 pub fn table(
     study: &Study,
     trials: &[Trial],
@@ -116,7 +116,7 @@ pub fn table(
     Ok(file.into_inner()?)
 }
 
-/// Error against time. Of repeats the worst is joined to the next spacing's.
+/// Error against cost. A line joins the worst of the repeats of each spacing.
 pub fn figure(
     study: &Study,
     target: &Target,
@@ -163,8 +163,8 @@ pub fn figure(
     }
 }
 
-/// What was found over what theory says, against that, of the finest points of each method; and
-/// the range of theory over its middle.
+/// Results over theory, against theory, for the finest points of each method; and the range of
+/// theory over its middle.
 pub fn comparison(study: &Study, target: &Target, trials: &[Trial], found: &[Found]) -> Plot {
     let finest = trials
         .iter()
@@ -213,7 +213,8 @@ pub fn comparison(study: &Study, target: &Target, trials: &[Trial], found: &[Fou
     }
 }
 
-/// Colour and mark of each group: one colour a group; of more groups than colours, one a method.
+/// Colour and mark of each group: one colour for each group, or for each method if there are more
+/// groups than colours.
 fn looks(trials: &[Trial]) -> Vec<([u8; 3], Mark)> {
     let (groups, names) = (groups(trials), names(trials));
     let method = |group: &String| {
@@ -244,7 +245,8 @@ fn short(spacing: f64) -> String {
     human(rounded.unwrap_or(spacing), Unit::Length)
 }
 
-/// A page: one row a group, one column a spacing, with error and cost; below, the sentences.
+/// A page: one row for each group, one column for each spacing, with error and cost; then the
+/// sentences.
 pub fn page(
     study: &Study,
     target: &Target,
@@ -298,19 +300,19 @@ fn cell(study: &Study, target: &Target, outcome: &Outcome, sample: &Sample) -> S
     }
 }
 
-/// A group for people.
+/// Name of a group in messages.
 pub fn named(group: &str) -> &str {
     if group.is_empty() { "all" } else { group }
 }
 
-/// What a group's accuracy costs, in words.
+/// The cost of accuracy of a group, as a sentence.
 pub fn sentence(cost: Cost, name: &str, samples: &[Sample], group: usize) -> Option<String> {
     let growth = growth(samples, group);
     let mut parts = Vec::new();
     if let Some(order) = growth.order {
         parts.push(format!("error ~ s0^{order:.2}"));
         if order < LEVEL {
-            parts.push("it hardly falls with the spacing".to_string());
+            parts.push("it hardly decreases with the spacing".to_string());
         }
     }
     if let Some(work) = growth.work {

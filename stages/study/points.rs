@@ -1,4 +1,4 @@
-//! A study file and the points that it names.
+//! A study file and its points.
 
 use std::path::{Path, PathBuf};
 
@@ -15,16 +15,16 @@ use crate::study::promise::{Case, Ending};
 use crate::study::target::{Feature, Target};
 use crate::study::trial::Trial;
 
-/// No study file is longer, bytes.
+/// Largest size of a study file, bytes.
 const LONGEST: u64 = 16 << 20;
 
-/// A study file: an `error` to be measured, `figure`s to be told, or `case`s with promises.
+/// A study file: an `error` to measure, `figure`s to compute, or `case`s with promises.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct Study {
     pub title: String,
-    /// From the study file; a case may name another.
+    /// Pipeline file, relative to the study file; a case may name another.
     pipeline: Option<PathBuf>,
-    /// For every point, as after `--set`.
+    /// Overrides for every point, as after `--set`.
     #[serde(default)]
     set: Vec<String>,
     #[serde(default)]
@@ -54,7 +54,7 @@ pub struct Axis {
     values: Vec<toml::Value>,
     #[serde(default)]
     points: Vec<Choice>,
-    /// Its points are the same thing done again, as with other seeds: what counts is the worst.
+    /// Its points are repeats, as with other seeds: the worst counts.
     #[serde(default)]
     repeat: bool,
 }
@@ -66,11 +66,10 @@ pub struct Choice {
     set: Vec<String>,
 }
 
-/// A number that the measures of every point come down to. Times count from contact, where there is
-/// one.
+/// A number from the measures of every point. Times count from contact, if there is one.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct Figure {
-    /// Heads its column.
+    /// Head of its column.
     pub name: String,
     pub column: String,
     #[serde(default)]
@@ -81,9 +80,9 @@ pub struct Figure {
     pub at: Option<String>,
     /// Divided by this column: its mean between the two, or its value at that time.
     pub over: Option<String>,
-    /// Divided by what this table has, from the study file.
+    /// Divided by the value of this table, relative to the study file.
     pub reference: Option<PathBuf>,
-    /// From when its times count; left out: as its column of times says.
+    /// Zero of its times; left out: from the name of its column of times.
     pub clock: Option<Clock>,
 }
 
@@ -93,9 +92,9 @@ pub struct Curves {
     pub column: String,
     /// The axis; without it one plot has all points.
     pub each: Option<String>,
-    /// A table, from the study file, for one more curve.
+    /// A table for one more curve, relative to the study file.
     pub reference: Option<PathBuf>,
-    /// From when its times count; left out: as its column of times says.
+    /// Zero of its times; left out: from the name of its column of times.
     pub clock: Option<Clock>,
 }
 
@@ -107,8 +106,8 @@ pub fn schema() -> String {
     format!("{:#}\n", schema::of::<Study>("Coronet study").to_value())
 }
 
-/// The study and its points, each checked against the format of scenes before anything runs. With
-/// cases, the points of each case in turn; a point that a case excludes is none.
+/// The study and its points, each checked against the format of scenes before a run. With cases,
+/// the points of each case in turn, without those that the case excludes.
 pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
     let wrong = |what: String| Usage(format!("{}: {what}", path.display()));
     let content = match coronet::file::read(path, LONGEST) {
@@ -155,7 +154,7 @@ impl Study {
         if let Some(label) = self.except.iter().find(|label| !labels.contains(label)) {
             let labels = labels.join("; ");
             return Err(format!(
-                "except: `{label}` is no point; points are {labels}"
+                "except: `{label}` is not a point; points are {labels}"
             ));
         }
         for case in &self.case {
@@ -167,7 +166,7 @@ impl Study {
         Ok(())
     }
 
-    /// Whether the tables that it names can be read; `path`: of the study file.
+    /// Checks that its tables can be read; `path`: of the study file.
     fn check_tables(&self, path: &Path) -> Result<(), String> {
         let folder = path.parent().unwrap_or(Path::new("."));
         let of_error = self.error.iter().filter_map(Target::table);

@@ -1,4 +1,4 @@
-//! Cases of a study and what they promise: hard cases that must stay stable.
+//! Cases of a study and their promises: hard cases that must stay stable.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -14,25 +14,26 @@ use serde::Deserialize;
 use crate::fault;
 use crate::study::trial::{Outcome, Trial};
 
-/// A named case; with axes, it is run at each of their points.
+/// A named case; with axes, it runs at each of their points.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct Case {
     pub name: String,
-    /// From the study file.
+    /// Pipeline file, relative to the study file.
     pub pipeline: Option<PathBuf>,
     #[serde(default)]
     pub set: Vec<String>,
-    /// Points of the axes that claim the case; all if left out.
+    /// Points of the axes at which the case runs; all if left out.
     only: Option<Vec<String>>,
     #[serde(default)]
     pub ends: Ending,
-    /// Words of the explanation, if it ends otherwise than done.
+    /// Words of the message, unless it ends `done`.
     #[serde(default)]
     says: Vec<String>,
-    /// Upper bounds of figures, beside those that every run keeps.
+    /// Upper bounds of figures, besides those of every run.
     #[serde(default)]
     promise: BTreeMap<String, f64>,
-    /// Why a point does not keep its promises: a known failure. One that does is a failure, too.
+    /// Why a point does not keep its promises: a known failure. If it keeps them, that is a
+    /// failure, too.
     #[serde(default)]
     known: BTreeMap<String, String>,
 }
@@ -44,13 +45,13 @@ pub enum Ending {
     /// At the end of its time.
     #[default]
     Done,
-    /// Stopped as diverged, the cause named, what was computed so far kept.
+    /// Stopped as diverged, with the cause; frames and checkpoints are kept.
     Diverged,
-    /// Refused before anything ran, as a mistake in the scene.
+    /// Rejected before the run, as a mistake in the scene.
     Refused,
 }
 
-/// One promise and what became of it.
+/// One promise and its result.
 pub struct Promise {
     pub name: String,
     pub bound: String,
@@ -58,10 +59,10 @@ pub struct Promise {
     pub kept: bool,
 }
 
-/// What became of all promises of a point.
+/// The results of all promises of a point.
 pub struct Verdict {
     pub promises: Vec<Promise>,
-    /// Why not all of them were expected to be kept.
+    /// Reason of a known failure.
     pub known: Option<String>,
 }
 
@@ -70,12 +71,12 @@ impl Verdict {
         self.promises.iter().all(|promise| promise.kept)
     }
 
-    /// Whether this is what the study says.
+    /// Whether the result is the expected one.
     pub fn as_told(&self) -> bool {
         self.kept() == self.known.is_none()
     }
 
-    /// `kept`, `known`: broken and said so, `BROKEN`, or `KEPT`: a known failure that is none.
+    /// `kept`, `known` (a known failure), `BROKEN`, or `KEPT` (a known failure that is kept).
     pub fn word(&self) -> &'static str {
         match (self.kept(), self.known.is_some()) {
             (true, false) => "kept",
@@ -105,7 +106,7 @@ impl Case {
     pub fn check(&self, labels: &[String], has_pipeline: bool) -> Result<(), String> {
         let wrong = |what: String| Err(format!("case `{}`: {what}", self.name));
         if self.pipeline.is_none() && !has_pipeline {
-            return wrong("it needs `pipeline`, for the study has none".to_string());
+            return wrong("it needs `pipeline`, because the study has none".to_string());
         }
         if self.ends != Ending::Done && !self.promise.is_empty() {
             return wrong("promises of figures need a run that ends `done`".to_string());
@@ -123,7 +124,7 @@ impl Case {
         for label in named {
             if !labels.contains(label) {
                 return wrong(format!(
-                    "`{label}` is no point; points are {}",
+                    "`{label}` is not a point; points are {}",
                     labels.join("; ")
                 ));
             }
@@ -131,7 +132,7 @@ impl Case {
         Ok(())
     }
 
-    /// Compares what came of a point with what was promised.
+    /// Compares the result of a point with its promises.
     ///
     /// # Errors
     /// If the frames of a finished point cannot be read.
@@ -186,7 +187,7 @@ impl Case {
             conservation.take(&frame.with_context(log)?);
         }
         let figures = conservation.figures(measures);
-        // What a run cannot have, as the budget of a method without one, it cannot break.
+        // A figure that a run does not have, as an energy budget, cannot break a promise.
         let bound = |name: &str, found: f64| {
             let always = ALWAYS.iter().find(|(always, _)| *always == name);
             let own = self.promise.get(name).copied();

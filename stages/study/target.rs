@@ -1,4 +1,4 @@
-//! What the error of a study is measured against.
+//! The reference of the error of a study.
 
 use std::path::{Path, PathBuf};
 
@@ -14,20 +14,20 @@ use serde::Deserialize;
 use crate::fault::Usage;
 use crate::study::trial::{Outcome, Trial};
 
-/// What the error is measured against: exactly one of `value`, `theory`, `reference` and `finest`.
+/// The reference of the error: exactly one of `value`, `theory`, `reference` and `finest`.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct Target {
     pub column: String,
     /// An exact value, SI.
     value: Option<f64>,
-    /// What follows from the scene of each point.
+    /// A theory that is applied to the scene of each point.
     theory: Option<Theory>,
-    /// What of the column is compared with value or theory.
+    /// Feature of the column that is compared with value or theory.
     #[serde(default)]
     of: Feature,
-    /// A table with the column, from the study file.
+    /// A table with the column, relative to the study file.
     reference: Option<PathBuf>,
-    /// From when its times count, `from` and `to` included; left out: as its column of times says.
+    /// Zero of its times, also of `from` and `to`; left out: from the name of its column of times.
     clock: Option<Clock>,
     /// The point with the smallest spacing.
     #[serde(default)]
@@ -36,7 +36,7 @@ pub struct Target {
     to: Option<String>,
 }
 
-/// What theory says of a scene: a value, or the range that its forms leave.
+/// A theory: gives a value for a scene, or the range of its forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 enum Theory {
@@ -58,7 +58,7 @@ impl Theory {
     }
 }
 
-/// A number that a column comes down to.
+/// A number from a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Feature {
@@ -84,10 +84,10 @@ impl Feature {
     }
 }
 
-/// The times between which something is measured, s; all of them where nothing is said.
+/// The times of a measurement, s; all times by default.
 ///
 /// # Errors
-/// A text that is no time, in the part of the file that is named.
+/// If a text is not a time; `part` is its place in the file.
 pub fn window(part: &str, from: &Option<String>, to: &Option<String>) -> Result<[f64; 2], Usage> {
     let time = |text: &Option<String>, otherwise: f64| match text {
         None => Ok(otherwise),
@@ -98,16 +98,16 @@ pub fn window(part: &str, from: &Option<String>, to: &Option<String>) -> Result<
     Ok([time(from, f64::NEG_INFINITY)?, time(to, f64::INFINITY)?])
 }
 
-/// What a study says of a point.
+/// Result of a point.
 pub struct Found {
-    /// Relative; `NaN` where there is none.
+    /// Relative error; NaN if unknown.
     pub error: f64,
-    /// What it has, and the range in which value or theory want it; `None` with a reference.
+    /// Its value, and the range from value or theory; `None` with a reference.
     pub against: Option<[f64; 3]>,
 }
 
 impl Target {
-    /// What is compared, for people: `crater depth` for `crater_depth_m`.
+    /// What is compared, in words: `crater depth` for `crater_depth_m`.
     pub fn words(&self) -> String {
         const UNITS: [&str; 6] = ["m", "s", "kg", "J", "Pa", "deg"];
         let mut words: Vec<&str> = self.column.split('_').collect();
@@ -146,7 +146,7 @@ impl Target {
         window("[error]", &self.from, &self.to)
     }
 
-    /// What each point has, and the range in which value or theory want it.
+    /// The value of each point, and the range from value or theory.
     fn against_theory(
         &self,
         trials: &[Trial],
@@ -169,7 +169,7 @@ impl Target {
             .collect()
     }
 
-    /// Whether theory wants something else of each point.
+    /// Whether theory differs between points.
     pub fn varies(&self) -> bool {
         self.theory.is_some()
     }

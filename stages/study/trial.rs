@@ -1,5 +1,5 @@
-//! One point of a study: a run of this program in a process of its own, so that points run side by
-//! side and a point that fails takes no other with it.
+//! One point of a study: a run of this program in its own process, so that points run in parallel
+//! and a failure does not affect other points.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -15,38 +15,38 @@ use serde_json::Value;
 
 use crate::fault::{self, Stopped};
 
-/// How often a request to stop is looked for.
+/// Time between two checks for a request to stop.
 const POLL: Duration = Duration::from_millis(20);
 
-/// What is run.
+/// A run of a study.
 #[derive(Clone)]
 pub struct Trial {
-    /// Of its results under `latest/`.
+    /// Name of its results under `latest/`.
     pub name: String,
     pub pipeline: PathBuf,
     pub sets: Vec<String>,
-    /// Case and labels, for people.
+    /// Case and labels, for messages.
     pub title: String,
-    /// Of the study's cases, which.
+    /// Number of its case in the study.
     pub case: Option<usize>,
     /// Label on each axis.
     pub labels: Vec<String>,
     /// Which axes only repeat a point.
     pub repeats: Vec<bool>,
-    /// Word of its method; empty for a scene that is to be refused.
+    /// Name of its method; empty for a scene that must be rejected.
     pub method: &'static str,
     /// Particle spacing, m, and number of particles; NaN for such a scene.
     pub spacing: f64,
     pub count: f64,
 }
 
-/// What came of it.
+/// Result of the run.
 pub enum Outcome {
     Done {
         measures: Series,
         /// The log of the impact.
         frames: PathBuf,
-        /// Of the impact, all attempts, s.
+        /// Times of the impact, all attempts, s.
         cpu_seconds: f64,
         wall_seconds: f64,
         memory_bytes: Option<u64>,
@@ -54,17 +54,17 @@ pub enum Outcome {
         fresh: bool,
     },
     Failed {
-        /// The last line of its complaint.
+        /// The last line of its error.
         why: String,
         /// Exit code.
         code: u8,
-        /// Where checkpoints and frames so far are kept.
+        /// Folder of the checkpoints and frames so far.
         work: Option<PathBuf>,
     },
 }
 
 impl Outcome {
-    /// In one word, for tables.
+    /// The result in one word, for tables.
     pub fn status(&self) -> &'static str {
         match self {
             Outcome::Done { .. } => "done",
@@ -76,7 +76,7 @@ impl Outcome {
         }
     }
 
-    /// Of a point that came to its end.
+    /// The data of a finished point.
     pub fn measures(&self) -> Option<&Series> {
         match self {
             Outcome::Done { measures, .. } => Some(measures),
@@ -90,7 +90,7 @@ impl Trial {
         Ok(file::load(&self.pipeline, &self.sets)?.scene)
     }
 
-    /// When its drop touches, s; zero where there is nothing to touch.
+    /// Time of contact of its drop, s; zero without one.
     pub fn contact(&self) -> Result<f64> {
         Ok(contact_time(&self.scene()?))
     }
@@ -145,7 +145,7 @@ impl Trial {
         let path = |name: &str| lines.last().and_then(|line| line[name].as_str());
         let (Some(folder), Some(table), Some(log)) = (folder, path("measures"), path("frames"))
         else {
-            bail!("point {} tells neither impact nor measures", self.name);
+            bail!("point {} reports neither impact nor measures", self.name);
         };
         let stamp = Stamp::read(Path::new(folder))?.context("the impact has no stamp")?;
         Ok(Outcome::Done {
@@ -159,8 +159,8 @@ impl Trial {
     }
 }
 
-/// Output of a command that runs until it ends or `stop` is set. Its standard input ends when this
-/// process does, however that happens, so that the command stops with it.
+/// Output of a command that runs until it ends or `stop` is set. Its standard input ends with this
+/// process, so that the command then stops, too.
 fn output(command: &mut Command, stop: &AtomicBool) -> std::io::Result<Output> {
     command.stdin(Stdio::piped());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());

@@ -1,4 +1,4 @@
-//! What a study of cases found: which promises are kept, as tables and in words.
+//! Results of a study of cases: the promises that are kept, as tables and in words.
 
 use anyhow::Result;
 
@@ -7,7 +7,7 @@ use crate::study::points::Study;
 use crate::study::promise::Verdict;
 use crate::study::trial::{Outcome, Trial};
 
-/// All promises, one row each, as CSV.
+/// All promises, one row for each, as CSV.
 pub fn table(study: &Study, trials: &[Trial], verdicts: &[Verdict]) -> Result<Vec<u8>> {
     let mut file = csv::Writer::from_writer(Vec::new());
     let axes = study.axis.iter().map(|axis| axis.name.as_str());
@@ -42,7 +42,8 @@ fn columns(trials: &[Trial]) -> Vec<String> {
     columns
 }
 
-/// A page: one row a case, one column a point of the axes; below, what is not kept and why.
+/// A page: one row for each case, one column for each point of the axes; then the broken promises,
+/// with reasons.
 pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], verdicts: &[Verdict]) -> String {
     let columns = columns(trials);
     let heads: Vec<&str> = columns.iter().map(|name| name.as_str()).collect();
@@ -78,7 +79,7 @@ fn cell(verdict: &Verdict, outcome: &Outcome) -> String {
     }
 }
 
-/// One line for each point that does not keep everything, or should not.
+/// One line for each point that breaks a promise, or was expected to.
 pub fn broken(trials: &[Trial], verdicts: &[Verdict]) -> Vec<String> {
     let points = trials.iter().zip(verdicts);
     let bad = points.filter(|(_, verdict)| verdict.word() != "kept");
@@ -89,7 +90,7 @@ pub fn broken(trials: &[Trial], verdicts: &[Verdict]) -> Vec<String> {
                 format!("known: {title}: {}. {why}", verdict.broken())
             }
             (Some(_), true) => {
-                format!("KEPT: {title}: every promise is kept; take it out of `known`")
+                format!("KEPT: {title}: every promise is kept; remove it from `known`")
             }
             _ => format!("BROKEN: {title}: {}", verdict.broken()),
         }

@@ -26,24 +26,29 @@ fn hold(more: usize, less: usize) {
     let _ = HELD.try_with(|held| held.set(held.get().map(change)));
 }
 
+// SAFETY: the allocator of the system does all the work.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         note();
         hold(layout.size(), 0);
+        // SAFETY: the caller promises the same.
         unsafe { System.alloc(layout) }
     }
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         note();
         hold(layout.size(), 0);
+        // SAFETY: the caller promises the same.
         unsafe { System.alloc_zeroed(layout) }
     }
     unsafe fn realloc(&self, old: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         note();
         hold(size, layout.size());
+        // SAFETY: the caller promises the same.
         unsafe { System.realloc(old, layout, size) }
     }
     unsafe fn dealloc(&self, old: *mut u8, layout: Layout) {
         hold(0, layout.size());
+        // SAFETY: the caller promises the same.
         unsafe { System.dealloc(old, layout) }
     }
 }

@@ -18,8 +18,7 @@ impl Visitor for Probe {
     /// w(0.5) x norm in 3-D, whether there is any viscosity, its force.
     type Out = (f64, bool, [f32; 3]);
     fn visit<K: Kernel, V: PairViscosity>(self, viscosity: V) -> Self::Out {
-        // The scalar twin needs no feature of the processor.
-        let [slope, q2, weight] = [2.0, 1.0, 3.0].map(|x| unsafe { Portable::splat(x) });
+        let [slope, q2, weight] = [2.0, 1.0, 3.0].map(|x| Portable::new().splat(x));
         let mut sum = q2.splat3([0.0; 3]);
         let (d, v) = (q2.splat3([0.6, 0.0, 0.8]), q2.splat3([1.0, 0.0, 0.0]));
         viscosity.add(slope, q2, d, v, weight, &mut sum);

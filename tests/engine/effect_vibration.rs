@@ -38,13 +38,10 @@ fn a_free_drop_moves_as_the_box_does_not() {
         let state = disturbed(&scene, 0.0);
         let mut solver = method::build(&scene, state, Phase::Impact, Some(1.0)).unwrap();
         let mut gauge = Gauge::new(&scene);
-        let (mut most, mut last) = ([0.0f64; 2], BTreeMap::new());
+        let mut most = [0.0f64; 2];
+        let mut last: BTreeMap<String, f64> = BTreeMap::new();
         while solver.time() < 0.02 {
-            let row = |solver: &dyn method::Solver, gauge: &mut Gauge| {
-                let row = gauge.measure(&solver.frame()).into_iter();
-                row.collect::<BTreeMap<String, f64>>()
-            };
-            last = row(&*solver, &mut gauge);
+            last = gauge.measure(&solver.frame()).into_iter().collect();
             let phase = TAU * FREQUENCY * solver.time();
             let speed = AMPLITUDE * TAU * FREQUENCY * (1.0 - phase.cos());
             for (axis, part) in [("x", 0.6), ("z", 0.8)] {

@@ -57,8 +57,7 @@ fn slopes_are_derivatives_over_q() {
 fn lanes_follow<K: Kernel>() {
     for k in 0..2000 {
         let q = 0.0011 * k as f64;
-        // Portable needs no feature of the processor.
-        let lanes = unsafe { Portable::splat(q as f32) };
+        let lanes = Portable::new().splat(q as f32);
         let w = K::w_lanes(lanes).to_array()[0];
         let s = K::slope_lanes(lanes).to_array()[0];
         let q = q as f32 as f64;

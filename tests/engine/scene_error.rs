@@ -208,7 +208,7 @@ fn scenes_that_make_no_sense_are_refused() {
     );
     holds(
         &edit("disc = { diameter = \"2 mm\" }"),
-        &["no shape of a 3-D scene", "sphere"],
+        &["not a shape of a 3-D scene", "sphere"],
     );
     holds(
         &edit(&format!("{sphere}\nlayer = {{ depth = \"1 mm\" }}")),
@@ -265,7 +265,7 @@ fn sides_walls_and_times_are_checked() {
         &["box.x", "periodic on one side only"],
     );
     let open = boxed("wall_velocity = { z_high = [1, 0, 0] }");
-    holds(&open, &["box.wall_velocity.z_high", "no wall", "`box.z`"]);
+    holds(&open, &["box.wall_velocity.z_high", "without a wall", "`box.z`"]);
     let through = boxed("wall_velocity = { z_low = [1, 0, 2] }");
     holds(&through, &["moves the wall through the liquid"]);
     let gravity = edited("\"9.81 m/s^2\"", "\"9.81 m/s^2\"\ndirection = [0, 0, 0]").to_string();
@@ -347,7 +347,7 @@ fn arguments_of_set_are_named() {
         &set("body.drop.velocity=5 kg"),
         &[
             "--set body.drop.velocity=5 kg",
-            "`kg` is no known unit of speed",
+            "`kg` is not a known unit of speed",
         ],
     );
     holds(

@@ -374,6 +374,8 @@ fn the_reference_manual_shows_the_true_defaults() {
                 "angle",
                 "advancing",
                 "receding",
+                "amplitude",
+                "frequency",
             ];
             let example = examples.contains(&key);
             if example || !is_key || key.len() == setting.len() {

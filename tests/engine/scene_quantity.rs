@@ -49,10 +49,13 @@ fn wrong_units_are_told_from_unknown_ones() {
     let wrong = parse("3.13 mm", Unit::Speed).unwrap_err();
     assert_eq!(
         wrong.to_string(),
-        "`mm` is the unit of a length, where a speed is wanted"
+        "`mm` is the unit of a length, where a speed is expected"
     );
     let unknown = parse("3.13 furlong", Unit::Speed).unwrap_err();
-    assert_eq!(unknown.to_string(), "`furlong` is no known unit of speed");
+    assert_eq!(
+        unknown.to_string(),
+        "`furlong` is not a known unit of speed"
+    );
     assert_eq!(
         parse("3.13", Unit::Speed),
         Err(QuantityError::NoUnit(Unit::Speed))

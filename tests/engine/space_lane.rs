@@ -4,104 +4,128 @@ use super::cloud::{CHANNEL, Cloud, PERIODIC};
 use super::method_scene::{self, fingerprint};
 use coronet::scene::Dimension;
 use coronet::space::lane::{Half, Lanes, Portable, Real, Record, WIDTH, dot, wide};
+use coronet::space::sparse::{Couple, Sparse};
+use coronet::space::sweep::{self, Field, Pair, Pass};
 use std::process::Command;
 
 /// The words of eight lanes, whatever they are of.
+///
+/// # Safety
+/// `F` is eight f32 or eight f64.
 #[inline(always)]
-unsafe fn store<F: Copy>(x: F, into: &mut Vec<u64>) {
+unsafe fn words_of<F: Copy>(x: F) -> [u64; WIDTH] {
     // A NaN is a NaN: its sign and payload mean nothing.
     let word = |x: f64| if x.is_nan() { f64::NAN } else { x }.to_bits();
     if size_of::<F>() == size_of::<[f32; WIDTH]>() {
+        // SAFETY: they are eight f32.
         let x: [f32; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
-        into.extend(x.map(|x| word(x as f64)));
+        x.map(|x| word(x as f64))
     } else {
+        assert_eq!(size_of::<F>(), size_of::<[f64; WIDTH]>());
+        // SAFETY: they are eight f64.
         let x: [f64; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
-        into.extend(x.map(word));
+        x.map(word)
     }
 }
 
-/// The words of eight coordinates.
+/// Appends them.
 #[inline(always)]
-unsafe fn store_fixed<I: Copy>(x: I, into: &mut Vec<u64>) {
+fn store<F: Real>(x: F, into: &mut Vec<u64>) {
+    // SAFETY: so are all numbers.
+    into.extend(unsafe { words_of(x) });
+}
+
+/// Appends the words of eight coordinates.
+#[inline(always)]
+fn store_fixed<L: Lanes>(x: L::I, into: &mut Vec<u64>) {
+    assert_eq!(size_of::<L::I>(), size_of::<[u32; WIDTH]>());
+    // SAFETY: all lanes have them as eight words.
     let x: [u32; WIDTH] = unsafe { std::mem::transmute_copy(&x) };
     into.extend(x.map(u64::from));
 }
 
 /// Every operation on eight lanes.
 #[inline(always)]
-unsafe fn operate<L: Lanes>(x: [[f32; WIDTH]; 3], out: &mut Vec<u64>) {
-    unsafe {
-        let (a, b, c) = (L::load(&x[0][0]), L::load(&x[1][0]), L::load(&x[2][0]));
-        store(L::splat(x[0][1]), out);
-        store(a.splat(x[0][1]), out);
-        store(a + b, out);
-        store(a - b, out);
-        store(a * b, out);
-        store(a / b, out);
-        store(a + x[1][2], out);
-        store(a - x[1][2], out);
-        store(a * x[1][2], out);
-        store(a.mul_add(b, c), out);
-        store(a.sqrt(), out);
-        store(a.abs(), out);
-        store(a.max(b), out);
-        store(a.at_least(x[1][2]), out);
-        store(a.min(b), out);
-        store(c.if_less(a, b), out);
-        store(dot([a, b, c], [c, a, b]), out);
-        store(L::splat(a.sum()), out);
-        out.push(a.less_mask(b) as u64);
-        store(L::constant(x[0][1] as f64 / 3.0), out);
-        out.extend(
-            (a / b)
-                .to_array()
-                .map(|x| (x.to_bits() as u64, x.is_nan()))
-                .map(|(bits, nan)| if nan { u64::MAX } else { bits }),
-        );
-        let words = x[1].map(|x| x.to_bits() as i32);
-        let other = L::load_fixed(words.as_ptr());
-        store(L::difference(x[0][0].to_bits() as i32, other), out);
-        for count in 0..=WIDTH {
-            store(L::first(count, a, b), out);
-        }
+fn operate<L: Lanes>(lanes: L, x: [[f32; WIDTH]; 3], out: &mut Vec<u64>) {
+    let words = x[1].map(|x| x.to_bits() as i32);
+    // SAFETY: each has eight words.
+    let (a, b, c, other) = unsafe {
+        (
+            lanes.load(x[0].as_ptr()),
+            lanes.load(x[1].as_ptr()),
+            lanes.load(x[2].as_ptr()),
+            lanes.load_fixed(words.as_ptr()),
+        )
+    };
+    store(lanes.splat(x[0][1]), out);
+    store(a.splat(x[0][1]), out);
+    store(a + b, out);
+    store(a - b, out);
+    store(a * b, out);
+    store(a / b, out);
+    store(a + x[1][2], out);
+    store(a - x[1][2], out);
+    store(a * x[1][2], out);
+    store(a.mul_add(b, c), out);
+    store(a.sqrt(), out);
+    store(a.abs(), out);
+    store(a.max(b), out);
+    store(a.at_least(x[1][2]), out);
+    store(a.min(b), out);
+    store(c.if_less(a, b), out);
+    store(dot([a, b, c], [c, a, b]), out);
+    store(lanes.splat(a.sum()), out);
+    out.push(a.less_mask(b) as u64);
+    store(lanes.constant(x[0][1] as f64 / 3.0), out);
+    out.extend(
+        (a / b)
+            .to_array()
+            .map(|x| (x.to_bits() as u64, x.is_nan()))
+            .map(|(bits, nan)| if nan { u64::MAX } else { bits }),
+    );
+    store(lanes.difference(x[0][0].to_bits() as i32, other), out);
+    for count in 0..=WIDTH {
+        store(lanes.first(count, a, b), out);
     }
 }
 
 /// Loads, and every mask of a compression.
 #[inline(always)]
-unsafe fn move_about<L: Lanes>(records: &[Record], index: &[u32; WIDTH], out: &mut Vec<u64>) {
+fn move_about<L: Lanes>(lanes: L, records: &[Record], index: &[u32; WIDTH], out: &mut Vec<u64>) {
     let half = |record: &Record| Half(std::array::from_fn(|k| record.0[k]));
     let halves: Vec<Half> = records.iter().map(half).collect();
     let places = index.map(|j| j as u16);
-    unsafe {
-        let (at, word) = L::gather_halves(halves.as_ptr(), places.as_ptr());
-        at.into_iter().for_each(|x| store_fixed(x, out));
-        store(word, out);
-        let (at, payload) = L::gather(records.as_ptr(), index.as_ptr());
-        at.into_iter().for_each(|x| store_fixed(x, out));
-        payload.into_iter().for_each(|x| store(x, out));
-        for mask in 0..256 {
-            let mut room = [u32::MAX; WIDTH];
-            let count = L::compress(mask, index.as_ptr(), room.as_mut_ptr());
-            out.push(count as u64);
-            out.extend(room[..count].iter().map(|&x| x as u64));
-        }
+    assert!(index.iter().all(|&j| (j as usize) < records.len()));
+    // SAFETY: the indices are those of points.
+    let (at, word) = unsafe { lanes.gather_halves(halves.as_ptr(), places.as_ptr()) };
+    at.into_iter().for_each(|x| store_fixed::<L>(x, out));
+    store(word, out);
+    // SAFETY: the indices are those of records.
+    let (at, payload) = unsafe { lanes.gather(records.as_ptr(), index.as_ptr()) };
+    at.into_iter().for_each(|x| store_fixed::<L>(x, out));
+    payload.into_iter().for_each(|x| store(x, out));
+    for mask in 0..256 {
+        let mut room = [u32::MAX; WIDTH];
+        // SAFETY: there are eight words, and there is room for eight.
+        let count = unsafe { lanes.compress(mask, index.as_ptr(), room.as_mut_ptr()) };
+        out.push(count as u64);
+        out.extend(room[..count].iter().map(|&x| x as u64));
     }
 }
 
 #[inline(always)]
-unsafe fn everything<L: Lanes>(out: &mut Vec<u64>) {
+fn everything<L: Lanes>(lanes: L, out: &mut Vec<u64>) {
     let words = words();
     let n = words.len();
     for shift in [1, 5, 16, 33, 77, 1001] {
         for k in (0..n - WIDTH).step_by(WIDTH) {
             let mut x = [[0.0; WIDTH]; 3];
-            for (row, lanes) in x.iter_mut().enumerate() {
-                for (lane, x) in lanes.iter_mut().enumerate() {
+            for (row, eight) in x.iter_mut().enumerate() {
+                for (lane, x) in eight.iter_mut().enumerate() {
                     *x = f32::from_bits(words[(k + lane + row * shift) % n]);
                 }
             }
-            unsafe { operate::<L>(x, out) };
+            operate(lanes, x, out);
         }
     }
     let mut records = Vec::new();
@@ -111,7 +135,7 @@ unsafe fn everything<L: Lanes>(out: &mut Vec<u64>) {
         records.push(record);
     }
     let index = [5, 0, 17, 3, 3, 40, 21, 8];
-    unsafe { move_about::<L>(&records, &index, out) };
+    move_about(lanes, &records, &index, out);
 }
 
 /// Bits of special values, each beside each other, and of numbers of all sizes.
@@ -155,15 +179,15 @@ fn every_operation_gives_the_bits_of_its_scalar_twin() {
     use coronet::space::lane::{Avx2, Avx2Double, Scalar};
 
     #[target_feature(enable = "avx2,fma,popcnt")]
-    unsafe fn everything_wide<L: Lanes>(out: &mut Vec<u64>) {
-        unsafe { everything::<L>(out) }
+    fn everything_wide<L: Lanes>(lanes: L, out: &mut Vec<u64>) {
+        everything(lanes, out)
     }
-    unsafe fn compare<L: Lanes, T: Lanes>() {
+    fn compare<L: Lanes, T: Lanes>(lanes: L, twin: T) {
         let (mut fast, mut plain) = (Vec::new(), Vec::new());
-        unsafe {
-            everything_wide::<L>(&mut fast);
-            everything::<T>(&mut plain);
-        }
+        assert!(wide());
+        // SAFETY: `wide` has found the features.
+        unsafe { everything_wide(lanes, &mut fast) };
+        everything(twin, &mut plain);
         assert!(fast.len() > 500_000, "{}", fast.len());
         assert_eq!(fast.len(), plain.len());
         let differs = fast.iter().zip(&plain).position(|(a, b)| a != b);
@@ -173,11 +197,12 @@ fn every_operation_gives_the_bits_of_its_scalar_twin() {
     if !wide() {
         return;
     }
-    unsafe {
-        compare::<Avx2<false>, Portable>();
-        compare::<Avx2<true>, Scalar<f32, true>>();
-        compare::<Avx2Double, Scalar<f64, false>>();
-    }
+    // SAFETY: `wide` has found the features.
+    let (mixed, single, double) =
+        unsafe { (Avx2::<false>::new(), Avx2::<true>::new(), Avx2Double::new()) };
+    compare(mixed, Portable::new());
+    compare(single, Scalar::<f32, true>::new());
+    compare(double, Scalar::<f64, false>::new());
 }
 
 /// What rows, sums and whole steps give, as lines `name bits`.
@@ -241,7 +266,6 @@ fn whole_passes_give_the_bits_of_the_scalar_twin() {
     assert_eq!(here, there);
 }
 
-/// Positions within, beyond and far beyond the box, in runs of any length.
 #[test]
 fn payloads_of_a_record_make_no_subnormal_products() {
     let least = 1e-18f32;
@@ -256,6 +280,7 @@ fn payloads_of_a_record_make_no_subnormal_products() {
     assert_eq!(record.payload(0), 0.0);
 }
 
+/// Positions within, beyond and far beyond the box, in runs of any length.
 #[test]
 fn many_positions_are_placed_as_one_is() {
     for sides in [PERIODIC, CHANNEL] {
@@ -276,4 +301,84 @@ fn many_positions_are_placed_as_one_is() {
             }
         }
     }
+}
+
+/// How many neighbours there are.
+struct Count;
+
+impl Pass<1> for Count {
+    type Out = f32;
+    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+        sum[0] += pair.q2.splat(1.0);
+    }
+    fn finish(&self, _: usize, [sum]: [f32; 1], out: &mut f32) {
+        *out = sum;
+    }
+}
+
+impl Couple<1> for Count {
+    fn pair<F: Real>(&self, pair: &Pair<F>, _: &mut [F; 1]) -> F {
+        pair.q2
+    }
+}
+
+fn plane() -> Cloud {
+    let cells = [8.0, 0.0, 8.0];
+    let mut cloud = Cloud::new(Dimension::Two, cells, PERIODIC, [1.3, 0.2], |_| true);
+    cloud.flow.pack(|_, _| [1.0; 5], |_, _| [1.0; 5]);
+    cloud
+}
+
+/// The least of the sums over runs with so many coordinates and words less than there are.
+fn least_without(coordinates: usize, words: usize) -> f32 {
+    let cloud = plane();
+    let flow = &cloud.flow;
+    let count = flow.at[0].len();
+    let at = flow.at.clone().map(|at| at[coordinates..].to_vec());
+    let field = Field {
+        grid: &flow.grid,
+        at: &at,
+        payload: &[vec![1.0f32; count - words]],
+        sources: &flow.sources(),
+        position: &flow.particles.position,
+        own: &[],
+        cutoff: 2.0 * cloud.h,
+        scale: flow.grid.scale(cloud.h),
+    };
+    let targets: Vec<u32> = (0..flow.liquid() as u32).collect();
+    let mut sums = vec![0.0; targets.len()];
+    sweep::runs(field, &targets, &Count, &mut sums);
+    sums.into_iter().fold(f32::INFINITY, f32::min)
+}
+
+// What safe code asks for and is not there is refused, not read.
+
+#[test]
+#[should_panic(expected = "rows of more points than there are records")]
+fn rows_of_too_few_records_are_refused() {
+    let flow = plane().flow;
+    let (scale, records) = (flow.grid.scale(1.0), &flow.records[1..flow.liquid()]);
+    let mut sums = vec![0.0; flow.liquid()];
+    sweep::rows(records, &flow.rows, scale, &Count, &mut sums);
+}
+
+#[test]
+#[should_panic(expected = "cells of other points")]
+fn runs_of_too_few_points_are_refused() {
+    assert!(least_without(0, 0) > 8.0);
+    least_without(1, 1);
+}
+
+#[test]
+#[should_panic(expected = "points without a payload")]
+fn runs_of_too_few_words_are_refused() {
+    least_without(0, 1);
+}
+
+#[test]
+#[should_panic(expected = "fewer values than unknowns")]
+fn products_with_too_few_values_are_refused() {
+    let (cloud, mut matrix) = (plane(), Sparse::default());
+    matrix.build(&cloud.layout(), &Count, &mut Vec::new(), &mut Vec::new());
+    matrix.dot(0, &vec![1.0; matrix.len() - 1]);
 }

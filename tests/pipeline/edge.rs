@@ -147,7 +147,7 @@ fn children_of_a_study_stop_with_it() {
         assert_eq!(unsafe { libc::kill(pid, signal) }, 0);
         let ended = Ended::from(child.wait_with_output().unwrap());
         if signal == libc::SIGTERM {
-            ended.badly(130, &["the same command goes on"]);
+            ended.badly(130, &["the same command continues"]);
         }
         let since = Instant::now();
         while processes(&run) > 0 {

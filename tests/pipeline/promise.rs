@@ -82,7 +82,7 @@ fn broken_promises_are_seen() {
     let third = program(&known.replace("energy_growth = -1", "energy_growth = 10"));
     let said = third.call(&["study", "cases.toml"]);
     said.badly(1, &["2 of 4 points"]);
-    assert!(said.out.contains("take it out of `known`"), "{}", said.out);
+    assert!(said.out.contains("remove it from `known`"), "{}", said.out);
 }
 
 #[test]

@@ -139,7 +139,7 @@ fn goes_on_after(signal: i32, long: &[&str], expected: &BTreeMap<String, String>
     assert_eq!(unsafe { libc::kill(pid, signal) }, 0);
     let ended = crate::program::Ended::from(child.wait_with_output().unwrap());
     if signal == libc::SIGINT {
-        ended.badly(130, &["the same command goes on"]);
+        ended.badly(130, &["the same command continues"]);
     }
     let plan = program.plan(long);
     let next = plan.iter().find(|job| job["status"] != "fresh").unwrap();
@@ -176,7 +176,10 @@ fn a_signal_stops_a_packing() {
     let ended = crate::program::Ended::from(child.wait_with_output().unwrap());
     ended.badly(
         130,
-        &["pack pool: stopped on request", "the same command goes on"],
+        &[
+            "pack pool: stopped on request",
+            "the same command continues",
+        ],
     );
     let plan = program.plan(&[]);
     assert!(

@@ -141,7 +141,7 @@ fn a_damaged_stamp_is_a_reason_to_run_again() {
         let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
         assert_eq!(words(&reports), ["ran", "fresh", "fresh"]);
         assert!(
-            reports[0].reasons[0].contains("no valid stamp"),
+            reports[0].reasons[0].contains("not a valid stamp"),
             "{:?}",
             reports[0].reasons
         );

@@ -13,6 +13,7 @@ mod potential;
 mod vibration;
 mod wall;
 
+use coronet::method::rest::Rest;
 use coronet::method::{self, Diverged, Phase, Solver};
 use coronet::particle::{Frame, Particles, pack::pack};
 use coronet::scene::{Scene, file};
@@ -69,28 +70,24 @@ pub fn relax(scene: &Scene, index: usize, body: &Particles) -> Result<Particles,
         return Ok(body.clone());
     };
     let state = method::resting(problem, body);
-    let mass = state.particles.mass * state.particles.len() as f64;
     let phase = Phase::Relax {
         damping: relax.damping,
     };
+    let mass = state.particles.mass;
     let mut solver = method::build(problem, state, phase, None).expect("builds");
-    // At rest means calm for a tenth of the time: at the very start nothing moves yet.
-    let mut calm_since = f64::INFINITY;
-    while solver.time() < relax.time && solver.time() - calm_since < 0.1 * relax.time {
+    let mut rest = Rest::default();
+    let unrest = loop {
+        let (unrest, is_over) = rest.look(solver.as_ref(), mass, relax);
+        if is_over {
+            break unrest;
+        }
         solver.advance(&mut |_| ())?;
-        let (kinetic, spread) = solver.unrest();
-        let calm = kinetic / mass < relax.kinetic_energy && spread < relax.density_spread;
-        calm_since = if calm {
-            calm_since.min(solver.time())
-        } else {
-            f64::INFINITY
-        };
-    }
-    let (kinetic, spread) = solver.unrest();
+    };
     println!(
-        "  relaxed for {:.3e} s: {:.2e} J/kg, density spread {spread:.3} kg/m^3",
+        "  relaxed for {:.3e} s: {:.2e} J/kg, density spread {:.3} kg/m^3",
         solver.time(),
-        kinetic / mass
+        unrest.energy,
+        unrest.spread
     );
     Ok(method::relaxed(problem, &solver.state()))
 }

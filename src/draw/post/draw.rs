@@ -1,4 +1,4 @@
-//! Plots, panels and fields: files, and what the report shows of them.
+//! Plots, panels and fields: their files, and their part of the report.
 
 use super::{Post, PostError, draw_error};
 use crate::draw::canvas::{Canvas, WHITE};
@@ -25,7 +25,7 @@ impl Post {
         Ok(())
     }
 
-    /// All panels have one frame: the highest of the sections, the fullest of the views.
+    /// All panels have the same size: that of the highest section and the fullest view.
     pub(super) fn draw_panels(&mut self, report: &mut Report) -> Result<(), PostError> {
         let sections = std::mem::take(&mut self.sections);
         let top = sections.iter().map(|(s, _)| s.top()).fold(0.0, f64::max);

@@ -5,14 +5,12 @@ use crate::effect::surface::Surface;
 use crate::effect::wetting::friction::Hold;
 use crate::effect::{Account, Effect};
 use crate::particle::Particles;
-use crate::scene::TensionForm;
-use std::f64::consts::TAU;
+use crate::scene::{TensionForm, limit};
 
 impl Effect for Tension {
-    /// 0.25 sqrt(rho h^3 / (2 pi sigma)) (Morris 2000).
     fn limit(&self, h: f64, density: f64) -> Option<(&'static str, f64)> {
-        let wave = density * h.powi(3) / (TAU * self.coefficient);
-        self.pulls().then(|| ("capillary", 0.25 * wave.sqrt()))
+        let limit = || limit::capillary(h, density, self.coefficient);
+        self.pulls().then(|| ("capillary", limit()))
     }
 
     fn update(&mut self, liquid: &Surface, is_surface: &(dyn Fn(usize) -> bool + Sync)) {

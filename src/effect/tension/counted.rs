@@ -25,8 +25,8 @@
 //!
 //! Walls count as deep liquid: they are wet, unless [`crate::effect::wetting::typed`] says
 //! otherwise. Forces are not those of pairs: a drop may gain momentum.
-//! Fails where liquid is thinner than 2 r_e (n1 of the far side hides who is deeper, so that a film
-//! is squeezed), and, as printed, wherever curvature is not much more than 1 / n0 l0.
+//! Fails where liquid is thinner than 2 r_e (n1 of the far side hides which particle is deeper, so
+//! that a film is squeezed), and, as printed, wherever curvature is not much more than 1 / n0 l0.
 //! Time step: that of the tension. Test: tests/engine/effect_counted.rs.
 
 use super::{FAINT, Tension};

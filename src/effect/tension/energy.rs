@@ -83,6 +83,7 @@ const COEFFICIENTS_3: [f64; 4] = [4.74, 26.859, -82.178, 79.788];
 
 /// e of (1) and its derivatives.
 pub struct Density {
+    /// e.
     pub energy: f64,
     /// By phi.
     pub slope: f64,

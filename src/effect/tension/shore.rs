@@ -32,8 +32,11 @@ use std::collections::HashMap;
 /// Walls with a contact angle, and scratch memory.
 #[derive(Clone, Debug)]
 pub struct Shore {
+    /// Cosine of the contact angle; with hysteresis the mean one.
     pub cosine: f64,
+    /// The box, which says where walls are.
     pub domain: Domain,
+    /// Of the scene.
     pub dimension: Dimension,
     /// s0, m.
     pub spacing: f64,
@@ -53,6 +56,7 @@ pub struct Shore {
 }
 
 impl Shore {
+    /// Walls of which nothing is known yet; `spacing` in m.
     pub fn new(cosine: f64, domain: Domain, dimension: Dimension, spacing: f64) -> Self {
         Shore {
             cosine,
@@ -75,8 +79,8 @@ impl Shore {
             + 24 * self.pulls[0].capacity()
     }
 
-    /// Finds who is under liquid: what is not near a surface is so as the cell of the box before it
-    /// is filled.
+    /// Finds the wall particles under liquid: one that is not near a surface is under liquid if the
+    /// cell of the box before it is filled.
     pub fn see(&mut self, flow: &Surface) {
         let (size, start) = (self.domain.size, &flow.liquid.start);
         let inside = |a: usize, x: f64| {

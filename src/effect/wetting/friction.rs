@@ -79,8 +79,8 @@ impl Friction {
         std::mem::size_of::<Hold>() * self.hold.capacity() + self.means.memory()
     }
 
-    /// Fills `into`, by liquid particle, with (2). `lines`: who is at a contact line; `length`: H,
-    /// m; velocity in m/s.
+    /// Fills `into`, by liquid particle, with (2). `lines`: the particles at contact lines;
+    /// `length`: H, m; velocity in m/s.
     pub fn share<K: Kernel>(
         &mut self,
         flow: &Surface,

@@ -10,7 +10,8 @@
 //!
 //! The paper does not say where n_wall points: n of [`crate::effect::tension`] points into the
 //! liquid, and so n_wall into the wall. With an advancing and a receding angle theta is the angle
-//! of the n that (4) replaces, kept between the two (the paper: one of them, by a motion not told).
+//! of the n that (4) replaces, kept between the two (the paper: one of them, by a
+//! motion that it does not state).
 //!
 //! A line that advances rolls over its film, and one that recedes leaves it behind. L1, L2, L3:
 //! 2.1, 4.1, 4.1 l0. Fails where the drop is not much higher than L2 or in several pieces on one
@@ -20,10 +21,12 @@ use super::friction::Hold;
 use crate::effect::surface::Surface;
 use crate::scene::{Domain, Side, Wetting};
 
-/// The angle, and who is at a contact line.
+/// The angle, and the particles at contact lines.
 #[derive(Clone, Debug)]
 pub struct Typed {
+    /// The contact angle.
     pub angle: Wetting,
+    /// The box, which says where walls are.
     pub domain: Domain,
     /// L1, L2, L3, m.
     pub lengths: [f64; 3],

@@ -1,4 +1,4 @@
-//! Who is near whom: how far rows reach, images, sources, rows.
+//! Neighbours: how far rows reach, images, sources, rows.
 
 use super::{Flow, HASTE, LEAST};
 use crate::space::dilate::dilate;

@@ -47,6 +47,7 @@ impl<K: Kernel, const PRINTED: bool> Couple<6> for Weights<K, PRINTED> {
 pub struct Look<'a, K, const CORRECTED: bool> {
     /// V norm / h^d and that over h.
     pub value: f64,
+    /// What turns a sum of `slope d` into a gradient.
     pub gradient: f64,
     /// Kernel sum at rho0.
     pub full: f32,
@@ -54,6 +55,7 @@ pub struct Look<'a, K, const CORRECTED: bool> {
     pub active: [bool; 3],
     /// Above 0 for particles near a surface, whose L is the identity.
     pub marks: &'a [f32],
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 
@@ -128,7 +130,9 @@ impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
 pub struct Around<K, V> {
     /// m norm / h^(d+1).
     pub factor: f64,
+    /// The viscous part of a pair.
     pub viscosity: V,
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 

@@ -96,8 +96,11 @@ impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
 pub struct Look<'a, const CORRECTED: bool, const BLENDED: bool> {
     /// r_e / h, where the weight of gradients ends to grow, in h, 1 / n0 and d / n0.
     pub reach: f32,
+    /// Where the weight of gradients stops growing, in h.
     pub core: f32,
+    /// 1 / n0.
     pub number: f64,
+    /// d / n0, what turns a sum into a gradient.
     pub value: f64,
     /// h, m.
     pub length: f64,
@@ -105,6 +108,7 @@ pub struct Look<'a, const CORRECTED: bool, const BLENDED: bool> {
     pub smooth: f64,
     /// Axes along which anything varies.
     pub active: [bool; 3],
+    /// Where gradients are blended near a surface.
     pub surface: Surface<'a>,
 }
 
@@ -166,6 +170,7 @@ impl<const CORRECTED: bool, const BLENDED: bool> Pass<21> for Look<'_, CORRECTED
 pub struct Number {
     /// r_e / h and 1 / n0.
     pub reach: f32,
+    /// What turns a sum into an acceleration.
     pub factor: f64,
 }
 
@@ -186,7 +191,9 @@ impl Pass<1> for Number {
 pub struct PressureSlope<'a, const SYMMETRIC: bool, const BLENDED: bool> {
     /// r_e / h, and where the weight ends to grow, in h.
     pub reach: f32,
+    /// Where the weight of gradients stops growing, in h.
     pub core: f32,
+    /// Where gradients are blended near a surface.
     pub surface: Surface<'a>,
 }
 
@@ -249,6 +256,7 @@ impl Pass<3> for Viscous {
 pub struct Around {
     /// r_e / h and 1 / n0.
     pub reach: f32,
+    /// 1 / n0.
     pub number: f64,
 }
 

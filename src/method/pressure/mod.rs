@@ -36,10 +36,12 @@ pub struct Equation {
 }
 
 impl Equation {
+    /// Unknowns.
     pub fn len(&self) -> usize {
         self.diagonal.len()
     }
 
+    /// Whether there is no unknown.
     pub fn is_empty(&self) -> bool {
         self.diagonal.is_empty()
     }
@@ -64,9 +66,11 @@ impl Equation {
 /// How a solution went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
+    /// Iterations taken.
     pub iterations: usize,
     /// |b - A p| / |b|.
     pub residual: f64,
+    /// Whether the residual is below the tolerance.
     pub converged: bool,
 }
 

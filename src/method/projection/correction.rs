@@ -2,11 +2,13 @@
 
 use nalgebra::{Matrix3, SymmetricEigen};
 
+/// A symmetric tensor: components in the order of [`AXES`].
 pub type Tensor = [f32; 6];
 
 /// Axes of the six entries.
 pub const AXES: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
 
+/// The unit tensor.
 pub const IDENTITY: Tensor = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
 
 /// Least eigenvalue that is inverted: that of the moment of a few neighbours on one side is near

@@ -5,9 +5,11 @@ use super::correction::Tensor;
 /// Sums at r^n. `T`: the method's own.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums<T> {
+    /// What the method sums beside the kernel.
     pub own: T,
     /// SUM w with the particle itself, and SUM slope d, of the kernel.
     pub kernel: f32,
+    /// SUM slope d of the kernel.
     pub slope: [f32; 3],
 }
 
@@ -18,6 +20,7 @@ pub struct Local {
     pub number: f32,
     /// C = SUM V W: 1 inside, and its gradient, 1/m.
     pub kernel_sum: f32,
+    /// Gradient of C, 1/m.
     pub slope: [f32; 3],
     /// n of `surface::Share`.
     pub density: f32,
@@ -27,6 +30,7 @@ pub struct Local {
     pub stir: f32,
     /// What a gradient makes of r, and the matrix that corrects gradients.
     pub moment: Tensor,
+    /// The matrix that corrects gradients.
     pub correction: Tensor,
 }
 

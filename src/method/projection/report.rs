@@ -1,4 +1,4 @@
-//! What a run tells of itself: divergence, budgets, frames.
+//! Reports of a run: divergence, budgets, frames.
 
 use super::{Projection, Scheme};
 use crate::method::{Diverged, frame};

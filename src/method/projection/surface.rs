@@ -95,6 +95,7 @@ const LOOSEST: f64 = 0.5;
 const DENSEST: f64 = 1.5;
 
 impl Share {
+    /// For a kernel, by quadrature over a half-space of liquid.
     pub fn of(kernel: KernelName, dimension: usize) -> Self {
         let dz = 2.0 / STEPS as f64;
         let (mut f, mut curve) = (0.5, Vec::with_capacity(STEPS));
@@ -147,6 +148,7 @@ pub struct Completion {
     least: f64,
     /// Least SUM w that spray lacks.
     spare: f64,
+    /// What share of a support a surface leaves.
     pub share: Share,
 }
 

@@ -104,7 +104,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.liquid.now.max_acceleration = self.acceleration();
     }
 
-    /// Rows are made anew first if this step could let a pair be missed.
+    /// Rows are found again first if this step could let a pair be missed.
     fn acoustic_step(&mut self, dt: f64, is_first: bool) -> Result<(), Diverged> {
         if self
             .liquid

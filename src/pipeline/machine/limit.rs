@@ -1,5 +1,5 @@
-//! The memory that a container may use: the least limit of the process's control group and those
-//! above it, of both versions of control groups (Linux, cgroups(7)).
+//! The memory that a container may use: the smallest limit of the process's control group and its
+//! ancestors, for both versions of control groups (Linux, cgroups(7)).
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ struct Hierarchy {
     mount: PathBuf,
     root: PathBuf,
     file: &'static str,
-    /// The controller in `/proc/self/cgroup`; version 2 has none there.
+    /// The controller in `/proc/self/cgroup`; empty for version 2.
     controller: &'static str,
 }
 

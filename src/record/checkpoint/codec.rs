@@ -1,7 +1,7 @@
 //! The header of a checkpoint file and its bytes.
 //!
 //! bincode's legacy layout (fixed-width little-endian integers, u64 lengths, u32 variants) is
-//! frozen and has other implementations; only this module knows it. It is not self-describing: the
+//! frozen and has other implementations; only this module uses it. It is not self-describing: the
 //! order of fields and variants below is the format.
 
 use bincode::config::{self, Configuration, Fixint, Limit, LittleEndian};
@@ -10,17 +10,22 @@ use serde::{Deserialize, Serialize};
 /// Version of the file format that this program writes.
 pub const FORMAT_VERSION: u32 = 1;
 
-/// No header is longer, bytes; ten thousand arrays have one. Claimed lengths inside one end here,
-/// too, so that decoded it takes a few times this.
+/// Largest header, bytes, enough for ten thousand arrays. It also limits the lengths declared in a
+/// header, so that a decoded one takes a few times this.
 pub const HEADER_LIMIT: usize = 1 << 20;
 
 /// Type of the elements of an array; the numbers are in files and digests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ElementType {
+    /// 64-bit floating point.
     F64 = 0,
+    /// 32-bit floating point.
     F32 = 1,
+    /// 64-bit unsigned integer.
     U64 = 2,
+    /// 32-bit unsigned integer.
     U32 = 3,
+    /// 8-bit unsigned integer.
     U8 = 4,
 }
 
@@ -64,7 +69,7 @@ fn layout() -> Layout {
     config::legacy().with_limit::<HEADER_LIMIT>()
 }
 
-/// Bytes of a header, or why it has none (too long).
+/// Bytes of a header, or the reason of a failure (too long).
 pub fn encode(header: &Header) -> Result<Vec<u8>, String> {
     let bytes =
         bincode::serde::encode_to_vec(header, layout()).map_err(|error| error.to_string())?;

@@ -1,7 +1,7 @@
 //! Particles and states as checkpoints, and back.
 //!
-//! Arrays of the particles are named plainly (`id`, `position_x` ...); those of the method and its
-//! scalars carry the prefix `method/`, so the two never collide.
+//! Arrays of the particles have plain names (`id`, `position_x` ...); arrays and scalars of the
+//! method have the prefix `method/`, so that names never collide.
 
 use super::{Array, Checkpoint, CheckpointError};
 use crate::particle::{Particles, State};

@@ -1,12 +1,12 @@
-//! Writing, reading and glancing at checkpoint files.
+//! Writing and reading checkpoint files, and reading their headers alone.
 //!
-//! A file may come from a stranger, so its claims are limited. The arrays of a file together have
-//! at most [`SMALL`] + [`EXPANSION`] times its length, bytes, and the header has at most
-//! [`HEADER_LIMIT`]. A single array may compress more, zeros by 30,000, but the arrays of one
+//! A file may be untrusted, so the sizes that it declares are limited. The arrays of a file
+//! together have at most [`SMALL`] + [`EXPANSION`] times its length, bytes, and the header has at
+//! most [`HEADER_LIMIT`]. A single array may compress more, zeros by 30,000, but the arrays of one
 //! checkpoint share the number of particles, and identifiers and positions do not compress like
 //! that: at [`LEVEL`](super::LEVEL), a lattice at rest of a million particles with a dozen arrays
-//! of zeros compresses by 1,200, one of a hundred million by 1,900. What compresses more is not
-//! written. Below these limits, too, memory grows only as data are decoded.
+//! of zeros compresses by 1,200, one of a hundred million by 1,900. A checkpoint that compresses
+//! more is not written. Memory grows only as data are decoded, also below these limits.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
@@ -27,24 +27,30 @@ const MAGIC: [u8; 8] = *b"\x89CRN\r\n\x1a\n";
 /// Magic, version, header length, SHA-256 of the rest of this and of the header.
 const PREAMBLE: usize = 8 + 4 + 8 + 32;
 
-/// What the arrays of any checkpoint may have, bytes.
+/// Permitted size of the arrays of any checkpoint, bytes.
 const SMALL: u64 = 16 << 20;
 
-/// How many times the length of its file the arrays of a checkpoint may have beyond that.
+/// Permitted size of the arrays beyond that, over the length of the file.
 const EXPANSION: u64 = 4096;
 
-/// What the header of a checkpoint tells without reading its arrays.
+/// The header of a checkpoint, without its arrays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Peek {
+    /// Format version.
     pub version: u32,
+    /// What it holds: see [`Checkpoint::kind`].
     pub kind: String,
     /// Simulated time, s.
     pub time: f64,
+    /// Number of time steps done.
     pub step: u64,
+    /// Named numbers.
     pub scalars: Vec<(String, f64)>,
+    /// Named texts.
     pub texts: Vec<(String, String)>,
+    /// Names, types and sizes of the arrays.
     pub arrays: Vec<PeekArray>,
-    /// Digest of the content, if the arrays are what the table says ([`read`] checks that).
+    /// Digest of the content, if the arrays agree with the table ([`read`] checks that).
     pub digest: Digest,
     /// Length of the file, bytes.
     pub file_size: u64,
@@ -53,7 +59,9 @@ pub struct Peek {
 /// One array of a [`Peek`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeekArray {
+    /// Name of the array.
     pub name: String,
+    /// Type of its elements.
     pub element: ElementType,
     /// Number of elements.
     pub count: u64,
@@ -64,7 +72,8 @@ pub struct PeekArray {
 pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest, CheckpointError> {
     let mut file = AtomicFile::create(path)?;
     let io = FileError::new(path, "write");
-    // Integers have fixed width: a header with blank lengths and hashes is as long as the final.
+    // Integers have fixed width: a header with blank lengths and hashes is as long as the final
+    // one.
     let blank = checkpoint.arrays.iter().map(|(name, array)| Section {
         name: name.clone(),
         element: section::element(array),
@@ -75,7 +84,7 @@ pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest,
     let mut header = checkpoint.header(blank.collect());
     let length = encode(&header, path)?.len();
     file.write_all(&vec![0; PREAMBLE + length]).map_err(&io)?;
-    // As many arrays at a time as there are threads: all the memory is their compressed bytes.
+    // As many arrays at a time as there are threads: only their compressed bytes take memory.
     let batch = rayon::current_num_threads().max(1);
     let arrays = checkpoint.arrays.chunks(batch);
     for (arrays, sections) in arrays.zip(header.sections.chunks_mut(batch)) {
@@ -91,7 +100,7 @@ pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest,
         }
     }
     let bytes = encode(&header, path)?;
-    // Nothing is written that could not be read.
+    // Only a readable checkpoint is written.
     let packed: u64 = header
         .sections
         .iter()
@@ -111,13 +120,16 @@ pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest,
 }
 
 /// Reads and verifies a whole checkpoint.
+///
+/// # Errors
+/// See [`CheckpointError`].
 pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
     let (mut file, header, _) = open(path)?;
     let mut arrays = Vec::with_capacity(header.sections.len());
     for batch in header.sections.chunks(rayon::current_num_threads().max(1)) {
         let mut packed = Vec::with_capacity(batch.len());
         for section in batch {
-            // `open` found that the file is long enough for all of them.
+            // `open` has checked that the file is long enough.
             let mut bytes = vec![0; section.compressed as usize];
             read_exact(&mut file, &mut bytes, path)?;
             packed.push((section, bytes));
@@ -145,6 +157,9 @@ pub fn read(path: &Path) -> Result<Checkpoint, CheckpointError> {
 }
 
 /// Reads and verifies only the header.
+///
+/// # Errors
+/// See [`CheckpointError`].
 pub fn peek(path: &Path) -> Result<Peek, CheckpointError> {
     let (_, header, file_size) = open(path)?;
     let digest = content_digest(&header);
@@ -258,7 +273,7 @@ fn check_end(path: &Path, header: &Header, start: u64, found: u64) -> Result<(),
     check_size(path, header, found)
 }
 
-/// Compares what the arrays claim with the length of the file.
+/// Compares the declared size of the arrays with the length of the file.
 fn check_size(path: &Path, header: &Header, found: u64) -> Result<(), CheckpointError> {
     let mut decoded = 0u64;
     for section in &header.sections {

@@ -1,9 +1,9 @@
 //! One array as bytes: little-endian, shuffled by blocks, zstd.
 //!
 //! Shuffling puts the sign and exponent bytes of neighbours side by side, where they compress; the
-//! noise of the mantissa's last bytes stays apart. A block has 131072 elements, so that each of
-//! its byte planes is exactly one zstd block of 128 KiB, and work space is 2 MiB however long the
-//! array. Reading, memory grows as data are decoded, whatever the table claims.
+//! noise of the mantissa's last bytes is separate. A block has 131072 elements, so that each of
+//! its byte planes is exactly one zstd block of 128 KiB, and work space is 2 MiB for any length of
+//! the array. In reading, memory grows as data are decoded, not with the declared length.
 
 use std::io::{self, Read, Write};
 
@@ -15,19 +15,19 @@ use crate::record::digest::Digest;
 
 const BLOCK: usize = 128 << 10;
 
-/// zstd's smallest block (4 bytes) holds at most 128 KiB: no frame expands more.
+/// zstd's smallest block (4 bytes) contains at most 128 KiB: no frame expands more.
 const LARGEST_EXPANSION: u64 = 32 << 10;
 
-/// Largest window of a frame that is decoded, log2 of bytes; level 19 has that.
+/// Largest permitted window of a frame, log2 of bytes: that of level 19.
 const WINDOW_LOG: u32 = 23;
 
-/// An array, ready for a file.
+/// A compressed array.
 pub struct Packed {
     pub bytes: Vec<u8>,
     pub digest: Digest,
 }
 
-/// Why a section is not what its table says.
+/// Why a section does not agree with the table.
 pub enum Unreadable {
     TooLarge(String),
     Corrupt(String),
@@ -95,7 +95,7 @@ pub fn pack(array: &Array, level: i32) -> io::Result<Packed> {
     }
 }
 
-/// Decompresses `bytes` to exactly what `section` says and checks the hash.
+/// Decompresses `bytes` to exactly the size of `section` and checks the hash.
 pub fn unpack(section: &Section, bytes: &[u8]) -> Result<Array, Unreadable> {
     Ok(match section.element {
         ElementType::F64 => Array::F64(unpack_values(section, bytes)?),
@@ -106,7 +106,7 @@ pub fn unpack(section: &Section, bytes: &[u8]) -> Result<Array, Unreadable> {
     })
 }
 
-/// Number of bytes that the table claims, if the compressed bytes can hold them.
+/// Number of bytes that the table declares, if the compressed bytes can contain them.
 pub fn length(section: &Section) -> Result<u64, String> {
     let length = section.count.checked_mul(section.element.size() as u64);
     let most = section.compressed.saturating_mul(LARGEST_EXPANSION);
@@ -171,17 +171,17 @@ fn unpack_values<T: Element>(section: &Section, bytes: &[u8]) -> Result<Vec<T>, 
         unshuffle(&planes[..here], &mut plain[..here], T::SIZE);
         hasher.update(&plain[..here]);
         if values.len() == values.capacity() {
-            // Doubles, but never beyond what the array needs.
+            // Doubles, at most to the size of the array.
             let more = values.len().max(BLOCK).min(left);
             let reserved = values.try_reserve_exact(more);
             reserved.map_err(|error| Unreadable::TooLarge(error.to_string()))?;
         }
         T::from_bytes(&plain[..here], &mut values);
     }
-    // Reading on also makes zstd compare its checksum.
+    // Further reading also makes zstd compare its checksum.
     let beyond = decoder.read(&mut [0]).map_err(corrupt)?;
     if beyond != 0 || !decoder.finish().is_empty() {
-        return Err(Unreadable::Corrupt("longer than its table says".into()));
+        return Err(Unreadable::Corrupt("longer than in its table".into()));
     }
     if <[u8; 32]>::from(hasher.finalize()) != section.digest {
         return Err(Unreadable::Corrupt("SHA-256 does not match".into()));

@@ -1,5 +1,5 @@
-//! Comma-separated values: a header, then one line a particle. Numbers are written with the fewest
-//! digits that read back to the same bits.
+//! Comma-separated values: a header, then one line for each particle. Numbers have the fewest
+//! digits that are read as the same bits.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -8,9 +8,9 @@ use super::pvd::Entry;
 use super::table::Table;
 use crate::record::checkpoint::Array;
 
-/// A text for a cell of a CSV file. Spreadsheets run a cell that begins with `=`, `+`, `-`, `@`, a
-/// tab or a line end as a formula, so such a text gets an apostrophe first; numbers stay as they
-/// are. Quoting is left to the writer of the file.
+/// A text for a cell of a CSV file. Spreadsheets execute a cell that begins with `=`, `+`, `-`,
+/// `@`, a tab or a line end as a formula, so an apostrophe precedes such a text; numbers are not
+/// changed. The writer of the file adds quotes.
 ///
 /// ```
 /// use coronet::record::export::cell;

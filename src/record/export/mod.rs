@@ -1,5 +1,5 @@
-//! Checkpoints and logs for other programs: ParaView and PyVista (`.vtp`, with a `.pvd` index of
-//! times), spreadsheets (`.csv`), mesh viewers (`.ply`).
+//! Export of checkpoints and logs: for ParaView and PyVista (`.vtp`, with a `.pvd` index of times),
+//! spreadsheets (`.csv`) and mesh viewers (`.ply`).
 
 mod csv;
 mod ply;
@@ -23,18 +23,25 @@ use crate::file::FileError;
 /// An export that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
+    /// A file cannot be read or written.
     #[error(transparent)]
     Io(#[from] FileError),
+    /// The checkpoint cannot be read.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
-    #[error("{name:?} is no export format; choose vtk, csv or ply")]
-    Format { name: String },
+    /// The format does not exist.
+    #[error("{name:?} is not an export format; choose vtk, csv or ply")]
+    Format {
+        /// Its name as given.
+        name: String,
+    },
 }
 
 impl ExportError {
-    /// Whether a file was read and its content is wrong. Never for an I/O error.
+    /// Whether a file was read and its content is wrong. False for an I/O error.
     pub fn is_damage(&self) -> bool {
         match self {
             ExportError::Checkpoint(error) => error.is_damage(),
@@ -44,7 +51,7 @@ impl ExportError {
     }
 }
 
-/// What the export of a log has done.
+/// Result of the export of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Exported {
     /// The new files, the index first.
@@ -58,7 +65,7 @@ pub struct Exported {
 pub enum Format {
     /// VTK XML PolyData, appended raw data, and ParaView's index of times.
     Vtk,
-    /// One line a particle, SI units.
+    /// One line for each particle, SI units.
     Csv,
     /// Binary little-endian polygon file, vertices only.
     Ply,
@@ -99,7 +106,7 @@ impl Format {
         format!("frame-{number:05}.{}", self.extension())
     }
 
-    /// Whether `name` is exactly that of a frame, or of a frame that a killed export was writing.
+    /// Whether `name` is that of a frame, or of a frame that a killed export was writing.
     fn is_frame(self, name: &str) -> bool {
         let number = |name: &str| name.strip_prefix("frame-")?.split('.').next()?.parse().ok();
         let is = |name: &str, whole: fn(&str, &str) -> bool| {
@@ -140,6 +147,9 @@ impl Format {
     }
 
     /// Writes one table of particles to `path`, atomically.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
     pub fn write(self, table: &Table, path: &Path) -> Result<(), ExportError> {
         let mut file = AtomicFile::create(path)?;
         let mut out = BufWriter::with_capacity(1 << 20, &mut file);
@@ -149,7 +159,7 @@ impl Format {
             Format::Ply => ply::write(table, &mut out),
         };
         let flushed = written.and_then(|()| out.flush());
-        // The buffer keeps what could not be written and would try again.
+        // Dropping the buffer would try again to write its rest.
         drop(out.into_parts());
         flushed.map_err(FileError::new(path, "write"))?;
         Ok(file.commit()?)
@@ -157,13 +167,16 @@ impl Format {
 }
 
 /// Exports the checkpoint at `path` to `folder/STEM.EXTENSION`; returns the new file.
+///
+/// # Errors
+/// If the checkpoint cannot be read, contains no particles, or the file cannot be written.
 pub fn export_checkpoint(
     path: &Path,
     folder: &Path,
     format: Format,
 ) -> Result<PathBuf, ExportError> {
     let table = Table::try_from(checkpoint::read(path)?)?;
-    // Not `with_extension`: a stem may hold a dot.
+    // Not `with_extension`: a stem may contain a dot.
     let mut name = path.file_stem().unwrap_or_default().to_os_string();
     name.push(".");
     name.push(format.extension());
@@ -175,12 +188,15 @@ pub fn export_checkpoint(
 /// Exports every frame of the log at `path` to `folder/frame-00000.EXTENSION` ..., and an index:
 /// `frames.pvd` for VTK, `frames.csv` and `frames-ply.csv` with the scalars for the others.
 ///
-/// Frames of an earlier export to this format are removed first, so that the folder never holds
-/// frames of two runs; files of other names stay. The index comes last: without one, an export is
-/// not complete.
+/// Frames of an earlier export to this format are removed first, so that the folder never contains
+/// frames of two runs; other files stay. The index is written last: an export without one is
+/// incomplete.
+///
+/// # Errors
+/// If the log cannot be read to its end, or a file cannot be written or removed.
 pub fn export_log(path: &Path, folder: &Path, format: Format) -> Result<Exported, ExportError> {
     let mut frames = log::read_frames(path)?;
-    // A log that cannot be read at all costs nothing of what is there.
+    // If the log cannot be read, earlier frames stay.
     let mut next = frames.next().transpose()?;
     let removed = format.clear(folder)?;
     let mut files = Vec::new();

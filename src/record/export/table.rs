@@ -1,12 +1,14 @@
-//! Particles as named columns, whatever they came from.
+//! Particles as named columns, from frames and checkpoints.
 
 use crate::particle::Frame;
 use crate::record::checkpoint::{Array, Checkpoint, CheckpointError};
 
-/// A quantity of every particle: one array a component (1 or 3), of equal type and length.
+/// A quantity of every particle: one array for each component (1 or 3), of equal type and length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
+    /// Name of the quantity.
     pub name: String,
+    /// Values, one array for each component.
     pub components: Vec<Array>,
 }
 
@@ -17,7 +19,9 @@ pub struct Table {
     pub time: f64,
     /// Positions, m, three components.
     pub position: Column,
+    /// The other quantities.
     pub columns: Vec<Column>,
+    /// Named numbers of the whole set.
     pub scalars: Vec<(String, f64)>,
 }
 
@@ -27,6 +31,7 @@ impl Table {
         self.position.components[0].len()
     }
 
+    /// Whether there is no particle.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -75,8 +80,8 @@ impl From<Frame> for Table {
 impl TryFrom<Checkpoint> for Table {
     type Error = CheckpointError;
 
-    /// Any checkpoint with the arrays `position_x`, `_y` and `_z`: all arrays of their length,
-    /// those named `NAME_x`, `NAME_y`, `NAME_z` as one vector.
+    /// Accepts any checkpoint with the arrays `position_x`, `_y` and `_z`: takes all arrays of
+    /// their length, those named `NAME_x`, `NAME_y`, `NAME_z` as one vector.
     fn try_from(checkpoint: Checkpoint) -> Result<Self, CheckpointError> {
         let missing = CheckpointError::WrongContent {
             kind: checkpoint.kind.clone(),
@@ -107,7 +112,7 @@ impl TryFrom<Checkpoint> for Table {
                 }
             }
             if column.components.len() == 2 {
-                // Half a vector: two columns after all.
+                // An incomplete vector becomes two columns.
                 let array = column.components.pop().expect("two");
                 let name = column.name.replace("_x", "_y");
                 columns.push(column);

@@ -1,4 +1,4 @@
-//! VTK XML PolyData: a vertex a particle, data appended raw after a UInt64 length each
+//! VTK XML PolyData: one vertex for each particle, data appended raw, each after a UInt64 length
 //! (VTK file formats, "XML file formats", version 1.0).
 
 use std::io::{self, Write};
@@ -68,7 +68,7 @@ _"#,
     out.write_all(b"\n  </AppendedData>\n</VTKFile>\n")
 }
 
-/// Time, which readers of `.vtp` series look for, and the scalars.
+/// The time, which readers of `.vtp` series use, and the scalars.
 fn fields(table: &Table) -> String {
     let mut text = String::new();
     let time = ("TimeValue".to_string(), table.time);
@@ -123,7 +123,7 @@ fn type_name(array: &Array) -> &'static str {
     }
 }
 
-/// A text for an attribute. XML has no way to write control characters; they become `_`.
+/// A text for an attribute. XML cannot contain control characters; they become `_`.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,4 +1,4 @@
-//! The log of a running simulation, written by a thread of its own.
+//! The log of a running simulation, written by its own thread.
 
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
@@ -11,28 +11,31 @@ use super::{LogError, LogSetup, merge};
 use crate::particle::Frame;
 use crate::record::atomic::{self, FileError};
 
-/// Frames that may wait; then the solver waits.
+/// Largest number of queued frames; then the solver waits.
 const QUEUE: usize = 2;
 
 enum Order {
     Frame(Box<Frame>),
-    /// Make all before durable, note the time of the checkpoint, answer.
+    /// Make all earlier frames durable, record the time of the checkpoint, answer.
     Flush(f64, SyncSender<()>),
 }
 
-/// Writes one segment of a log in the background. Errors surface at the next call.
+/// Writes one segment of a log in the background. The next call returns an error.
 pub struct LogWriter {
     orders: Option<SyncSender<Order>>,
     thread: Option<JoinHandle<Result<u64, LogError>>>,
     path: PathBuf,
 }
 
-/// A flush under way.
+/// A flush in progress.
 #[must_use = "frames are durable only after `wait`"]
 pub struct Flush(Receiver<()>);
 
 impl Flush {
     /// Returns when every frame written before the flush is on disk.
+    ///
+    /// # Errors
+    /// If the log failed.
     pub fn wait(self) -> Result<(), LogError> {
         self.0.recv().map_err(|_| LogError::Closed)
     }
@@ -40,7 +43,10 @@ impl Flush {
 
 impl LogWriter {
     /// Starts segment number `segment` in `folder`; a file of that number must not exist.
-    /// `resumed_from` is the simulated time, s, of the checkpoint that the run goes on from.
+    /// `resumed_from` is the simulated time, s, of the checkpoint from which the run continues.
+    ///
+    /// # Errors
+    /// If the file cannot be created or written.
     pub fn create(
         folder: &Path,
         segment: u32,
@@ -58,10 +64,10 @@ impl LogWriter {
         let facts = resumed_from.map(|time| ("resumed_from_s".to_string(), time.to_string()));
         output.metadata(merge::SEGMENT, facts.into_iter().collect())?;
         output::write_setup(&mut output, setup)?;
-        // So that even a log that is cut off early tells which segment it is.
+        // So that even a log that is cut off early identifies its segment.
         output.sync()?;
         let (orders, queue) = sync_channel(QUEUE);
-        // The walls are written, and they can be many.
+        // The frame includes the wall particles, which can be many.
         let setup = LogSetup {
             wall: Default::default(),
             ..setup.clone()
@@ -83,19 +89,28 @@ impl LogWriter {
     }
 
     /// Adds a frame. Waits only if the disk is slower than the solver.
+    ///
+    /// # Errors
+    /// If the frame does not fit the log, or an earlier write failed.
     pub fn frame(&mut self, frame: Frame) -> Result<(), LogError> {
         self.send(Order::Frame(Box::new(frame)))
     }
 
     /// Starts to make all frames so far durable. A checkpoint of simulated time `time`, s, must not
-    /// become visible before the flush is over.
+    /// become visible before the flush has ended.
+    ///
+    /// # Errors
+    /// If an earlier write failed.
     pub fn flush(&mut self, time: f64) -> Result<Flush, LogError> {
         let (done, answer) = sync_channel(1);
         self.send(Order::Flush(time, done))?;
         Ok(Flush(answer))
     }
 
-    /// Writes what waits, ends the file, makes it durable. Returns the number of frames.
+    /// Writes the queued frames, ends the file, makes it durable. Returns the number of frames.
+    ///
+    /// # Errors
+    /// If a frame cannot be written.
     pub fn finish(mut self) -> Result<u64, LogError> {
         self.orders = None;
         self.join()
@@ -106,7 +121,7 @@ impl LogWriter {
         if orders.send(order).is_ok() {
             return Ok(());
         }
-        // The thread has ended early, so it has an error to tell.
+        // The thread has ended early, so it has an error.
         self.orders = None;
         Err(self.join().err().unwrap_or(LogError::Closed))
     }
@@ -121,7 +136,8 @@ impl LogWriter {
 }
 
 impl Drop for LogWriter {
-    /// Not finished: what waits is written and the segment ended, as well as that goes.
+    /// Without [`finish`](Self::finish): writes queued frames and ends the segment, ignoring
+    /// errors.
     fn drop(&mut self) {
         self.orders = None;
         if let Some(thread) = self.thread.take() {
@@ -147,7 +163,7 @@ fn write_all(
                 let facts = BTreeMap::from([("time_s".to_string(), time.to_string())]);
                 output.metadata(merge::DURABLE, facts)?;
                 output.sync()?;
-                // Whoever no longer waits needs no answer.
+                // The receiver may be gone.
                 let _ = done.send(());
             }
         }

@@ -114,7 +114,7 @@ pub fn encode_wall(position: &[Vec<f64>; 3]) -> Vec<u8> {
     message(&WALL_FIELDS, WALL_STRIDE, data, 0)
 }
 
-/// The cloud of a message of [`encode`], if it is one.
+/// The cloud of a message of [`encode`].
 pub fn parse(bytes: &[u8]) -> Result<PointCloud, String> {
     let described = count_fields(bytes).map_err(|error| error.to_string())?;
     if described != FIELDS.len() {
@@ -153,8 +153,8 @@ pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
     Ok(())
 }
 
-/// How many fields a message describes. Decoded, an empty one takes 16 times its length, so they
-/// are counted before.
+/// Number of fields that a message describes. A decoded empty field takes 16 times its length, so
+/// fields are counted before decoding.
 fn count_fields(mut bytes: &[u8]) -> Result<usize, prost::DecodeError> {
     let mut count = 0;
     while !bytes.is_empty() {
@@ -200,7 +200,7 @@ fn message(
     .encode_to_vec()
 }
 
-/// Colour of `value`, 0 to 1; beyond, that of the end. NaN is black.
+/// Colour of `value`, clamped to 0 to 1. NaN is black.
 fn viridis(value: f32) -> [u8; 3] {
     if value.is_nan() {
         return [0; 3];

@@ -1,4 +1,4 @@
-//! The fields of an MCAP record, little-endian. A length is believed as far as there are bytes.
+//! The fields of an MCAP record, little-endian. A declared length is limited by the bytes left.
 
 use std::collections::BTreeMap;
 
@@ -51,7 +51,7 @@ impl<'a> Fields<'a> {
         Ok(map)
     }
 
-    /// Nothing may follow.
+    /// Fails if bytes are left.
     pub fn end(self) -> Result<(), &'static str> {
         match self.0.is_empty() {
             true => Ok(()),

@@ -1,5 +1,5 @@
-//! The scalars of a frame as a protobuf message that describes itself: `coronet.Measures`, one
-//! `double` field a scalar, `time_s` (the exact simulated time) first. Viewers plot
+//! The scalars of a frame as a self-describing protobuf message: `coronet.Measures`, one `double`
+//! field for each scalar, `time_s` (the exact simulated time) first. Viewers plot
 //! `/measures.kinetic_energy_J`.
 
 use prost::Message as _;
@@ -11,8 +11,8 @@ pub const NAME: &str = "coronet.Measures";
 
 const TIME: &str = "time_s";
 
-/// Longest descriptor that is parsed, bytes: some thousand scalars. Parsed, a hostile one of empty
-/// fields takes a hundred times its length.
+/// Longest permitted descriptor, bytes: some thousand scalars. A parsed hostile one of empty fields
+/// takes a hundred times its length.
 const LONGEST: usize = 256 << 10;
 
 /// protobuf wire type of a double.
@@ -25,14 +25,14 @@ pub struct Schema {
 }
 
 impl Schema {
-    /// Schema for these scalars; their names must be fit for protobuf fields and different.
+    /// Schema for these scalars; their names must be valid for protobuf fields and different.
     pub fn new(scalars: &[(String, f64)]) -> Result<Self, String> {
         let names: Vec<_> = scalars.iter().map(|(name, _)| name.clone()).collect();
         for (index, name) in names.iter().enumerate() {
             let mut letters = name.chars();
             let first = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
             if !first || !letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
-                return Err(format!("{name:?} is no name for a scalar"));
+                return Err(format!("{name:?} is not a valid name of a scalar"));
             }
             if name == TIME || names[..index].contains(name) {
                 return Err(format!("scalar {name:?} appears twice"));

@@ -1,4 +1,4 @@
-//! Making one log of segments, and of a log that was cut off.
+//! Merges segments into one log, and recovers a log that was cut off.
 
 use std::fs::{self, Metadata};
 use std::io::{BufReader, ErrorKind};
@@ -15,30 +15,33 @@ use crate::record::digest::{Digest, Hasher};
 /// Metadata of a segment: `resumed_from_s`, if it is not the first.
 pub(super) const SEGMENT: &str = "segment";
 
-/// Metadata that say: all frames up to `time_s` lie before this place and were durable.
+/// Metadata that state: all frames up to `time_s` precede this place and were durable.
 pub(super) const DURABLE: &str = "durable";
 
-/// A log of which a part is wanted.
+/// A log of which a part is used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
+    /// The file.
     pub path: PathBuf,
-    /// Simulated time of the checkpoint that it goes on from, s; `None` at a fresh start.
+    /// Simulated time of the checkpoint that it continues from, s; `None` at a fresh start.
     pub resumed_from: Option<f64>,
 }
 
-/// What a merged log holds.
+/// Content of a merged log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Merged {
+    /// Number of frames.
     pub frames: u64,
     /// Simulated time of the last frame, s; NaN if there is none.
     pub last_time: f64,
-    /// Same as [`content_digest`](read::content_digest) of the new file.
+    /// Equal to [`content_digest`](read::content_digest) of the new file.
     pub digest: Digest,
 }
 
-/// What was saved from a damaged log.
+/// Content recovered from a damaged log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovered {
+    /// Number of frames.
     pub frames: u64,
     /// Simulated time of the last frame, s.
     pub last_time: f64,
@@ -50,9 +53,9 @@ pub(super) fn segment_path(folder: &Path, segment: u32) -> PathBuf {
     folder.join(format!("segment-{segment:03}.mcap"))
 }
 
-/// The segments in `folder` in the order of their numbers, each with what it says about its start.
-/// One that was cut off, or is all zeros after a loss of power, before it said anything holds no
-/// frame and is left out.
+/// The segments in `folder` in the order of their numbers, each with its start. A segment that was
+/// cut off before its start, or is all zeros after a loss of power, contains no frame and is left
+/// out.
 ///
 /// # Errors
 /// If the folder or a file cannot be read, and ([damage](LogError::is_damage)) if a segment begins
@@ -80,7 +83,7 @@ pub fn segments(folder: &Path) -> Result<Vec<Segment>, LogError> {
     Ok(segments)
 }
 
-/// `Some(resumed_from)` of a segment; `None` if it ends before it says so.
+/// `Some(resumed_from)` of a segment; `None` if it ends before this record.
 fn start_of(path: &Path) -> Result<Option<Option<f64>>, LogError> {
     let mut items = match Items::open(path) {
         Err(LogError::NotALog { .. }) if is_blank(path)? => return Ok(None),
@@ -108,14 +111,14 @@ fn is_blank(path: &Path) -> Result<bool, LogError> {
     Ok(zeros.map_err(FileError::new(path, "read"))?)
 }
 
-/// Writes to `out`, atomically, the log that an undisturbed run would have written. Of each segment
-/// it takes the frames after the time that it was resumed from and up to the earliest time that a
-/// later one was resumed from. What a log says once is taken from the last segment, which must be
-/// complete; of the others it must be certain that no wanted frame is missing.
+/// Writes to `out`, atomically, the log of an uninterrupted run. It takes from each segment the
+/// frames after the time from which it was resumed and up to the earliest time from which a later
+/// one was resumed. Setup records are taken from the last segment, which must be complete; no
+/// required frame of the others may be missing.
 ///
 /// # Errors
-/// If a file cannot be read or written, and ([damage](LogError::is_damage)) if a segment is not
-/// what it should be.
+/// If a file cannot be read or written, and ([damage](LogError::is_damage)) if a segment is
+/// damaged or incomplete.
 pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
@@ -144,7 +147,7 @@ pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
 /// byte or damaged; frames after the damage are lost. On an error `out` stays as it was.
 ///
 /// # Errors
-/// If a file cannot be read or written; if `out` is the same file as `path`, or is there and
+/// If a file cannot be read or written; if `out` is the same file as `path`, or exists and is
 /// neither empty nor a log of Coronet ([`LogError::NotReplaced`]); and
 /// ([damage](LogError::is_damage)) if there is no whole frame.
 pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
@@ -171,7 +174,7 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
     })
 }
 
-/// Fails if writing `out` would lose something other than an earlier log.
+/// Fails if writing `out` would overwrite something other than an earlier log.
 fn check_output(path: &Path, out: &Path) -> Result<(), LogError> {
     let not_replaced = |what| LogError::NotReplaced {
         path: out.to_path_buf(),
@@ -196,7 +199,7 @@ fn check_output(path: &Path, out: &Path) -> Result<(), LogError> {
     match read::info(out) {
         Ok(_) => Ok(()),
         Err(error) if error.is_damage() => Err(not_replaced(
-            "it is there and is not a log of Coronet; remove it or name another file",
+            "it exists and is not a log of Coronet; remove it or name another file",
         )),
         Err(error) => Err(error),
     }
@@ -241,7 +244,7 @@ impl<'a> Copy<'a> {
         }
     }
 
-    /// Copies what the log at `path` says once, before its first frame.
+    /// Copies the setup records of the log at `path`, before its first frame.
     fn start(&mut self, path: &Path) -> Result<(), LogError> {
         for item in Items::open(path)? {
             match item {
@@ -255,7 +258,7 @@ impl<'a> Copy<'a> {
                 Ok(Item::Message(message)) if message.is_measures() => break,
                 Ok(Item::Message(message)) if message.body().is_some() => break,
                 Ok(Item::Message(message)) => self.message(&message)?,
-                // The copy of the frames meets the damage again and judges it.
+                // The copy of the frames finds the damage again and handles it.
                 Err(error) if error.is_damage() => break,
                 Err(error) => return Err(error),
             }
@@ -263,7 +266,7 @@ impl<'a> Copy<'a> {
         Ok(())
     }
 
-    /// Copies the frames of `segment` with `after < time <= until`, or tells that some are lost.
+    /// Copies the frames of `segment` with `after < time <= until`; fails if some are lost.
     fn segment(&mut self, segment: &Segment, after: f64, until: f64) -> Result<(), LogError> {
         let (damage, durable) = self.frames(&segment.path, after, until)?;
         match damage {
@@ -284,7 +287,7 @@ impl<'a> Copy<'a> {
         after: f64,
         until: f64,
     ) -> Result<(Option<String>, f64), LogError> {
-        // Channel numbers mean something else in every file.
+        // Channel numbers are different in every file.
         self.measures = MeasuresDecoder::default();
         let mut durable = f64::NEG_INFINITY;
         let mut clouds = Vec::new();
@@ -325,7 +328,7 @@ impl<'a> Copy<'a> {
     fn frame(&mut self, path: &Path, time: f64, messages: &[Message]) -> Result<(), LogError> {
         for message in messages {
             self.message(message).map_err(|error| match error {
-                // The writer cannot be blamed for what it was given to copy.
+                // The copied content is wrong, not the writer.
                 LogError::Frame(what) => foreign(path, what),
                 other => other,
             })?;

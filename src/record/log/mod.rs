@@ -1,19 +1,19 @@
-//! The log: what happened, frame by frame, as an MCAP file of well-known Foxglove messages
-//! (protobuf), so that stock viewers show it with no plug-in.
+//! The log: all frames of a run as an MCAP file of well-known Foxglove messages (protobuf), which
+//! standard viewers show without a plug-in.
 //!
 //! | topic | schema | when |
 //! |---|---|---|
 //! | `/tf` | `foxglove.FrameTransform` world -> box | once |
 //! | `/wall` | `foxglove.PointCloud` | once, if there are walls |
-//! | `/body/NAME` | `foxglove.PointCloud`, one a body | every frame |
-//! | `/measures` | `coronet.Measures`, one double a scalar, `time_s` first | ends every frame |
+//! | `/body/NAME` | `foxglove.PointCloud`, one for each body | every frame |
+//! | `/measures` | `coronet.Measures`, one double for each scalar, `time_s` first | every frame |
 //!
 //! Log time is simulated time x `time_scale`, in nanoseconds. Metadata: `coronet` (format, spacing,
 //! dimension, time scale), `bodies`, `provenance`; attachment: `pipeline.toml`.
 //!
-//! A chunk ends only between frames, so whatever is cut off, whole frames remain. A run writes one
-//! *segment* from each start or resumption; [`merge`] makes of them the log that an undisturbed run
-//! writes, byte for byte.
+//! A chunk ends only between frames, so a log that is cut off contains whole frames. A run writes
+//! one *segment* from each start or resumption; [`merge`] makes of them the log of an uninterrupted
+//! run, byte for byte.
 
 mod background;
 mod cloud;
@@ -37,34 +37,68 @@ use super::atomic::FileError;
 /// A log that cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
+    /// The file cannot be read or written.
     #[error(transparent)]
     Io(#[from] FileError),
-    #[error("{} is no MCAP file", path.display())]
-    NotALog { path: PathBuf },
-    #[error("{} is cut off or damaged: {what}", path.display())]
-    Damaged { path: PathBuf, what: String },
-    #[error("{} is no log of Coronet: {what}", path.display())]
-    Foreign { path: PathBuf, what: String },
-    #[error("{} lacks frames up to t = {until} s: {what}", path.display())]
-    FramesLost {
+    /// The file does not start as MCAP does.
+    #[error("{} is not an MCAP file", path.display())]
+    NotALog {
+        /// The file.
         path: PathBuf,
-        /// Simulated time from which the next segment goes on, s.
-        until: f64,
+    },
+    /// A record is incomplete or contradicts its checksum.
+    #[error("{} is cut off or damaged: {what}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
         what: String,
     },
-    #[error("{} has no whole frame: {what}", path.display())]
-    NoFrames { path: PathBuf, what: String },
+    /// The file is valid MCAP with other content.
+    #[error("{} is not a log of Coronet: {what}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What is missing or unknown.
+        what: String,
+    },
+    /// A segment ends before the next one starts.
+    #[error("{} lacks frames up to t = {until} s: {what}", path.display())]
+    FramesLost {
+        /// The file.
+        path: PathBuf,
+        /// Simulated time from which the next segment continues, s.
+        until: f64,
+        /// What is wrong.
+        what: String,
+    },
+    /// There is no complete frame to recover.
+    #[error("{} has no complete frame: {what}", path.display())]
+    NoFrames {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// The output would overwrite this file.
     #[error("{} is not replaced: {what}", path.display())]
-    NotReplaced { path: PathBuf, what: &'static str },
+    NotReplaced {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        what: &'static str,
+    },
+    /// The frame contradicts the setup of the log.
     #[error("a frame does not fit the log: {0}")]
     Frame(String),
-    #[error("the log is closed: an earlier error ended it")]
+    /// The writer ended at an earlier error.
+    #[error("the log is closed after an earlier error")]
     Closed,
 }
 
 impl LogError {
-    /// Whether the file was read and its content is wrong. Never for an I/O error, nor for a
-    /// mistake of the caller.
+    /// Whether the file was read and its content is wrong. False for an I/O error and for a mistake
+    /// of the caller.
     pub fn is_damage(&self) -> bool {
         match self {
             LogError::NotALog { .. }

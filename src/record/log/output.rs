@@ -15,14 +15,14 @@ use super::{LogError, LogSetup, cloud, log_time, measures};
 use crate::particle::Frame;
 use crate::record::atomic::FileError;
 
-/// A chunk ends at the first frame end after this many bytes. A chunk cannot be smaller than a
-/// frame anyway; less than this costs compression and index.
+/// A chunk ends at the first end of a frame after this many bytes. A chunk contains at least a
+/// frame; smaller chunks would compress worse and need a larger index.
 const CHUNK: usize = 4 << 20;
 
-/// zstd level of the chunks: noise of f32 bounds the ratio, so more costs time for nothing.
+/// zstd level of the chunks: noise of f32 limits the ratio, so a higher level gains nothing.
 const LEVEL: u32 = 1;
 
-/// Where a message belongs.
+/// Channel of a message.
 #[derive(Clone, Copy)]
 pub struct Channel<'a> {
     pub topic: &'a str,
@@ -34,7 +34,7 @@ pub struct Channel<'a> {
 /// A channel in the file.
 struct Known {
     id: u16,
-    /// Messages so far.
+    /// Number of messages so far.
     count: u32,
     schema: Vec<u8>,
 }
@@ -42,7 +42,7 @@ struct Known {
 /// Writes messages, metadata and attachments.
 pub struct Output {
     writer: mcap::Writer<BufWriter<File>>,
-    /// The same open file, to make it durable.
+    /// The open file, to make it durable.
     file: File,
     path: PathBuf,
     channels: HashMap<String, Known>,
@@ -55,15 +55,15 @@ impl Output {
     pub fn new(file: File, path: &Path) -> Result<Self, LogError> {
         let shared = file.try_clone().map_err(FileError::new(path, "open"))?;
         let writer = WriteOptions::new()
-            // The default names the library's version, and the bytes would change with it.
+            // The default contains the version of the library, which would change the bytes.
             .library("coronet")
             .compression(Some(mcap::Compression::Zstd))
             .compression_level(LEVEL)
-            // A pool of its own would fight with the solver's, and change the bytes.
+            // A second thread pool would compete with the solver's, and change the bytes.
             .compression_threads(0)
             // Chunks end where frames end, see `end_frame`.
             .chunk_size(None)
-            // A chunk reaches the file whole or not at all.
+            // A chunk is written as a whole.
             .disable_seeking(true)
             .create(BufWriter::new(shared))
             .map_err(LogError::writing(path))?;
@@ -156,14 +156,14 @@ impl Output {
         Ok(())
     }
 
-    /// Everything so far reaches the disk.
+    /// Makes everything written so far durable.
     pub fn sync(&mut self) -> Result<(), LogError> {
         self.end_chunk()?;
         let synced = self.file.sync_data();
         Ok(synced.map_err(FileError::new(&self.path, "flush to disk"))?)
     }
 
-    /// Ends the file; nothing on disk is certain before this has returned.
+    /// Ends the file and makes it durable.
     pub fn finish(mut self) -> Result<(), LogError> {
         self.writer
             .finish()
@@ -181,7 +181,7 @@ impl Output {
     }
 }
 
-/// Writes what a log says once.
+/// Writes the setup records of a log.
 pub fn write_setup(output: &mut Output, setup: &LogSetup) -> Result<(), LogError> {
     for (name, metadata) in setup.metadata() {
         output.metadata(name, metadata)?;
@@ -207,8 +207,8 @@ pub fn write_setup(output: &mut Output, setup: &LogSetup) -> Result<(), LogError
     Ok(())
 }
 
-/// Writes one frame: a cloud a body, then the scalars. `schema` is made at the first frame and
-/// must fit the later ones.
+/// Writes one frame: a cloud for each body, then the scalars. `schema` is made at the first frame
+/// and must be that of the later ones.
 pub fn write_frame(
     output: &mut Output,
     setup: &LogSetup,
@@ -239,7 +239,7 @@ pub fn write_frame(
     output.end_frame()
 }
 
-/// A frame with arrays of different lengths or unknown bodies is a mistake of its maker.
+/// Checks the lengths of the arrays and the bodies of a frame.
 fn check(frame: &Frame, setup: &LogSetup) -> Result<(), LogError> {
     let count = frame.id.len();
     let lengths = frame.position.iter().chain(&frame.velocity).map(Vec::len);

@@ -1,4 +1,4 @@
-//! Reading logs, item by item, in memory for one chunk.
+//! Reads logs item by item, with memory for one chunk.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ impl Message {
     }
 }
 
-/// What an MCAP file says, in order. Ends after the first error; without one, the file was
+/// The items of an MCAP file, in order. Ends after the first error; without one, the file is
 /// complete.
 pub struct Items {
     path: PathBuf,
@@ -64,7 +64,7 @@ impl Items {
         })
     }
 
-    /// Whether the error was that the file ends too early.
+    /// Whether the error is that the file ends too early.
     pub fn is_cut_off(&self) -> bool {
         self.records.is_cut_off
     }
@@ -98,7 +98,7 @@ impl Iterator for Items {
     }
 }
 
-/// Notes schemas and channels; passes on messages, metadata and attachments.
+/// Records schemas and channels; returns messages, metadata and attachments.
 fn accept(
     channels: &mut ChannelAccumulator<'static>,
     opcode: u8,
@@ -156,7 +156,7 @@ fn attachment(fields: &mut Fields, body: &[u8]) -> Result<Item, &'static str> {
     let length = fields.u64()?;
     let data = fields.bytes(length)?.to_vec();
     let hashed = &body[..body.len() - fields.0.len()];
-    // Zero stands for: there is none.
+    // Zero: no check sum.
     let crc = fields.u32()?;
     if crc != 0 && crc != crc32fast::hash(hashed) {
         return Err("the check sum of an attachment is wrong");
@@ -191,7 +191,7 @@ impl MeasuresDecoder {
         };
         let decoded = schema.decode(&message.data);
         let decoded = decoded.ok_or("a measures message does not fit its schema")?;
-        // Comparisons with times decide which frames are kept.
+        // Frames are selected by comparison of their times.
         match decoded.0.is_finite() {
             true => Ok(decoded),
             false => Err(format!("a frame's time is {}", decoded.0)),
@@ -208,6 +208,9 @@ pub struct Frames {
 
 /// Reads a log frame by frame, particles sorted by id as in the solver's frame. A cut-off or
 /// damaged log gives the frames before the damage, then the error.
+///
+/// # Errors
+/// If the file cannot be opened or is not an MCAP file.
 pub fn read_frames(path: &Path) -> Result<Frames, LogError> {
     Ok(Frames {
         items: Items::open(path)?,
@@ -253,7 +256,7 @@ impl Iterator for Frames {
     }
 }
 
-/// Bodies come one after the other; ids usually do, too, and then nothing is to be done.
+/// Bodies follow each other, and usually ids do, too: then there is nothing to sort.
 fn sort_by_id(frame: &mut Frame) {
     if frame.id.is_sorted() {
         return;
@@ -273,21 +276,27 @@ fn sort_by_id(frame: &mut Frame) {
     permute(&mut frame.surface, &order);
 }
 
-/// What a log says once.
+/// Facts that a log states once, at its beginning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Info {
+    /// In the order of `Frame::body`.
     pub bodies: Vec<LogBody>,
     /// Particle spacing, m.
     pub spacing: f64,
+    /// Number of space dimensions.
     pub dimension: Dimension,
     /// Log time = simulated time x this.
     pub time_scale: f64,
     /// Text of the pipeline file.
     pub scene_text: String,
+    /// Names and values: keys, versions, settings.
     pub provenance: BTreeMap<String, String>,
 }
 
-/// Reads what the log at `path` says once, at its beginning.
+/// Reads the facts at the beginning of the log at `path`.
+///
+/// # Errors
+/// If the file cannot be read or is not a log of Coronet.
 pub fn info(path: &Path) -> Result<Info, LogError> {
     let mut facts = BTreeMap::new();
     let mut bodies = BTreeMap::new();
@@ -341,6 +350,9 @@ fn body(text: &str) -> Option<LogBody> {
 }
 
 /// SHA-256 over all messages in order: topic, log time, data. Compression and chunks do not count.
+///
+/// # Errors
+/// If the file cannot be read to its end.
 pub fn content_digest(path: &Path) -> Result<Digest, LogError> {
     let mut hasher = content_hasher();
     for item in Items::open(path)? {

@@ -1,15 +1,16 @@
 //! The records of an MCAP file (<https://mcap.dev/spec>, version 0), in order, chunks decoded.
 //!
-//! The reader of the mcap crate allocates what a length in the file claims. This one reads files
-//! from strangers, so memory grows as data arrive, and a file is refused if
+//! The reader of the mcap crate allocates the lengths that a file declares. This one reads
+//! untrusted files, so memory grows as data are read, and a file is rejected if
 //!
-//! * a record claims more bytes than the file has left, or more than [`RECORD`] outside of a chunk;
-//! * the chunks so far claim more than [`SMALL`] + [`EXPANSION`] times the bytes of the file so
+//! * a record declares more bytes than the file has left, or more than [`RECORD`] outside a chunk;
+//! * the chunks so far declare more than [`SMALL`] + [`EXPANSION`] times the bytes of the file so
 //!   far: particles have different ids and walls different places, so that even a lattice at rest
 //!   compresses less;
-//! * a chunk decodes to less or more than it claims, or needs a zstd window above 2^[`WINDOW_LOG`];
-//! * a check sum is wrong: of a chunk before its first record comes out, of the data section and of
-//!   the summary at their ends.
+//! * a chunk decodes to another size than it declares, or needs a zstd window above
+//!   2^[`WINDOW_LOG`];
+//! * a check sum is wrong: of a chunk before its first record is returned, of the data section and
+//!   of the summary at their ends.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -26,13 +27,13 @@ use crate::file::{self, FileError};
 /// Largest record outside of chunks, bytes: texts and indexes.
 const RECORD: u64 = 64 << 20;
 
-/// What the chunks of any file may decode to, bytes.
+/// Permitted decoded size of the chunks of any file, bytes.
 const SMALL: u64 = 8 << 20;
 
-/// How many times the bytes of the file its chunks may decode to beyond that.
+/// Permitted decoded size of the chunks beyond that, over the length of the file.
 const EXPANSION: u64 = 256;
 
-/// Largest window of a zstd frame that is decoded, log2 of bytes; level 19 has that.
+/// Largest permitted window of a zstd frame, log2 of bytes: that of level 19.
 const WINDOW_LOG: u32 = 23;
 
 /// Bytes of an opcode and a length.
@@ -78,7 +79,7 @@ pub struct Records {
     /// Bytes of all chunks so far.
     decoded: u64,
     is_in_summary: bool,
-    /// Whether the file just ends too early, as after a kill or a loss of power.
+    /// Whether the file only ends too early, as after a kill or a loss of power.
     pub is_cut_off: bool,
 }
 
@@ -109,7 +110,7 @@ impl Records {
         })
     }
 
-    /// The next record that says something; `None` at the end of a complete file.
+    /// The next record with content; `None` at the end of a complete file.
     pub fn advance(&mut self) -> Result<Option<(u8, &[u8])>, LogError> {
         let found = match self.in_chunk()? {
             Some(found) => Some(found),
@@ -164,7 +165,7 @@ impl Records {
                     self.footer(length)?;
                     return Ok(None);
                 }
-                // All that the summary says has been said before.
+                // The summary only repeats earlier records.
                 (op::HEADER, false) | (op::SCHEMA..=op::SUMMARY_OFFSET, true) => {
                     self.read_all(length)?;
                 }
@@ -224,7 +225,7 @@ impl Records {
         self.buffer.clear();
         let mut input = (&mut self.source).take(packed);
         let mut unpack = || -> io::Result<()> {
-            // One byte more, so that a chunk that is too long is noticed.
+            // One byte more, to detect a chunk that is too long.
             if !is_zstd {
                 return input.read_to_end(&mut self.buffer).map(drop);
             }
@@ -236,7 +237,7 @@ impl Records {
         let unpacked = unpack();
         let rest = input.limit();
         match unpacked {
-            // Errors of the file come through the decoder; its own have no number.
+            // The decoder passes on errors of the file; its own errors have no number.
             Err(error) if error.raw_os_error().is_some() => {
                 Err(FileError::new(&self.path, "read")(error).into())
             }
@@ -270,7 +271,7 @@ impl Records {
     }
 
     fn compare(&self, saved: u32, crc: Hasher) -> Result<(), LogError> {
-        // Zero stands for: there is none.
+        // Zero: no check sum.
         match saved == 0 || saved == crc.finalize() {
             true => Ok(()),
             false => Err(self.damaged("the check sum of a section is wrong")),
@@ -306,7 +307,7 @@ impl Records {
         Ok(())
     }
 
-    /// The error for zeros in the place of a record.
+    /// The error for zeros in place of a record.
     fn zeroed(&mut self) -> Result<LogError, LogError> {
         let zeros = only_zeros(&mut self.source).map_err(FileError::new(&self.path, "read"))?;
         self.is_cut_off = zeros && self.buffer.iter().all(|byte| *byte == 0);
@@ -329,7 +330,7 @@ impl Records {
     }
 }
 
-/// Whether all that is left of `source` are zeros.
+/// Whether the rest of `source` is only zeros.
 pub fn only_zeros(source: &mut impl BufRead) -> io::Result<bool> {
     loop {
         let block = match source.fill_buf() {

@@ -1,4 +1,4 @@
-//! What a log says once: bodies, walls, scales, provenance.
+//! The setup records of a log: bodies, walls, scales, provenance.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub struct LogBody {
     pub colour: [u8; 3],
 }
 
-/// What a log says once.
+/// Facts that a log states once, at its beginning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LogSetup {
     /// In the order of `Frame::body`.
@@ -23,9 +23,11 @@ pub struct LogSetup {
     pub wall: [Vec<f64>; 3],
     /// Particle spacing, m.
     pub spacing: f64,
+    /// Number of space dimensions.
     pub dimension: Dimension,
     /// Log time = simulated time x this.
     pub time_scale: f64,
+    /// What the colour of a particle shows.
     pub colour: Colouring,
     /// Speed at the top of the colour map, m/s.
     pub speed_scale: f64,

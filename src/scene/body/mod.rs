@@ -1,4 +1,4 @@
-//! `[body.NAME]`: bodies of liquid, their shapes and first velocities.
+//! `[body.NAME]`: bodies of liquid, their shapes and initial velocities.
 
 mod read;
 
@@ -15,16 +15,31 @@ pub use read::{all, supports};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// Sphere, or disc in 2-D.
-    Sphere { centre: [f64; 3], radius: f64 },
+    Sphere {
+        /// Centre, m.
+        centre: [f64; 3],
+        /// Radius, m.
+        radius: f64,
+    },
     /// Semi-axes; ellipse in 2-D.
     Ellipsoid {
+        /// Centre, m.
         centre: [f64; 3],
+        /// Half lengths along x, y and z, m.
         semi_axes: [f64; 3],
     },
     /// Axis-parallel block, rectangle in 2-D.
-    Block { low: [f64; 3], high: [f64; 3] },
+    Block {
+        /// Lowest corner, m.
+        low: [f64; 3],
+        /// Highest corner, m.
+        high: [f64; 3],
+    },
     /// Liquid from z = 0 to `depth` over the whole lateral extent of the box.
-    Layer { depth: f64 },
+    Layer {
+        /// Height of the surface above the floor, m.
+        depth: f64,
+    },
 }
 
 impl Shape {
@@ -39,14 +54,17 @@ impl Shape {
 /// Initial velocity of a body, m/s.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
+    /// The same velocity everywhere, m/s.
     Uniform([f64; 3]),
     /// u = -U cos(kx) sin(kz), w = U sin(kx) cos(kz), k = 2 pi / size_x.
     TaylorGreen {
+        /// Amplitude U, m/s.
         speed: f64,
     },
     /// Velocity that deforms a drop in its n = 2 mode: u = -a x (per lateral axis of d-1), w = +a z
     /// made divergence-free, about the body's centre; `rate` a in 1/s.
     Stretch {
+        /// Strain rate a, 1/s.
         rate: f64,
     },
 }
@@ -54,8 +72,11 @@ pub enum Motion {
 /// One body of liquid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
+    /// Name in the scene file: NAME in `[body.NAME]`.
     pub name: String,
+    /// Initial region.
     pub shape: Shape,
+    /// Initial velocity.
     pub motion: Motion,
     /// Display colour of the body, RGB.
     pub colour: [u8; 3],
@@ -64,7 +85,7 @@ pub struct Body {
 /// Bodies of liquid, by name, in the order of the file.
 pub type BodyTables = IndexMap<String, BodyTable>;
 
-/// A body of liquid: one shape, at most one first velocity.
+/// A body of liquid: one shape, at most one initial velocity.
 #[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 #[schemars(transform = one_shape)]
@@ -132,7 +153,7 @@ pub struct Sphere {
     #[serde(default, with = "Maybe::<Length>")]
     #[schemars(transform = not_negative)]
     pub gap: Option<f64>,
-    /// Name of that body; it stands earlier in the file.
+    /// Name of that body, which is earlier in the file.
     #[serde(default)]
     pub above: Option<String>,
     /// Lateral distance from the middle of the box, with `above`.
@@ -194,7 +215,7 @@ pub struct Stretch {
 }
 
 impl BodyTable {
-    /// The table that gives a body, in canonical form.
+    /// The table that describes a body, in canonical form.
     pub fn of(body: &Body, dimension: Dimension) -> BodyTable {
         let mut table = BodyTable::of_shape(&body.shape, dimension);
         match body.motion {
@@ -210,7 +231,7 @@ impl BodyTable {
         table
     }
 
-    /// The same of a shape alone.
+    /// The table of a shape alone, in canonical form.
     pub fn of_shape(shape: &Shape, dimension: Dimension) -> BodyTable {
         let mut table = BodyTable::default();
         let vector = |vector: [f64; 3]| dimension.components(vector);

@@ -1,4 +1,4 @@
-//! From the tables of bodies to bodies.
+//! Converts the tables of bodies to bodies.
 
 use super::{
     Block, Body, BodyTable, BodyTables, Motion, Offset, SHAPES, Shape, Sphere, Stretch,
@@ -9,7 +9,7 @@ use crate::scene::tree::Tree;
 use crate::scene::unit::{Colour, Length, Vector};
 use crate::scene::{Dimension, Domain};
 
-/// Colours of bodies that name none, in file order; beyond, they repeat.
+/// Default colours of bodies, in file order; they repeat.
 const COLOURS: [[u8; 3]; 6] = [
     [0x1f, 0x77, 0xb4],
     [0xd6, 0x27, 0x28],
@@ -19,7 +19,7 @@ const COLOURS: [[u8; 3]; 6] = [
     [0x8c, 0x56, 0x4b],
 ];
 
-/// What the file says about a body, with the scene around it.
+/// The table of a body, and the scene around it.
 struct Reader<'a> {
     key: String,
     table: &'a BodyTable,
@@ -77,7 +77,7 @@ pub fn supports(tree: &Tree<'_>, found: &mut Mistakes) {
 
 fn no_support(tree: &Tree<'_>, key: &str, earlier: &[&str]) -> SceneError {
     let remedy = format!("bodies earlier in the file: {}", earlier.join(", "));
-    let problem = "is not a body that stands earlier in the file";
+    let problem = "is not a body earlier in the file";
     tree.fault(key, problem, &remedy)
 }
 
@@ -92,7 +92,7 @@ impl Reader<'_> {
         self.dimension.vector(point, &key, self.tree)
     }
 
-    /// The shape's key decides; 2-D and 3-D have words of their own.
+    /// The key selects the shape; 2-D and 3-D have different keys.
     fn shape(&self, earlier: &[Body]) -> Result<Shape, SceneError> {
         let table = self.table;
         let pairs = [
@@ -121,7 +121,7 @@ impl Reader<'_> {
                 Dimension::Three => (planar, is_planar, spatial),
             };
             if is_wrong {
-                let problem = format!("is no shape of a {}-D scene", self.dimension.count());
+                let problem = format!("is not a shape of a {}-D scene", self.dimension.count());
                 return Err(self.fault(wrong, &problem, &format!("use `{right}`")));
             }
         }
@@ -141,7 +141,7 @@ impl Reader<'_> {
         if let Some(block) = table.block.as_ref().or(table.rectangle.as_ref()) {
             return self.block(block, word("block", "rectangle"));
         }
-        // The schema demands one of all.
+        // The schema requires one shape.
         let depth = table.layer.as_ref().map_or(0.0, |layer| layer.depth);
         Ok(Shape::Layer { depth })
     }
@@ -157,7 +157,7 @@ impl Reader<'_> {
         Ok(Shape::Block { low, high })
     }
 
-    /// By its centre, or hanging at a gap above an earlier body, in the middle of the box.
+    /// From `centre`, or from `gap` above an earlier body, in the middle of the box.
     fn sphere(&self, sphere: &Sphere, word: &str, earlier: &[Body]) -> Result<Shape, SceneError> {
         let radius = sphere.diameter / 2.0;
         if let Some(centre) = &sphere.centre {

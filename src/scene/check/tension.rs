@@ -1,4 +1,4 @@
-//! What forms of the tension and contact angles need.
+//! Requirements of the forms of tension and contact angle.
 
 use super::super::error::SceneError;
 use super::super::tree::Tree;
@@ -9,7 +9,7 @@ pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     surface_energy(scene, tree)
 }
 
-/// Contact angles need a surface with tension, a wall, and a stress that knows walls.
+/// Contact angles need surface tension, a wall, and a stress that includes walls.
 fn wetting(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let Some(wetting) = scene.effects.wetting else {
         return Ok(());
@@ -38,7 +38,7 @@ fn wetting(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     Err(tree.fault(key, problem, remedy))
 }
 
-/// The energy form needs steps, a kernel and pressure forces that do not work against it.
+/// The energy form needs dual stepping, Wendland's kernel and a symmetric pressure gradient.
 fn surface_energy(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let sph = scene.method.sph();
     if !scene.effects.has_tension(TensionForm::SurfaceEnergy) {
@@ -55,28 +55,28 @@ fn surface_energy(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
         }
         Method::Mps(_) => {
             let remedy = "leave the form out, or set `method.name` to `wcsph` or `isph`";
-            ("is not there for method `mps`", remedy)
+            ("is not available for method `mps`", remedy)
         }
         _ if sph.kernel != KernelName::WendlandC2 => {
             let remedy = "set the kernel to `wendland-c2`, as preset `modern` does";
-            ("needs the kernel of Wendland", remedy)
+            ("needs Wendland's kernel", remedy)
         }
         _ => return Ok(()),
     };
     Err(tree.fault("effects.tension.form", problem, remedy))
 }
 
-/// Types of particles know a plane and a curvature.
+/// Particle types exist in two dimensions, for a tension with a curvature.
 fn typed(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let remedy = "set `effects.wetting.form = \"young\"`, as preset `modern` does";
     let key = "effects.wetting";
     if scene.dimension == Dimension::Three {
-        let problem = "by types of particles is for two dimensions";
+        let problem = "with particle types is for two dimensions";
         return Err(tree.fault(key, problem, remedy));
     }
     let tension = scene.effects.tension;
     if !tension.is_some_and(|tension| tension.form.is_counted()) {
-        let problem = "by types of particles needs a number-density form of the tension";
+        let problem = "with particle types needs a number-density form of the tension";
         return Err(tree.fault(key, problem, remedy));
     }
     Ok(())

@@ -12,7 +12,7 @@ use crate::scene::schema::by_preset_all;
 pub enum Closure {
     /// Particles that Marrone et al. (2010) detect: each neighbour mirrored in air (Kuri Eq. 11).
     Mirrored,
-    /// By what the support lacks, without flags.
+    /// From the missing part of the kernel support, without flags.
     Completed,
 }
 
@@ -20,9 +20,9 @@ pub enum Closure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gradient {
-    /// Kuri Eq. 9: keeps momentum.
+    /// Kuri Eq. 9: conserves momentum.
     Symmetric,
-    /// Difference of pressures, kernel gradient corrected: exact for linear pressure.
+    /// Difference of pressures, corrected kernel gradient: exact for linear pressure.
     Corrected,
 }
 
@@ -30,12 +30,14 @@ pub enum Gradient {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = by_preset_all)]
 pub struct Isph {
+    /// Kernel, smoothing length and particle mass.
     #[serde(flatten)]
     pub sph: Sph,
+    /// Time step and pressure solver.
     #[serde(flatten)]
     pub projection: Projection,
     /// How the pressure ends at a free surface: at flagged particles, or without flags.
     pub closure: Closure,
-    /// Pressure gradient that keeps momentum, or one exact for linear pressure.
+    /// Pressure gradient: conserves momentum, or is exact for linear pressure.
     pub gradient: Gradient,
 }

@@ -1,6 +1,6 @@
 //! `[method]`: the solver and its settings.
 //!
-//! Settings that a scene leaves out are those of a preset: see [`super::preset`].
+//! A preset supplies the settings that a scene leaves out: see [`super::preset`].
 
 mod isph;
 mod mps;
@@ -33,7 +33,7 @@ pub enum MethodName {
 }
 
 impl MethodName {
-    /// The word of the file.
+    /// Name in the scene file.
     pub fn word(self) -> &'static str {
         match self {
             MethodName::Wcsph => "wcsph",
@@ -43,20 +43,20 @@ impl MethodName {
     }
 }
 
-/// Which settings a method has that the scene does not give.
+/// Source of the settings that the scene does not give.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// As printed.
     Paper,
-    /// The same method, its known errors removed.
+    /// As printed, with known errors removed.
     Corrected,
     /// As a specialist would compute today.
     #[default]
     Modern,
 }
 
-/// Of the pair sums: positions, separations, kernels and sums.
+/// Precision of the pair sums: positions, separations, kernels and sums.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Precision {
@@ -65,18 +65,18 @@ pub enum Precision {
     /// Separations from exact differences of positions, the rest in f32.
     #[default]
     Mixed,
-    /// f64; what enters and leaves a sum is f32.
+    /// f64; inputs and results of a sum are f32.
     Double,
 }
 
-/// How pairs are found and summed, whatever the method.
+/// How pairs are found and summed, in every method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Pairs {
-    /// Of the pair sums: f32 throughout, f32 from the exact separations on, or f64.
+    /// Precision of the pair sums: f32 throughout, f32 from the exact separations on, or f64.
     pub precision: Precision,
-    /// Extra reach of neighbour rows over the support, as a fraction of it: more is longer rows,
-    /// found more seldom.
+    /// Extra reach of neighbour rows over the support, as a fraction of it: more makes rows longer,
+    /// and the search less frequent.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub slack: f64,
 }
@@ -90,13 +90,13 @@ impl Default for Pairs {
     }
 }
 
-/// Which solver, with which settings.
+/// The solver and its settings.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
 pub struct MethodTable {
     /// The solver.
     pub name: MethodName,
-    /// As printed; the same with known errors removed; as a specialist would today.
+    /// As printed; with known errors removed; as a specialist would compute today.
     pub preset: Preset,
     #[serde(flatten)]
     pub pairs: Pairs,
@@ -112,13 +112,16 @@ pub struct MethodTable {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
+    /// Weakly compressible SPH.
     Wcsph(Wcsph),
+    /// Incompressible SPH.
     Isph(Isph),
+    /// Moving-particle semi-implicit method.
     Mps(Mps),
 }
 
 impl MethodTable {
-    /// The method that is named, if its settings are there.
+    /// The named method, if its settings are complete.
     pub fn method(&self) -> Option<Method> {
         match self.name {
             MethodName::Wcsph => self.wcsph.clone().map(Method::Wcsph),
@@ -129,7 +132,7 @@ impl MethodTable {
 }
 
 impl Method {
-    /// Which one it is.
+    /// Its name.
     pub fn word(&self) -> MethodName {
         match self {
             Method::Wcsph(_) => MethodName::Wcsph,
@@ -138,7 +141,7 @@ impl Method {
         }
     }
 
-    /// Its word in a scene file.
+    /// Its name in a scene file.
     pub fn name(&self) -> &'static str {
         self.word().word()
     }
@@ -161,7 +164,7 @@ impl Method {
         }
     }
 
-    /// Strength of particle shifting; 0 is none.
+    /// Strength of particle shifting; 0 turns it off.
     pub fn shifting(&self) -> f64 {
         match self {
             Method::Wcsph(settings) => settings.shifting,

@@ -12,7 +12,7 @@ use crate::scene::schema::by_preset_all;
 pub enum MpsClosure {
     /// p = 0 where n < beta n0.
     Threshold,
-    /// By what the support lacks, without flags.
+    /// From the missing part of the kernel support, without flags.
     Completed,
 }
 
@@ -20,30 +20,30 @@ pub enum MpsClosure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MpsGradient {
-    /// Eq. 5 with the least pressure about for the own one (Koshizuka, Nobe & Oka 1998).
+    /// Eq. 5 with the least pressure nearby in place of the own one (Koshizuka, Nobe & Oka 1998).
     Minimum,
-    /// With the sum of both pressures: keeps momentum (Tanaka & Masunaga 2010).
+    /// With the sum of both pressures: conserves momentum (Tanaka & Masunaga 2010).
     Symmetric,
-    /// With a matrix that makes it exact for linear pressure, but near a surface.
+    /// With a matrix that makes it exact for linear pressure, except near a surface.
     Corrected,
     /// Corrected, near a surface with the gradient of the smooth kernel.
     Blended,
 }
 
 impl MpsGradient {
-    /// Whether it is exact for a linear pressure, and keeps no momentum by itself.
+    /// Whether it is exact for a linear pressure, and does not conserve momentum.
     pub fn is_corrected(self) -> bool {
         matches!(self, MpsGradient::Corrected | MpsGradient::Blended)
     }
 }
 
-/// What a pressure below zero becomes in MPS.
+/// Treatment of negative pressure in MPS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MpsPressure {
-    /// Zero.
+    /// Set to zero.
     Clipped,
-    /// Itself.
+    /// Kept.
     Signed,
 }
 
@@ -57,7 +57,7 @@ pub struct Mps {
     /// Radius r_e / l0 of the Laplacian.
     #[schemars(range(min = 2.0, max = 5.0))]
     pub laplacian_radius: f64,
-    /// Distance over l0 below which the weight of gradients stays what it is there.
+    /// Distance over l0 below which the weight of gradients is constant.
     #[schemars(range(min = 0.0, max = 1.5))]
     pub core: f64,
     /// Number density over n0 below which a particle is at the free surface.
@@ -65,11 +65,12 @@ pub struct Mps {
     pub beta: f64,
     /// How the pressure ends at a free surface: zero below `beta`, or without flags.
     pub closure: MpsClosure,
-    /// Pressure gradient: from the least pressure about, one that keeps momentum, one exact for
-    /// linear pressure, or that with a smooth weight near free surfaces.
+    /// Pressure gradient: from the least pressure nearby, conserving momentum, exact for linear
+    /// pressure, or exact with a smooth weight near free surfaces.
     pub gradient: MpsGradient,
-    /// What a pressure below zero becomes.
+    /// Treatment of negative pressure.
     pub pressure: MpsPressure,
+    /// Time step and pressure solver.
     #[serde(flatten)]
     pub projection: Projection,
 }

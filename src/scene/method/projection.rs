@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 use crate::scene::schema::{not_negative, positive};
 use crate::scene::unit::{Time, Unlimited};
 
-/// What the pressure equation asks for.
+/// Condition in the pressure equation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PoissonSource {
     /// Density rho0 at the predicted positions (Kuri Eq. 8).
     Density,
-    /// No divergence.
+    /// Zero divergence.
     Divergence {
-        /// Part of the deviation of density that goes in a step at the scene's speed.
+        /// Part of the deviation of density that a step at the scene's speed removes.
         #[serde(default = "PoissonSource::density")]
         #[schemars(range(min = 0.0, max = 1.0))]
         density: f64,
@@ -31,29 +31,33 @@ impl PoissonSource {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preconditioner {
+    /// Plain conjugate gradients.
     None,
+    /// Division by the diagonal (Jacobi).
     Diagonal,
+    /// Symmetric successive over-relaxation.
     Ssor,
+    /// Geometric multigrid.
     Multigrid,
 }
 
-/// What both methods have.
+/// Settings of both methods.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Projection {
-    /// What the pressure makes: density rho0 at once, or no divergence.
+    /// Condition for the pressure: density rho0 at once, or zero divergence.
     pub source: PoissonSource,
     /// Preconditioner of the conjugate gradients.
     pub preconditioner: Preconditioner,
-    /// Residual over right-hand side at which the pressure is found.
+    /// Residual over right-hand side at which the pressure solution is accepted.
     #[schemars(range(min = 1e-14, max = 0.1))]
     pub tolerance: f64,
-    /// Most iterations of one solution.
+    /// Largest number of iterations of one solution.
     #[schemars(range(min = 1))]
     pub iterations: usize,
-    /// Strength of particle shifting; 0 is off.
+    /// Strength of particle shifting; 0 turns it off.
     #[schemars(transform = not_negative)]
     pub shifting: f64,
-    /// Part of a step after which the flow has no divergence (theta method); 1: implicit Euler.
+    /// Part of a step after which the flow is divergence-free (theta method); 1: implicit Euler.
     #[schemars(range(min = 0.5, max = 1.0))]
     pub theta: f64,
     /// Spacings that the fastest particle crosses in a step.
@@ -67,7 +71,7 @@ pub struct Projection {
     #[serde(with = "Unlimited::<Time>")]
     #[schemars(transform = positive)]
     pub longest: f64,
-    /// What a free surface holds before it tears, in (d - 1) sigma / h.
+    /// Largest tension at a free surface, in (d - 1) sigma / h.
     #[schemars(transform = not_negative)]
     pub cohesion: f64,
 }

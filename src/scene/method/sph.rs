@@ -1,4 +1,4 @@
-//! What every method has: kernel, smoothing length and mass.
+//! Settings of every method: kernel, smoothing length and mass.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum KernelName {
+    /// Cubic spline.
     CubicSpline,
+    /// Wendland's C2 kernel.
     WendlandC2,
 }
 

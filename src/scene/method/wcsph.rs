@@ -19,7 +19,7 @@ pub enum Density {
         #[serde(default = "Density::diffusion")]
         #[schemars(transform = not_negative)]
         diffusion: f64,
-        /// Kernel sum from which over-compressed liquid shows its density; "none": it never does.
+        /// Kernel sum from which it bounds the density of over-compressed liquid; "none": never.
         #[serde(default = "Density::compaction", with = "Unlimited::<One>")]
         #[schemars(extend("minimum" = 1.02, "maximum" = 2.0))]
         compaction: f64,
@@ -35,18 +35,18 @@ impl Density {
     }
 }
 
-/// What a pressure below zero becomes.
+/// Treatment of negative pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pressure {
-    /// Zero.
+    /// Set to zero.
     Clipped,
-    /// Itself, with control of the tensile instability inside the liquid.
+    /// Kept, with control of the tensile instability inside the liquid.
     Controlled,
-    /// Itself.
+    /// Kept.
     Signed,
-    /// Itself inside; at a free surface no less than tension can hold, for a sheet of one or two
-    /// particles cannot get thinner: what is stretched there tears.
+    /// Kept inside; at a free surface limited to what tension can sustain, because a sheet of one
+    /// or two particles cannot get thinner: it breaks when stretched.
     Tearing,
 }
 
@@ -56,17 +56,18 @@ pub enum Pressure {
 pub enum SoundSpeed {
     /// Follows the largest speed (continuity density, signed pressure, dual-criteria stepping).
     Adaptive,
+    /// Constant in time.
     Constant,
 }
 
-/// When single-rate steps find the tension.
+/// When single-rate steps compute the tension.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TensionIn {
     /// In each step.
     #[default]
     Each,
-    /// Held while neighbour rows last, up to the capillary limit.
+    /// Kept while neighbour rows are valid, up to the capillary limit.
     Held,
 }
 
@@ -81,13 +82,14 @@ pub enum TimeStepping {
         #[schemars(transform = positive)]
         step: f64,
     },
-    /// Velocity Verlet, the least limit times a factor.
+    /// Velocity Verlet; the step is the smallest limit times a factor.
     Adaptive {
         /// Factor on the limits.
         #[serde(default = "TimeStepping::safety")]
         #[schemars(range(min = 0.01, max = 5.0))]
         safety: f64,
-        /// Found in each step, or held while neighbour rows last, up to the capillary limit.
+        /// Tension computed in each step, or kept while neighbour rows are valid, up to the
+        /// capillary limit.
         #[serde(default)]
         tension: TensionIn,
     },
@@ -120,7 +122,7 @@ impl TimeStepping {
         matches!(self, TimeStepping::Dual { .. })
     }
 
-    /// Whether single-rate steps hold the tension over several.
+    /// Whether single-rate steps keep the tension over several steps.
     pub fn holds(self) -> bool {
         let tension = TensionIn::Held;
         matches!(self, TimeStepping::Adaptive { tension: is, .. } if is == tension)
@@ -142,7 +144,7 @@ pub enum SpeedOf {
     ),
 }
 
-/// How walls give pressure.
+/// How walls exert pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WallPressure {
@@ -156,12 +158,13 @@ pub enum WallPressure {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = by_preset_all)]
 pub struct Wcsph {
+    /// Kernel, smoothing length and particle mass.
     #[serde(flatten)]
     pub sph: Sph,
     /// "summation", or the continuity equation with density diffusion.
     pub density: Density,
-    /// What a pressure below zero becomes: zero; itself, with or without control of the tensile
-    /// instability; or itself, but at a free surface no less than tension can hold.
+    /// Negative pressure: set to zero; kept, with or without control of the tensile instability; or
+    /// kept, but limited at a free surface to what tension can sustain.
     pub pressure: Pressure,
     /// Exponent chi of the equation of state (Nishio Eq. 7); 1 is linear.
     #[schemars(range(min = 1.0, max = 10.0))]
@@ -169,13 +172,13 @@ pub struct Wcsph {
     /// Speed of sound over the reference speed, c / V of Nishio Eq. 8; 10 is Mach 0.1.
     #[schemars(range(min = 2.0, max = 1000.0))]
     pub sound_speed_factor: f64,
-    /// Whether the speed of sound follows the largest speed of the moment.
+    /// Whether the speed of sound follows the present largest speed.
     pub sound_speed: SoundSpeed,
     /// A speed, or "scene": the largest that the scene suggests.
     pub reference_speed: SpeedOf,
-    /// How walls push.
+    /// How walls exert pressure.
     pub wall_pressure: WallPressure,
-    /// Strength of particle shifting; 0 is off.
+    /// Strength of particle shifting; 0 turns it off.
     #[schemars(transform = not_negative)]
     pub shifting: f64,
     /// How the time step is chosen.

@@ -1,19 +1,19 @@
-//! Where a body goes from its first velocity, if it falls freely and keeps its shape.
+//! The path of a body from its initial velocity, if it falls freely and keeps its shape.
 
 use super::super::{Body, Motion, Scene, Shape, Side};
 
-/// What becomes of a body on its way.
+/// End of the path of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
     /// It meets another body, a wall, or its image behind a mirror.
     Meets,
-    /// Its middle passes an open side, after so many seconds.
+    /// Its middle passes an open side at this time, s.
     Leaves(f64),
-    /// Neither, until the end of the run.
+    /// Neither before the end of the run.
     Alone,
 }
 
-/// Parts of its own size that a body may go in a step of the search, and bounds of their number.
+/// Part of its own size that a body moves in a step of the search, and bounds of their number.
 const STRIDE: f64 = 0.2;
 const STEPS: [f64; 2] = [100.0, 100_000.0];
 
@@ -21,8 +21,8 @@ const STEPS: [f64; 2] = [100.0, 100_000.0];
 type Bounds = ([f64; 3], [f64; 3]);
 
 impl Course {
-    /// Of body number `index` until `impact.end`. Shapes are taken as their bounding boxes, so that
-    /// what might meet counts as meeting.
+    /// The path of body number `index` until `impact.end`. Bounding boxes stand for shapes, so that
+    /// bodies that may meet count as meeting.
     pub fn of(scene: &Scene, index: usize) -> Course {
         let end = scene.impact.end;
         let body = &scene.bodies[index];
@@ -80,7 +80,7 @@ fn passes(scene: &Scene, (low, high): &Bounds, axis: usize, time: f64) -> Option
         })
 }
 
-/// How far a body has gone, m. A layer stays where it is, and so does a block at rest.
+/// Displacement of a body, m; zero for a layer and for a block at rest.
 fn travel(scene: &Scene, body: &Body, time: f64) -> [f64; 3] {
     let velocity = match body.motion {
         Motion::Uniform(velocity) => velocity,
@@ -105,7 +105,7 @@ fn moved(scene: &Scene, body: &Body, time: f64) -> Bounds {
     (shifted(low), shifted(high))
 }
 
-/// Whether two boxes have points in common, through periodic sides too.
+/// Whether two boxes have points in common, also through periodic sides.
 fn overlap(scene: &Scene, a: &Bounds, b: &Bounds) -> bool {
     scene.dimension.axes().iter().all(|&axis| {
         let middle = |(low, high): &Bounds| 0.5 * (low[axis] + high[axis]);

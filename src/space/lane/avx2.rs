@@ -6,36 +6,49 @@ use std::arch::x86_64::*;
 /// Of the fixed-point coordinates.
 const TURN: f32 = 4294967296.0;
 
-/// The same words without sign, rounded once: both halves of a word are exact.
-#[inline(always)]
-unsafe fn unsigned(words: __m256i) -> __m256 {
-    unsafe {
-        let low = _mm256_cvtepi32_ps(_mm256_and_si256(words, _mm256_set1_epi32(0xFFFF)));
-        let high = _mm256_cvtepi32_ps(_mm256_srli_epi32::<16>(words));
-        _mm256_fmadd_ps(high, _mm256_set1_ps(65536.0), low)
-    }
-}
-
 /// Eight f32; `ABSOLUTE`: coordinates are rounded before they are subtracted.
 #[derive(Clone, Copy, Debug)]
-pub struct Avx2<const ABSOLUTE: bool>;
+pub struct Avx2<const ABSOLUTE: bool>(());
 
-/// Rows of the two 4 x 4 blocks in the halves of `r` become columns.
-#[inline(always)]
-unsafe fn transpose(r: [__m256; 4]) -> [__m256; 4] {
-    unsafe {
-        let a = [
-            _mm256_unpacklo_ps(r[0], r[1]),
-            _mm256_unpackhi_ps(r[0], r[1]),
-            _mm256_unpacklo_ps(r[2], r[3]),
-            _mm256_unpackhi_ps(r[2], r[3]),
-        ];
-        [
-            _mm256_shuffle_ps::<0x44>(a[0], a[2]),
-            _mm256_shuffle_ps::<0xEE>(a[0], a[2]),
-            _mm256_shuffle_ps::<0x44>(a[1], a[3]),
-            _mm256_shuffle_ps::<0xEE>(a[1], a[3]),
-        ]
+impl<const ABSOLUTE: bool> Avx2<ABSOLUTE> {
+    /// The proof that the processor has what these lanes use.
+    ///
+    /// # Safety
+    /// The processor has AVX2, FMA and POPCNT.
+    #[inline(always)]
+    pub unsafe fn new() -> Self {
+        Avx2(())
+    }
+
+    /// The same words without sign, rounded once: both halves of a word are exact.
+    #[inline(always)]
+    fn unsigned(self, words: __m256i) -> __m256 {
+        // SAFETY: there are such lanes only where the processor has AVX2 and FMA.
+        unsafe {
+            let low = _mm256_cvtepi32_ps(_mm256_and_si256(words, _mm256_set1_epi32(0xFFFF)));
+            let high = _mm256_cvtepi32_ps(_mm256_srli_epi32::<16>(words));
+            _mm256_fmadd_ps(high, _mm256_set1_ps(65536.0), low)
+        }
+    }
+
+    /// Rows of the two 4 x 4 blocks in the halves of `r` become columns.
+    #[inline(always)]
+    fn transpose(self, r: [__m256; 4]) -> [__m256; 4] {
+        // SAFETY: there are such lanes only where the processor has AVX2.
+        unsafe {
+            let a = [
+                _mm256_unpacklo_ps(r[0], r[1]),
+                _mm256_unpackhi_ps(r[0], r[1]),
+                _mm256_unpacklo_ps(r[2], r[3]),
+                _mm256_unpackhi_ps(r[2], r[3]),
+            ];
+            [
+                _mm256_shuffle_ps::<0x44>(a[0], a[2]),
+                _mm256_shuffle_ps::<0xEE>(a[0], a[2]),
+                _mm256_shuffle_ps::<0x44>(a[1], a[3]),
+                _mm256_shuffle_ps::<0xEE>(a[1], a[3]),
+            ]
+        }
     }
 }
 
@@ -48,6 +61,7 @@ macro_rules! of_f32 {
     ($($name:ident $with:ident $a:ident $($b:ident)*;)*) => {$(
         #[inline(always)]
         fn $name($a: F32x8, $($b: F32x8),*) -> F32x8 {
+            // SAFETY: there are such numbers only where the processor has AVX2 and FMA.
             F32x8(unsafe { $with($a.0, $($b.0),*) })
         }
     )*};
@@ -69,6 +83,7 @@ operators!([] F32x8: sum, difference, product, quotient);
 impl Real for F32x8 {
     #[inline(always)]
     fn splat(self, x: f32) -> Self {
+        // SAFETY: see [`F32x8`].
         F32x8(unsafe { _mm256_set1_ps(x) })
     }
     #[inline(always)]
@@ -81,6 +96,7 @@ impl Real for F32x8 {
     }
     #[inline(always)]
     fn abs(self) -> Self {
+        // SAFETY: see [`F32x8`].
         F32x8(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
     }
     #[inline(always)]
@@ -93,15 +109,18 @@ impl Real for F32x8 {
     }
     #[inline(always)]
     fn if_less(self, a: Self, b: Self) -> Self {
+        // SAFETY: see [`F32x8`].
         F32x8(unsafe { _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0), self.0) })
     }
     #[inline(always)]
     fn less_mask(self, b: Self) -> u32 {
+        // SAFETY: see [`F32x8`].
         unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, b.0)) as u32 }
     }
     #[inline(always)]
     fn sum(self) -> f32 {
         let a = self.0;
+        // SAFETY: see [`F32x8`].
         unsafe {
             let q = _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
             let h = _mm_add_ps(q, _mm_movehl_ps(q, q));
@@ -111,6 +130,7 @@ impl Real for F32x8 {
     #[inline(always)]
     fn to_array(self) -> [f32; WIDTH] {
         let mut out = [0.0; WIDTH];
+        // SAFETY: see [`F32x8`].
         unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
         out
     }
@@ -120,15 +140,48 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
     type F = F32x8;
     type I = __m256i;
     #[inline(always)]
-    unsafe fn splat(x: f32) -> F32x8 {
+    fn splat(self, x: f32) -> F32x8 {
+        // SAFETY: see [`Avx2::new`].
         F32x8(unsafe { _mm256_set1_ps(x) })
     }
     #[inline(always)]
-    unsafe fn constant(x: f64) -> F32x8 {
-        F32x8(unsafe { _mm256_set1_ps(x as f32) })
+    fn constant(self, x: f64) -> F32x8 {
+        self.splat(x as f32)
     }
     #[inline(always)]
-    unsafe fn gather(records: *const Record, index: *const u32) -> ([__m256i; 3], [F32x8; 5]) {
+    fn difference(self, own: i32, other: __m256i) -> F32x8 {
+        // SAFETY: see [`Avx2::new`].
+        F32x8(unsafe {
+            if !ABSOLUTE {
+                let d = _mm256_sub_epi32(_mm256_set1_epi32(own), other);
+                return F32x8(_mm256_cvtepi32_ps(d));
+            }
+            let own = _mm256_set1_ps(own as u32 as f32);
+            let d = _mm256_sub_ps(own, self.unsigned(other));
+            let (turn, half) = (_mm256_set1_ps(TURN), _mm256_set1_ps(0.5 * TURN));
+            let above = _mm256_cmp_ps::<_CMP_LT_OQ>(half, d);
+            let d = _mm256_sub_ps(d, _mm256_and_ps(above, turn));
+            let half = _mm256_set1_ps(-0.5 * TURN);
+            let below = _mm256_cmp_ps::<_CMP_LT_OQ>(d, half);
+            _mm256_add_ps(d, _mm256_and_ps(below, turn))
+        })
+    }
+    #[inline(always)]
+    fn first(self, count: usize, value: F32x8, other: F32x8) -> F32x8 {
+        // SAFETY: see [`Avx2::new`].
+        unsafe {
+            let lane = _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
+            let mask = _mm256_cmp_ps::<_CMP_LT_OQ>(lane, _mm256_set1_ps(count as f32));
+            F32x8(_mm256_blendv_ps(other.0, value.0, mask))
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather(
+        self,
+        records: *const Record,
+        index: *const u32,
+    ) -> ([__m256i; 3], [F32x8; 5]) {
+        // SAFETY: there are eight indices, all of records; a record is aligned to 32 bytes.
         unsafe {
             let mut half = [[_mm256_setzero_ps(); 4]; 2];
             for k in 0..4 {
@@ -143,8 +196,8 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
                     );
                 }
             }
-            let [x, y, z, d] = transpose(half[0]);
-            let [e, f, g, h] = transpose(half[1]);
+            let [x, y, z, d] = self.transpose(half[0]);
+            let [e, f, g, h] = self.transpose(half[1]);
             let [x, y, z] = [
                 _mm256_castps_si256(x),
                 _mm256_castps_si256(y),
@@ -154,7 +207,8 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
         }
     }
     #[inline(always)]
-    unsafe fn gather_halves(points: *const Half, index: *const u16) -> ([__m256i; 3], F32x8) {
+    unsafe fn gather_halves(self, points: *const Half, index: *const u16) -> ([__m256i; 3], F32x8) {
+        // SAFETY: there are eight indices, all of points; a point is aligned to 16 bytes.
         unsafe {
             let mut joined = [_mm256_setzero_ps(); 4];
             for (k, joined) in joined.iter_mut().enumerate() {
@@ -165,7 +219,7 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
                     _mm_load_ps(high),
                 );
             }
-            let [x, y, z, word] = transpose(joined);
+            let [x, y, z, word] = self.transpose(joined);
             (
                 [
                     _mm256_castps_si256(x),
@@ -177,42 +231,20 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
         }
     }
     #[inline(always)]
-    unsafe fn load(words: *const f32) -> F32x8 {
+    unsafe fn load(self, words: *const f32) -> F32x8 {
+        // SAFETY: there are eight words.
         F32x8(unsafe { _mm256_loadu_ps(words) })
     }
     #[inline(always)]
-    unsafe fn load_fixed(words: *const i32) -> __m256i {
+    unsafe fn load_fixed(self, words: *const i32) -> __m256i {
+        // SAFETY: there are eight words.
         unsafe { _mm256_loadu_si256(words as *const __m256i) }
     }
     #[inline(always)]
-    unsafe fn difference(own: i32, other: __m256i) -> F32x8 {
-        F32x8(unsafe {
-            if !ABSOLUTE {
-                let d = _mm256_sub_epi32(_mm256_set1_epi32(own), other);
-                return F32x8(_mm256_cvtepi32_ps(d));
-            }
-            let own = _mm256_set1_ps(own as u32 as f32);
-            let d = _mm256_sub_ps(own, unsigned(other));
-            let (turn, half) = (_mm256_set1_ps(TURN), _mm256_set1_ps(0.5 * TURN));
-            let above = _mm256_cmp_ps::<_CMP_LT_OQ>(half, d);
-            let d = _mm256_sub_ps(d, _mm256_and_ps(above, turn));
-            let half = _mm256_set1_ps(-0.5 * TURN);
-            let below = _mm256_cmp_ps::<_CMP_LT_OQ>(d, half);
-            _mm256_add_ps(d, _mm256_and_ps(below, turn))
-        })
-    }
-    #[inline(always)]
-    unsafe fn first(count: usize, value: F32x8, other: F32x8) -> F32x8 {
+    unsafe fn compress(self, mask: u32, words: *const u32, out: *mut u32) -> usize {
+        let bytes = COMPRESS[mask as usize].as_ptr() as *const __m128i;
+        // SAFETY: an entry of the table has eight bytes; eight words are read and written.
         unsafe {
-            let lane = _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
-            let mask = _mm256_cmp_ps::<_CMP_LT_OQ>(lane, _mm256_set1_ps(count as f32));
-            F32x8(_mm256_blendv_ps(other.0, value.0, mask))
-        }
-    }
-    #[inline(always)]
-    unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize {
-        unsafe {
-            let bytes = COMPRESS[mask as usize].as_ptr() as *const __m128i;
             let lane = _mm256_cvtepu8_epi32(_mm_loadl_epi64(bytes));
             let words = _mm256_loadu_si256(words as *const __m256i);
             let chosen = _mm256_permutevar8x32_epi32(words, lane);

@@ -4,9 +4,18 @@ use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, operators};
 use num_traits::{AsPrimitive, Float};
 use std::marker::PhantomData;
 
-/// Lanes of `T`; `ABSOLUTE`: coordinates are rounded before they are subtracted.
-#[derive(Clone, Copy, Debug)]
+/// Lanes of `T`; `ABSOLUTE`: coordinates are rounded before they are subtracted. They need no
+/// feature of the processor.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Scalar<T, const ABSOLUTE: bool>(PhantomData<T>);
+
+impl<T, const ABSOLUTE: bool> Scalar<T, ABSOLUTE> {
+    /// Anywhere.
+    #[inline(always)]
+    pub const fn new() -> Self {
+        Scalar(PhantomData)
+    }
+}
 
 /// The twin of the default lanes.
 pub type Portable = Scalar<f32, false>;
@@ -22,6 +31,7 @@ fn each<T>(f: impl Fn(usize) -> T) -> [T; WIDTH] {
 
 /// What the numbers of a lane can do.
 pub trait Number: Float + AsPrimitive<f32> + Send + Sync {
+    /// The same number.
     fn of(x: f32) -> Self;
 }
 
@@ -135,47 +145,15 @@ where
     type F = Eight<T>;
     type I = [i32; WIDTH];
     #[inline(always)]
-    unsafe fn splat(x: f32) -> Eight<T> {
+    fn splat(self, x: f32) -> Eight<T> {
         Eight([x.as_(); WIDTH])
     }
     #[inline(always)]
-    unsafe fn constant(x: f64) -> Eight<T> {
+    fn constant(self, x: f64) -> Eight<T> {
         Eight([x.as_(); WIDTH])
     }
     #[inline(always)]
-    unsafe fn gather(
-        records: *const Record,
-        index: *const u32,
-    ) -> ([[i32; WIDTH]; 3], [Eight<T>; 5]) {
-        unsafe {
-            let records: [&Record; WIDTH] = each(|k| &*records.add(*index.add(k) as usize));
-            let at = std::array::from_fn(|a| each(|k| records[k].at(a)));
-            let payload = std::array::from_fn(|c| Eight(each(|k| records[k].payload(c).as_())));
-            (at, payload)
-        }
-    }
-    #[inline(always)]
-    unsafe fn gather_halves(
-        points: *const Half,
-        index: *const u16,
-    ) -> ([[i32; WIDTH]; 3], Eight<T>) {
-        unsafe {
-            let points: [Half; WIDTH] = each(|k| *points.add(*index.add(k) as usize));
-            let at = std::array::from_fn(|a| each(|k| points[k].0[a] as i32));
-            (at, Eight(each(|k| f32::from_bits(points[k].0[3]).as_())))
-        }
-    }
-    #[inline(always)]
-    unsafe fn load(words: *const f32) -> Eight<T> {
-        let words = unsafe { std::ptr::read_unaligned(words as *const [f32; WIDTH]) };
-        Eight(each(|k| words[k].as_()))
-    }
-    #[inline(always)]
-    unsafe fn load_fixed(words: *const i32) -> [i32; WIDTH] {
-        unsafe { std::ptr::read_unaligned(words as *const [i32; WIDTH]) }
-    }
-    #[inline(always)]
-    unsafe fn difference(own: i32, other: [i32; WIDTH]) -> Eight<T> {
+    fn difference(self, own: i32, other: [i32; WIDTH]) -> Eight<T> {
         if !ABSOLUTE {
             return Eight(each(|k| own.wrapping_sub(other[k]).as_()));
         }
@@ -188,13 +166,48 @@ where
         }))
     }
     #[inline(always)]
-    unsafe fn first(count: usize, value: Eight<T>, other: Eight<T>) -> Eight<T> {
+    fn first(self, count: usize, value: Eight<T>, other: Eight<T>) -> Eight<T> {
         Eight(each(|k| if k < count { value.0[k] } else { other.0[k] }))
     }
     #[inline(always)]
-    unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize {
+    unsafe fn gather(
+        self,
+        records: *const Record,
+        index: *const u32,
+    ) -> ([[i32; WIDTH]; 3], [Eight<T>; 5]) {
+        // SAFETY: there are eight indices, all of records.
+        let records: [&Record; WIDTH] = each(|k| unsafe { &*records.add(*index.add(k) as usize) });
+        let at = std::array::from_fn(|a| each(|k| records[k].at(a)));
+        let payload = std::array::from_fn(|c| Eight(each(|k| records[k].payload(c).as_())));
+        (at, payload)
+    }
+    #[inline(always)]
+    unsafe fn gather_halves(
+        self,
+        points: *const Half,
+        index: *const u16,
+    ) -> ([[i32; WIDTH]; 3], Eight<T>) {
+        // SAFETY: there are eight indices, all of points.
+        let points: [Half; WIDTH] = each(|k| unsafe { *points.add(*index.add(k) as usize) });
+        let at = std::array::from_fn(|a| each(|k| points[k].0[a] as i32));
+        (at, Eight(each(|k| f32::from_bits(points[k].0[3]).as_())))
+    }
+    #[inline(always)]
+    unsafe fn load(self, words: *const f32) -> Eight<T> {
+        // SAFETY: there are eight words.
+        let words = unsafe { std::ptr::read_unaligned(words as *const [f32; WIDTH]) };
+        Eight(each(|k| words[k].as_()))
+    }
+    #[inline(always)]
+    unsafe fn load_fixed(self, words: *const i32) -> [i32; WIDTH] {
+        // SAFETY: there are eight words.
+        unsafe { std::ptr::read_unaligned(words as *const [i32; WIDTH]) }
+    }
+    #[inline(always)]
+    unsafe fn compress(self, mask: u32, words: *const u32, out: *mut u32) -> usize {
         let count = mask.count_ones() as usize;
         for k in 0..count {
+            // SAFETY: entries of the table are below eight, and so is k for a mask of 8 bits.
             unsafe { *out.add(k) = *words.add(COMPRESS[mask as usize][k] as usize) };
         }
         count

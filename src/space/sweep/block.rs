@@ -13,7 +13,9 @@ const MARGIN: f64 = 1.0001;
 
 /// The targets of [`WIDE`] cells to each side: how many, and where, in fixed point.
 pub struct Block {
+    /// How many there are.
     pub count: usize,
+    /// Where they are.
     pub at: [[i32; 3]; MEMBERS],
 }
 
@@ -57,7 +59,7 @@ impl Block {
 
     /// What is within `cutoff` m of the box about the targets.
     #[inline(always)]
-    pub unsafe fn bounds<L: Lanes>(&self, grid: &Grid, cutoff: f64) -> Bounds<L> {
+    pub fn bounds<L: Lanes>(&self, lanes: L, grid: &Grid, cutoff: f64) -> Bounds<L> {
         let scale = grid.scale(MARGIN * cutoff);
         let (mut centre, mut half) = (self.at[0], [0.0; 3]);
         for a in 0..3 {
@@ -71,15 +73,22 @@ impl Block {
             half[a] = (0.5 * (high as f64 - low as f64) * scale.factor[a]) as f32;
         }
         Bounds {
+            lanes,
             centre,
-            half: unsafe { [L::splat(half[0]), L::splat(half[1]), L::splat(half[2])] },
-            scale: unsafe { scale.lanes::<L>() },
+            half: [
+                lanes.splat(half[0]),
+                lanes.splat(half[1]),
+                lanes.splat(half[2]),
+            ],
+            scale: scale.lanes(lanes),
         }
     }
 }
 
 /// A box and a reach about it.
 pub struct Bounds<L: Lanes> {
+    lanes: L,
+    /// In fixed point.
     pub centre: [i32; 3],
     /// Half the edges, in multiples of the reach.
     half: [L::F; 3],
@@ -88,16 +97,20 @@ pub struct Bounds<L: Lanes> {
 }
 
 impl<L: Lanes> Bounds<L> {
-    /// Who of the points from `j` on, at most `left`, is within: a bit each.
+    /// Who of the points from `j` on, at least one and at most `left`, is within: a bit each.
+    ///
+    /// # Safety
+    /// `at` has eight coordinates of every axis from `j` on.
     #[inline(always)]
     pub unsafe fn hold(&self, at: &[Vec<i32>; 3], j: usize, left: usize) -> u32 {
-        unsafe {
-            let mut d = separation::<L>(self.centre, L::load_fixed_at(at, j), self.scale);
-            for a in 0..3 {
-                d[a] = (d[a].abs() - self.half[a]).max(L::splat(0.0));
-            }
-            let mask = dot(d, d).less_mask(L::splat(1.0));
-            mask & u32::MAX >> (u32::BITS as usize - left.min(WIDTH))
+        let lanes = self.lanes;
+        // SAFETY: there are eight.
+        let other = unsafe { lanes.load_fixed_at(at, j) };
+        let mut d = separation(lanes, self.centre, other, self.scale);
+        for a in 0..3 {
+            d[a] = (d[a].abs() - self.half[a]).max(lanes.splat(0.0));
         }
+        let mask = dot(d, d).less_mask(lanes.splat(1.0));
+        mask & u32::MAX >> (u32::BITS as usize - left.min(WIDTH))
     }
 }

@@ -7,7 +7,7 @@ use super::{FAR, Field, Pair, Pass, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::WIDE;
 use crate::space::lane::{self, Half, Job, Lanes, WIDTH, dot};
-use crate::space::row::{CHUNK, Near, Search, separation};
+use crate::space::row::{CHUNK, Near, Search, count_points, separation};
 use rayon::prelude::*;
 
 /// See the [module](self).
@@ -35,6 +35,7 @@ struct Chunk {
 }
 
 impl Kept {
+    /// Whose rows there are.
     pub fn targets(&self) -> &[u32] {
         &self.targets
     }
@@ -57,7 +58,8 @@ impl Kept {
     /// targets, m.
     ///
     /// # Panics
-    /// If a block of cells and what is about it hold 65536 points.
+    /// If a block of cells and what is about it hold 65536 points, or if the sources are not all
+    /// among the points of `search`.
     pub fn build(
         &mut self,
         search: Search,
@@ -66,6 +68,7 @@ impl Kept {
         choose: impl FnOnce(&mut Vec<u32>),
     ) {
         choose(&mut self.targets);
+        count_points(search.at, search.sources);
         let chunks = self.targets.len().div_ceil(CHUNK);
         self.chunks.resize_with(chunks, Chunk::default);
         let targets = self.targets.par_chunks(CHUNK);
@@ -128,7 +131,7 @@ struct Filling<'a, C> {
 
 impl<C: Fn(usize) -> f64> Job for Filling<'_, C> {
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, lanes: L) {
         let (search, chunk) = (self.search, self.chunk);
         chunk.blocks.clear();
         chunk.candidates.clear();
@@ -144,16 +147,15 @@ impl<C: Fn(usize) -> f64> Job for Filling<'_, C> {
                 longest = longest.max((self.cutoff)(i as usize));
             }
             let found = columns.about(&low, &high, longest);
-            let count = chunk.near.gather(search, found);
-            unsafe {
-                let bounds = block.bounds::<L>(search.grid, longest);
-                let count = chunk.gather(count, &bounds);
-                for &i in own {
-                    let cutoff = (self.cutoff)(i as usize);
-                    chunk.add_row::<L>(search, (i as usize, cutoff), count);
-                }
-                chunk.blocks.push([own.len() as u32, count as u32]);
+            // SAFETY: `build` has counted the points of the search.
+            let count = unsafe { chunk.near.gather(search, found) };
+            let bounds = block.bounds(lanes, search.grid, longest);
+            let count = chunk.gather(lanes, count, &bounds);
+            for &i in own {
+                let cutoff = (self.cutoff)(i as usize);
+                chunk.add_row(lanes, search, (i as usize, cutoff), count);
             }
+            chunk.blocks.push([own.len() as u32, count as u32]);
             targets = rest;
         }
     }
@@ -163,21 +165,22 @@ impl Chunk {
     /// Keeps who of the first `count` near points is within reach of a box, and numbers them; how
     /// many.
     #[inline(always)]
-    unsafe fn gather<L: Lanes>(&mut self, count: usize, bounds: &Bounds<L>) -> usize {
-        let mut kept = 0;
-        unsafe {
-            let mut j = 0;
-            while j < count {
+    fn gather<L: Lanes>(&mut self, lanes: L, count: usize, bounds: &Bounds<L>) -> usize {
+        assert!(count.div_ceil(WIDTH) <= self.near.index.len() / WIDTH);
+        let (mut kept, mut j) = (0, 0);
+        while j < count {
+            // SAFETY: the arrays hold as many whole eights, as asserted; what is written is never
+            // behind what was read.
+            unsafe {
                 let mask = bounds.hold(&self.near.at, j, count - j);
-                // Never behind what was read.
                 for at in &mut self.near.at {
                     let at = at.as_mut_ptr() as *mut u32;
-                    L::compress(mask, at.add(j), at.add(kept));
+                    lanes.compress(mask, at.add(j), at.add(kept));
                 }
                 let index = self.near.index.as_mut_ptr();
-                kept += L::compress(mask, index.add(j), index.add(kept));
-                j += WIDTH;
+                kept += lanes.compress(mask, index.add(j), index.add(kept));
             }
+            j += WIDTH;
         }
         assert!(kept <= 1 << 16, "{kept} points about a block of cells");
         self.candidates.extend_from_slice(&self.near.index[..kept]);
@@ -189,12 +192,9 @@ impl Chunk {
 
     /// Appends the row of point `own` among the first `count` candidates.
     #[inline(always)]
-    unsafe fn add_row<L: Lanes>(&mut self, search: Search, own: (usize, f64), count: usize) {
+    fn add_row<L: Lanes>(&mut self, lanes: L, search: Search, own: (usize, f64), count: usize) {
         self.row.clear();
-        unsafe {
-            let filled = self.near.within::<L>(search, own, count, &mut self.row);
-            self.row.set_len(filled);
-        }
+        self.near.within(lanes, search, own, count, &mut self.row);
         self.count.push(self.row.len() as u32);
         self.place
             .extend(self.row.iter().map(|&place| place as u16));
@@ -215,10 +215,10 @@ struct Summing<'a, const N: usize, const W: usize, const O: usize, P: Pass<N>> {
 
 impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing<'_, N, W, O, P> {
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, lanes: L) {
         let (field, pass, chunk) = (self.field, self.pass, self.chunk);
         let points = self.points;
-        let scale = unsafe { field.scale.lanes::<L>() };
+        let scale = field.scale.lanes(lanes);
         let mut candidates = chunk.candidates.as_slice();
         let mut places = chunk.place.as_slice();
         let mut targets = self.targets.iter().zip(&chunk.count).zip(self.out);
@@ -238,44 +238,47 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
                 let (i, count) = (target as usize, count as usize);
                 let (row, rest) = places.split_at(count.next_multiple_of(WIDTH));
                 places = rest;
-                unsafe {
-                    let [x, y, z, _] = points[i].0.map(|word| word as i32);
-                    let own = ([x, y, z], splat::<L>(field.own_of(pass, i)), scale);
-                    let mut sum = [L::splat(0.0); N];
-                    let (whole, left) = row.split_at(count - count % WIDTH);
-                    for group in whole.chunks_exact(WIDTH) {
-                        let pair = gathered::<L>(&chunk.copied, group, own);
-                        pass.pair(&pair, &mut sum);
-                    }
-                    if !left.is_empty() {
-                        let mut pair = gathered::<L>(&chunk.copied, left, own);
-                        pair.q2 = L::first(count % WIDTH, pair.q2, L::splat(FAR));
-                        pass.pair(&pair, &mut sum);
-                    }
-                    pass.finish(i, total(&sum), out);
+                let [x, y, z, _] = points[i].0.map(|word| word as i32);
+                let own = ([x, y, z], splat(lanes, field.own_of(pass, i)), scale);
+                let mut sum = [lanes.splat(0.0); N];
+                let (whole, left) = row.split_at(count - count % WIDTH);
+                for group in whole.chunks_exact(WIDTH) {
+                    // SAFETY: a row holds places among the candidates of its block.
+                    let pair = unsafe { gathered(lanes, &chunk.copied, group, own) };
+                    pass.pair(&pair, &mut sum);
                 }
+                if !left.is_empty() {
+                    // SAFETY: the same; rows are padded to eight.
+                    let mut pair = unsafe { gathered(lanes, &chunk.copied, left, own) };
+                    pair.q2 = lanes.first(count % WIDTH, pair.q2, lanes.splat(FAR));
+                    pass.pair(&pair, &mut sum);
+                }
+                pass.finish(i, total(&sum), out);
             }
         }
     }
 }
 
 /// A target and eight candidates.
+///
+/// # Safety
+/// There are eight places, all below the number of candidates.
 #[inline(always)]
 unsafe fn gathered<L: Lanes>(
+    lanes: L,
     candidates: &[Half],
     places: &[u16],
     (at, own, scale): ([i32; 3], [L::F; 6], [L::F; 3]),
 ) -> Pair<L::F> {
-    unsafe {
-        let (other, word) = L::gather_halves(candidates.as_ptr(), places.as_ptr());
-        let d = separation::<L>(at, other, scale);
-        let mut other = [L::splat(0.0); 6];
-        other[0] = word;
-        Pair {
-            d,
-            q2: dot(d, d),
-            own,
-            other,
-        }
+    // SAFETY: there are eight places, all of candidates.
+    let (other, word) = unsafe { lanes.gather_halves(candidates.as_ptr(), places.as_ptr()) };
+    let d = separation(lanes, at, other, scale);
+    let mut other = [lanes.splat(0.0); 6];
+    other[0] = word;
+    Pair {
+        d,
+        q2: dot(d, d),
+        own,
+        other,
     }
 }

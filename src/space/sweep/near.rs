@@ -6,7 +6,7 @@ use super::{FAR, Pair, Pass, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::{Grid, Scale, WIDE};
 use crate::space::lane::{self, Job, Lanes, WIDTH, dot};
-use crate::space::row::{CHUNK, Source, separation};
+use crate::space::row::{CHUNK, Source, count_points, separation};
 use rayon::prelude::*;
 
 /// Candidates that are looked at together.
@@ -15,17 +15,21 @@ const ROOM: usize = 1024;
 /// Where the pairs of [`runs`] are.
 #[derive(Clone, Copy)]
 pub struct Field<'a, const W: usize = 3, const O: usize = 3> {
+    /// The cells.
     pub grid: &'a Grid,
-    /// Fixed-point coordinates and payloads of all points, with at least eight spare
-    /// at the end.
+    /// Fixed-point coordinates of all points, with at least eight spare at the end.
     pub at: &'a [Vec<i32>; 3],
+    /// Payloads of all points, as many as coordinates.
     pub payload: &'a [Vec<f32>; W],
+    /// Which of the points are looked at.
     pub sources: &'a [Source<'a>],
-    /// Positions, m, and payloads of the targets, indexed by target.
+    /// Positions of the targets, m, indexed by target.
     pub position: &'a [Vec<f64>; 3],
+    /// Payloads of the targets, indexed by target.
     pub own: &'a [Vec<f32>; O],
     /// Search radius: support + what particles have moved since the sort, m.
     pub cutoff: f64,
+    /// Fixed-point units to multiples of the smoothing length.
     pub scale: Scale,
 }
 
@@ -75,6 +79,9 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
 
 /// Sums over whole cell columns. `out[k]` belongs to `targets[k]`, which are best in the order of
 /// cells. Lanes beyond the support must add nothing.
+///
+/// # Panics
+/// If the sources are not all among the points of `field`, or a payload is not of all points.
 pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     field: Field<W, O>,
     targets: &[u32],
@@ -82,6 +89,13 @@ pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     out: &mut [P::Out],
 ) {
     assert_eq!(out.len(), targets.len());
+    if targets.is_empty() {
+        return;
+    }
+    count_points(field.at, field.sources);
+    let all = field.at[0].len();
+    let carried = field.payload.iter().all(|words| words.len() >= all);
+    assert!(carried, "points without a payload");
     out.par_chunks_mut(CHUNK)
         .zip(targets.par_chunks(CHUNK))
         .for_each(|(out, targets)| {
@@ -105,36 +119,36 @@ struct InRuns<'a, const N: usize, const W: usize, const O: usize, P: Pass<N>> {
 
 impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<'_, N, W, O, P> {
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, lanes: L) {
         let (field, pass, targets) = (self.field, self.pass, self.targets);
         let mut columns = Columns::new(field.grid, field.cutoff, WIDE);
-        let mut near = unsafe { Near::<L, W>::new() };
+        let mut near = Near::<L, W>::new(lanes);
         let mut begin = 0;
         while begin < targets.len() {
             let (block, [low, high]) = Block::of(field.position, &columns, &targets[begin..]);
-            let bounds = unsafe { block.bounds::<L>(field.grid, field.cutoff) };
+            let bounds = block.bounds(lanes, field.grid, field.cutoff);
             let count = block.count;
             let block = Carrying::of(block, (&field, pass), &targets[begin..]);
-            unsafe {
-                let scale = field.scale.lanes::<L>();
-                let mut sums = [[L::splat(0.0); N]; MEMBERS];
-                for &column in columns.about(&low, &high, field.cutoff) {
-                    for source in field.sources {
-                        let (mut j, end) = source.run(column);
-                        while j < end {
-                            if near.count + WIDTH > ROOM {
-                                block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
-                            }
-                            near.take(&field, j, end - j, &bounds);
-                            j += WIDTH;
+            let scale = field.scale.lanes(lanes);
+            let mut sums = [[lanes.splat(0.0); N]; MEMBERS];
+            for &column in columns.about(&low, &high, field.cutoff) {
+                for source in field.sources {
+                    let (mut j, end) = source.run(column);
+                    while j < end {
+                        if near.count + WIDTH > ROOM {
+                            block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
                         }
+                        // SAFETY: `runs` has seen that all points of the sources are followed by
+                        // eight words, and there is room for eight.
+                        unsafe { near.take(&field, j, end - j, &bounds) };
+                        j += WIDTH;
                     }
                 }
-                block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
-                for (k, sum) in sums.iter().enumerate().take(count) {
-                    let target = targets[begin + k] as usize;
-                    pass.finish(target, total(sum), &mut self.out[begin + k]);
-                }
+            }
+            block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
+            for (k, sum) in sums.iter().enumerate().take(count) {
+                let target = targets[begin + k] as usize;
+                pass.finish(target, total(sum), &mut self.out[begin + k]);
             }
             begin += count;
         }
@@ -164,38 +178,41 @@ impl Carrying {
 
     /// Adds what the candidates give each target, and forgets them.
     #[inline(always)]
-    unsafe fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N>>(
+    fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N>>(
         &self,
         near: &mut Near<L, W>,
         (centre, scale): ([i32; 3], [L::F; 3]),
         pass: &P,
         sums: &mut [[L::F; N]; MEMBERS],
     ) {
-        unsafe {
-            near.place(centre, scale);
-            let (whole, left) = (near.count / WIDTH, near.count % WIDTH);
-            for (k, sums) in sums.iter_mut().enumerate().take(self.block.count) {
-                let [x, y, z] = self.block.at[k].map(|at| [at; WIDTH]);
-                let at = [
-                    L::load_fixed(x.as_ptr()),
-                    L::load_fixed(y.as_ptr()),
-                    L::load_fixed(z.as_ptr()),
-                ];
-                let (away, own) = (separation::<L>(centre, at, scale), splat::<L>(self.own[k]));
-                let mut sum = *sums;
-                for group in 0..whole {
-                    let pair = near.pair(group, away, own);
-                    pass.pair(&pair, &mut sum);
-                }
-                if left > 0 {
-                    let mut pair = near.pair(whole, away, own);
-                    pair.q2 = L::first(left, pair.q2, L::splat(FAR));
-                    pass.pair(&pair, &mut sum);
-                }
-                *sums = sum;
+        let lanes = near.lanes;
+        near.place(centre, scale);
+        let (whole, left) = (near.count / WIDTH, near.count % WIDTH);
+        for (k, sums) in sums.iter_mut().enumerate().take(self.block.count) {
+            let [x, y, z] = self.block.at[k].map(|at| [at; WIDTH]);
+            // SAFETY: there are eight of each.
+            let at = unsafe {
+                [
+                    lanes.load_fixed(x.as_ptr()),
+                    lanes.load_fixed(y.as_ptr()),
+                    lanes.load_fixed(z.as_ptr()),
+                ]
+            };
+            let away = separation(lanes, centre, at, scale);
+            let own = splat(lanes, self.own[k]);
+            let mut sum = *sums;
+            for group in 0..whole {
+                let pair = near.pair(group, away, own);
+                pass.pair(&pair, &mut sum);
             }
-            near.count = 0;
+            if left > 0 {
+                let mut pair = near.pair(whole, away, own);
+                pair.q2 = lanes.first(left, pair.q2, lanes.splat(FAR));
+                pass.pair(&pair, &mut sum);
+            }
+            *sums = sum;
         }
+        near.count = 0;
     }
 }
 
@@ -204,6 +221,8 @@ const GROUPS: usize = ROOM / WIDTH + 1;
 
 /// Candidates, copied together.
 struct Near<L: Lanes, const W: usize> {
+    lanes: L,
+    /// At most [`ROOM`].
     count: usize,
     at: [[i32; ROOM + WIDTH]; 3],
     payload: [[f32; ROOM + WIDTH]; W],
@@ -213,31 +232,41 @@ struct Near<L: Lanes, const W: usize> {
 
 impl<L: Lanes, const W: usize> Near<L, W> {
     #[inline(always)]
-    unsafe fn new() -> Self {
+    fn new(lanes: L) -> Self {
         Near {
+            lanes,
             count: 0,
             at: [[0; ROOM + WIDTH]; 3],
             payload: [[0.0; ROOM + WIDTH]; W],
-            away: [[unsafe { L::splat(0.0) }; GROUPS]; 3],
+            away: [[lanes.splat(0.0); GROUPS]; 3],
         }
     }
 
     /// Where the candidates are from the centre of their block.
     #[inline(always)]
-    unsafe fn place(&mut self, centre: [i32; 3], scale: [L::F; 3]) {
+    fn place(&mut self, centre: [i32; 3], scale: [L::F; 3]) {
+        let lanes = self.lanes;
         for group in 0..self.count.div_ceil(WIDTH) {
-            unsafe {
+            // SAFETY: `count` is at most the room, so that eight words follow.
+            let at = unsafe {
                 let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr().add(group * WIDTH));
-                let at = [L::load_fixed(x), L::load_fixed(y), L::load_fixed(z)];
-                let away = separation::<L>(centre, at, scale);
-                for (word, away) in self.away.iter_mut().zip(away) {
-                    word[group] = away;
-                }
+                [
+                    lanes.load_fixed(x),
+                    lanes.load_fixed(y),
+                    lanes.load_fixed(z),
+                ]
+            };
+            let away = separation(lanes, centre, at, scale);
+            for (word, away) in self.away.iter_mut().zip(away) {
+                word[group] = away;
             }
         }
     }
 
-    /// Copies who of the points from `j` on, at most `left`, is within `bounds`.
+    /// Copies who of the points from `j` on, at least one and at most `left`, is within `bounds`.
+    ///
+    /// # Safety
+    /// `field` has eight coordinates and payloads from `j` on, and here is room for eight more.
     #[inline(always)]
     unsafe fn take<const O: usize>(
         &mut self,
@@ -246,16 +275,17 @@ impl<L: Lanes, const W: usize> Near<L, W> {
         left: usize,
         bounds: &Bounds<L>,
     ) {
+        let (lanes, from, to) = (self.lanes, j, self.count);
+        // SAFETY: eight words are read from `j` on, and eight are written where there is room.
         unsafe {
             let mask = bounds.hold(field.at, j, left);
-            let (from, to) = (j, self.count);
             for (near, at) in self.at.iter_mut().zip(field.at) {
                 let (at, near) = (at.as_ptr().add(from), near.as_mut_ptr().add(to));
-                L::compress(mask, at as *const u32, near as *mut u32);
+                lanes.compress(mask, at as *const u32, near as *mut u32);
             }
             for (near, words) in self.payload.iter_mut().zip(field.payload) {
                 let (words, near) = (words.as_ptr().add(from), near.as_mut_ptr().add(to));
-                L::compress(mask, words as *const u32, near as *mut u32);
+                lanes.compress(mask, words as *const u32, near as *mut u32);
             }
             self.count += mask.count_ones() as usize;
         }
@@ -263,24 +293,23 @@ impl<L: Lanes, const W: usize> Near<L, W> {
 
     /// A group of candidates and a target that is `away` from the centre.
     #[inline(always)]
-    unsafe fn pair(&self, group: usize, away: [L::F; 3], own: [L::F; 6]) -> Pair<L::F> {
-        unsafe {
-            let d = [
-                self.away[0][group] - away[0],
-                self.away[1][group] - away[1],
-                self.away[2][group] - away[2],
-            ];
-            let zero = L::splat(0.0);
-            let mut words = [zero; 6];
-            for (word, payload) in words.iter_mut().zip(&self.payload) {
-                *word = L::load(payload.as_ptr().add(group * WIDTH));
-            }
-            Pair {
-                d,
-                q2: dot(d, d),
-                own,
-                other: words,
-            }
+    fn pair(&self, group: usize, away: [L::F; 3], own: [L::F; 6]) -> Pair<L::F> {
+        let d = [
+            self.away[0][group] - away[0],
+            self.away[1][group] - away[1],
+            self.away[2][group] - away[2],
+        ];
+        let mut words = [self.lanes.splat(0.0); 6];
+        for (word, payload) in words.iter_mut().zip(&self.payload) {
+            // SAFETY: the group is one of [`GROUPS`], or the line above had panicked; each has its
+            // eight words.
+            *word = unsafe { self.lanes.load(payload.as_ptr().add(group * WIDTH)) };
+        }
+        Pair {
+            d,
+            q2: dot(d, d),
+            own,
+            other: words,
         }
     }
 }

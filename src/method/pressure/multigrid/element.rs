@@ -10,6 +10,7 @@ use rayon::prelude::*;
 pub struct Domain {
     /// Axes along which anything varies.
     pub active: [bool; 3],
+    /// Axes along which the box is periodic.
     pub periodic: [bool; 3],
     /// Period of periodic axes, m.
     pub size: [f64; 3],

@@ -77,12 +77,17 @@ const MOST_RISE: f64 = 0.3;
 /// Lengths, m, and what else is fixed.
 #[derive(Clone, Debug)]
 pub struct Setting {
+    /// The contact angle, or two.
     pub angle: Angle,
+    /// The box, which says where walls are.
     pub domain: Domain,
+    /// Kernel of all sums.
     pub kernel: KernelName,
+    /// 2 or 3.
     pub dimension: usize,
     /// s0, H, m.
     pub spacing: f64,
+    /// Smoothing length H of the tension, m.
     pub length: f64,
     /// rho0, kg/m^3.
     pub density: f64,
@@ -90,7 +95,9 @@ pub struct Setting {
 
 /// The effect with its scratch memory.
 pub struct Wetting {
+    /// What does not change.
     pub setting: Setting,
+    /// Cosine of the angle; with hysteresis the mean one.
     pub cosine: f64,
     /// e of (2), 1/m.
     edge: f64,
@@ -107,6 +114,7 @@ pub struct Wetting {
     pub near: Vec<u32>,
     /// cos theta of (2) of every wall particle, with hysteresis only.
     pub cosines: Vec<f64>,
+    /// Contact lines and their angles.
     pub lines: Lines,
     facing: [Vec<u32>; 3],
     slopes: Vec<([f32; 3], [f32; 3])>,
@@ -121,14 +129,18 @@ pub struct Wetting {
     pub short: Option<f64>,
     /// Who is beside a wall, and the same two sums with that length.
     pub beside: Vec<u32>,
+    /// Per `beside`: the same with the short kernel, with c_w and without.
     pub shorter: Vec<([f32; 3], [f32; 3])>,
     /// What wall particles add to the force.
     pub force: Vec<[f32; 3]>,
+    /// Friction of contact lines.
     pub friction: Friction,
+    /// How the surface bends at contact lines.
     pub rises: Rises,
 }
 
 impl Wetting {
+    /// Walls of which nothing is known yet.
     pub fn new(setting: Setting) -> Self {
         let edge = kernel::plane(setting.kernel, setting.dimension, 0.0) / setting.length;
         Wetting {

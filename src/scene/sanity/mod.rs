@@ -1,8 +1,7 @@
-//! What a scene asks for that is hardly meant: warnings before a run.
+//! Settings that are probably not intended: warnings before a run.
 //!
-//! [`super::check`] refuses what cannot be computed. All that is warned of here can be, and is now
-//! and then meant; every warning has the value, why it is doubtful, and a remedy.
-//! Test: tests/engine/scene_sanity.rs, with the warnings of each scene that is shipped.
+//! [`super::check`] rejects what cannot be computed; these settings can be, and some are intended.
+//! Test: tests/engine/scene_sanity.rs, with the warnings of each shipped scene.
 
 mod course;
 
@@ -21,22 +20,23 @@ use course::Course;
 const DENSITIES: [f64; 2] = [60.0, 22_000.0];
 /// Surface tensions of liquids, N/m: helium at 2 K has 0.0003, tungsten at 3700 K 2.5 (the same).
 const TENSIONS: [f64; 2] = [1e-4, 3.0];
-/// Viscosities of liquids, Pa s: helium at 4 K has 3e-6, pitch 2e8 (Edgeworth, Dalton & Parnell
-/// 1984).
+/// Viscosities of liquids, Pa s: helium at 4 K 3e-6, pitch 2e8 (Edgeworth, Dalton & Parnell 1984).
 const VISCOSITIES: [f64; 2] = [1e-6, 1e9];
-/// Spacings across a sheet below which it has surfaces but no inside.
+/// Spacings across a sheet below which it has surfaces but no interior.
 const THIN: f64 = 3.0;
-/// Contact angle of a wall without one, degrees: neither wetted nor not.
+/// Contact angle of a wall without one, degrees.
 const NEUTRAL: f64 = 90.0;
 
-/// A setting that is hardly meant.
+/// A setting that is probably not intended.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Warning {
     /// Dotted, as in the scene file.
     pub key: String,
     /// With its unit.
     pub value: String,
+    /// Why it is doubtful.
     pub why: String,
+    /// What to write instead.
     pub remedy: String,
 }
 
@@ -53,6 +53,7 @@ impl fmt::Display for Warning {
 }
 
 impl Warning {
+    /// A warning about the setting at `key`.
     pub fn new(key: &str, value: String, why: &str, remedy: &str) -> Warning {
         Warning {
             key: key.to_string(),
@@ -63,7 +64,7 @@ impl Warning {
     }
 }
 
-/// All warnings about a scene, none if it is sound.
+/// All warnings about a scene; empty if it is plausible.
 pub fn warnings(scene: &Scene) -> Vec<Warning> {
     let mut all = liquid(scene);
     all.extend(gravity(scene));
@@ -105,7 +106,7 @@ fn liquid(scene: &Scene) -> Vec<Warning> {
         .filter_map(|(key, value, unit, [least, most])| {
             let value = value.filter(|value| !(least..=most).contains(value))?;
             let [least, most] = [least, most].map(|bound| human(bound, unit));
-            let why = format!("no liquid is near that: they have {least} to {most}");
+            let why = format!("no liquid has such a value: they have {least} to {most}");
             let remedy = format!(
                 "a bare number is in SI units: write the unit, as in {}",
                 unit.example()
@@ -216,7 +217,7 @@ fn flows_out(scene: &Scene) -> Vec<Warning> {
     }
 }
 
-/// Bodies that leave the box, or that meet nothing.
+/// Bodies that leave the box or meet nothing.
 fn motions(scene: &Scene) -> Vec<Warning> {
     let has_walls = scene
         .domain
@@ -255,12 +256,12 @@ fn motions(scene: &Scene) -> Vec<Warning> {
     doubtful.collect()
 }
 
-/// A log of one frame.
+/// A log with one frame only.
 fn frames(scene: &Scene) -> Option<Warning> {
     let (interval, end) = (scene.frames.interval, scene.impact.end);
     (interval > end).then(|| {
         let end = human(end, Unit::Time);
-        let why = format!("the run ends after {end}: no frame is recorded but the first");
+        let why = format!("the run ends after {end}: only the first frame is recorded");
         let remedy = "make it shorter, a fiftieth of `impact.end` or less";
         Warning::new("frames.interval", human(interval, Unit::Time), &why, remedy)
     })

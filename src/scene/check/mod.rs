@@ -1,4 +1,4 @@
-//! Whether a resolved scene makes sense: what single values cannot tell.
+//! Checks of a resolved scene that involve several values.
 
 mod tension;
 
@@ -14,18 +14,18 @@ use super::{
     numbers,
 };
 
-/// Bodies are numbered by a byte.
+/// Largest number of bodies: they are numbered by a byte.
 const BODIES: usize = 255;
-/// Particles are numbered by 32 bits; beyond this the scene is surely a mistake.
+/// Largest number of particles: they are numbered by 32 bits.
 const PARTICLES: f64 = 4e9;
-/// Frames of one log.
+/// Largest number of frames in a log.
 const FRAMES: f64 = 1e6;
-/// Lengths that differ by less, relatively, are equal: they come from decimal texts.
+/// Relative difference below which lengths are equal: they come from decimal texts.
 const EQUAL: f64 = 1e-9;
-/// Supports of the widest sum between two mirrors at least, with room for lists.
+/// Least distance of two mirrors, in supports of the widest sum, with room for lists.
 const MIRRORED: f64 = 1.5;
 
-/// Checks `scene`; `tree` leads to the places, `folder` holds the file.
+/// Checks `scene`; `tree` gives the places of values, `folder` contains the file.
 pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneError> {
     bodies(scene, tree)?;
     let mut found = Mistakes::default();
@@ -110,7 +110,7 @@ fn overlap(scene: &Scene, first: &Shape, second: &Shape) -> bool {
     if dimension.axes().iter().any(thin) {
         return false;
     }
-    // Exact for layers, blocks and what is axis-parallel; else by points of the common box.
+    // Exact for axis-parallel shapes; otherwise tested at points of the common box.
     const POINTS: i32 = 40;
     let coordinate = |axis: usize, step: i32| {
         low[axis] + (high[axis] - low[axis]) * (f64::from(step) + 0.5) / f64::from(POINTS)
@@ -162,14 +162,14 @@ fn spacing(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
         .map(|body| numbers::count(scene, body) as f64)
         .sum();
     if total > PARTICLES {
-        let problem = format!("asks for {total:.2e} particles");
+        let problem = format!("requires {total:.2e} particles");
         let remedy = format!("at most {PARTICLES:.0e} can be numbered");
         return Err(tree.fault(key, &problem, &remedy));
     }
     Ok(())
 }
 
-/// Names the nearest spacings below and above that divide all periodic sides.
+/// The nearest spacings below and above that divide all periodic sides.
 fn divisors(spacing: f64, sides: &[f64], divides: impl Fn(f64) -> bool) -> String {
     let first = sides[0];
     let count = (first / spacing).floor().max(1.0) as u64;
@@ -193,7 +193,7 @@ fn divisors(spacing: f64, sides: &[f64], divides: impl Fn(f64) -> bool) -> Strin
     }
 }
 
-/// To 12 digits, so that 40 mm / 80 reads 0.5 mm.
+/// Rounds to 12 digits, so that 40 mm / 80 is shown as 0.5 mm.
 fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
@@ -203,7 +203,7 @@ fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
     axes.filter(|axis| scene.domain.boundary[*axis][0] == Side::Periodic)
 }
 
-/// A particle must not see itself, nor one neighbour twice, through periodic sides.
+/// A particle must not interact with itself, nor twice with a neighbour, through periodic sides.
 fn periodic_reach(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let reach = scene.widest();
     for axis in periodic_axes(scene) {
@@ -220,7 +220,7 @@ fn periodic_reach(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// What makes the kernel of a scene as wide as it is, if that is the contact angle.
+/// Names the contact angle where it widens the kernel; else empty.
 fn widened(scene: &Scene) -> String {
     let Some(wetting) = scene.effects.wetting.filter(|_| is_stretched(scene)) else {
         return String::new();
@@ -240,7 +240,7 @@ fn widened(scene: &Scene) -> String {
     format!(", which `{keys} widens by a factor of {stretch:.2}")
 }
 
-/// Whether a contact angle widens the kernel: it goes on into the wall at the angle.
+/// Whether a contact angle widens the kernel: the surface is continued into the wall at it.
 fn is_stretched(scene: &Scene) -> bool {
     let mut plain = scene.clone();
     plain.effects.wetting = scene.effects.wetting.map(|_| Wetting::of(90.0));
@@ -256,7 +256,7 @@ fn at_least(scene: &Scene, length: f64) -> String {
     format!("make it at least {least}{angle}, or lower `pack.spacing`")
 }
 
-/// An image must not be near the next plane, and nothing may break the symmetry.
+/// Requires that images stay away from the next plane, and that nothing breaks the symmetry.
 fn mirrors(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let reach = scene.widest();
     for &axis in scene.dimension.axes() {
@@ -313,7 +313,7 @@ fn times(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     if step > limit {
         let key = "method.wcsph.time_stepping.fixed.step";
         let problem = format!(
-            "takes fixed steps of {}, above {} at which sound outruns the particles",
+            "takes fixed steps of {}, above the acoustic limit of {}",
             human(step, Unit::Time),
             human(rounded(limit), Unit::Time)
         );

@@ -2,10 +2,13 @@
 //! the same bits.
 //!
 //! Only exact IEEE operations (no reciprocal estimates), so both give the same result everywhere.
-//! Sums over pairs are written with operators over [`Real`], and are safe: a number is the proof
-//! that the processor can compute with it. Every function is inlined into a caller that enables the
-//! features: see [`run`]. Code over lanes holds no closure, for a closure would be a function
-//! without the features.
+//! Features of the processor are proved by values. A value of a [`Lanes`] type is a token: it is
+//! made only where the features were found. Only it makes the first number, so that a [`Real`] is a
+//! proof too: sums over pairs are written with its operators and are safe. What reads or writes
+//! through pointers is unsafe.
+//!
+//! Every function is inlined into a caller that enables the features: see [`run`]. Code over lanes
+//! holds no closure, for a closure would be a function without the features.
 //!
 //! What the lanes of a [`Precision`] differ in: mixed takes the exact difference of fixed-point
 //! coordinates and goes on in f32; single rounds the coordinates themselves to f32; double takes
@@ -103,9 +106,13 @@ pub trait Real:
     fn splat(self, x: f32) -> Self;
     /// self b + c, rounded once.
     fn mul_add(self, b: Self, c: Self) -> Self;
+    /// The square root.
     fn sqrt(self) -> Self;
+    /// Without sign.
     fn abs(self) -> Self;
+    /// The larger of the two; `b` where one is no number.
     fn max(self, b: Self) -> Self;
+    /// The smaller of the two; `b` where one is no number.
     fn min(self, b: Self) -> Self;
     /// Itself where `a < b`, else 0.
     fn if_less(self, a: Self, b: Self) -> Self;
@@ -113,6 +120,7 @@ pub trait Real:
     fn less_mask(self, b: Self) -> u32;
     /// Sum of the lanes in a fixed order.
     fn sum(self) -> f32;
+    /// The lanes one by one, rounded to f32.
     fn to_array(self) -> [f32; WIDTH];
     /// Three splats.
     #[inline(always)]
@@ -194,48 +202,71 @@ macro_rules! operators {
 }
 use operators;
 
-/// What the lanes of a processor read and write.
-///
-/// # Safety
-/// Every function requires the processor features of the implementation, and eight words wherever
-/// it reads or writes through a pointer.
+/// What the lanes of a processor read, write and make. A value is the proof that the processor has
+/// the features that they use: see the [module](self).
 pub trait Lanes: Copy + Send + Sync + 'static {
+    /// Eight numbers.
     type F: Real;
     /// Eight fixed-point coordinates.
     type I: Copy;
-    unsafe fn splat(x: f32) -> Self::F;
-    /// As exactly as the lanes can.
-    unsafe fn constant(x: f64) -> Self::F;
-    /// Eight records: their coordinates and payloads, lane k of record k.
-    unsafe fn gather(records: *const Record, index: *const u32) -> ([Self::I; 3], [Self::F; 5]);
-    /// Eight points: their coordinates and words, lane k of point k.
-    unsafe fn gather_halves(points: *const Half, index: *const u16) -> ([Self::I; 3], Self::F);
-    /// Eight consecutive words.
-    unsafe fn load(words: *const f32) -> Self::F;
-    /// Eight consecutive coordinates.
-    unsafe fn load_fixed(words: *const i32) -> Self::I;
-    /// Words `from .. from + 8` of some arrays.
-    #[inline(always)]
-    unsafe fn load_at<const N: usize>(words: &[Vec<f32>; N], from: usize) -> [Self::F; N] {
-        std::array::from_fn(|a| {
-            debug_assert!(from + WIDTH <= words[a].len());
-            unsafe { Self::load(words[a].as_ptr().add(from)) }
-        })
-    }
-    /// Coordinates `from .. from + 8`.
-    #[inline(always)]
-    unsafe fn load_fixed_at(words: &[Vec<i32>; 3], from: usize) -> [Self::I; 3] {
-        std::array::from_fn(|a| {
-            debug_assert!(from + WIDTH <= words[a].len());
-            unsafe { Self::load_fixed(words[a].as_ptr().add(from)) }
-        })
-    }
+    /// `x` in all lanes.
+    fn splat(self, x: f32) -> Self::F;
+    /// `x` in all lanes, as exactly as they can.
+    fn constant(self, x: f64) -> Self::F;
     /// Own minus other, wrapped.
-    unsafe fn difference(own: i32, other: Self::I) -> Self::F;
+    fn difference(self, own: i32, other: Self::I) -> Self::F;
     /// `value` in the first `count` lanes, `other` in the rest.
-    unsafe fn first(count: usize, value: Self::F, other: Self::F) -> Self::F;
-    /// Writes `words[k]` for every set bit k of `mask` to `out` (room for 8); how many.
-    unsafe fn compress(mask: u32, words: *const u32, out: *mut u32) -> usize;
+    fn first(self, count: usize, value: Self::F, other: Self::F) -> Self::F;
+    /// Eight records: their coordinates and payloads, lane k of record k.
+    ///
+    /// # Safety
+    /// Eight indices can be read from `index` on, and each is that of a record behind `records`.
+    unsafe fn gather(
+        self,
+        records: *const Record,
+        index: *const u32,
+    ) -> ([Self::I; 3], [Self::F; 5]);
+    /// Eight points: their coordinates and words, lane k of point k.
+    ///
+    /// # Safety
+    /// Eight indices can be read from `index` on, and each is that of a point behind `points`.
+    unsafe fn gather_halves(
+        self,
+        points: *const Half,
+        index: *const u16,
+    ) -> ([Self::I; 3], Self::F);
+    /// Eight consecutive words.
+    ///
+    /// # Safety
+    /// Eight words can be read from `words` on.
+    unsafe fn load(self, words: *const f32) -> Self::F;
+    /// Eight consecutive coordinates.
+    ///
+    /// # Safety
+    /// Eight words can be read from `words` on.
+    unsafe fn load_fixed(self, words: *const i32) -> Self::I;
+    /// Coordinates `from .. from + 8`.
+    ///
+    /// # Safety
+    /// Each of the three arrays has at least `from + 8` words.
+    #[inline(always)]
+    unsafe fn load_fixed_at(self, [x, y, z]: &[Vec<i32>; 3], from: usize) -> [Self::I; 3] {
+        debug_assert!(from + WIDTH <= x.len().min(y.len()).min(z.len()));
+        // SAFETY: the arrays have eight words from `from` on.
+        unsafe {
+            [
+                self.load_fixed(x.as_ptr().add(from)),
+                self.load_fixed(y.as_ptr().add(from)),
+                self.load_fixed(z.as_ptr().add(from)),
+            ]
+        }
+    }
+    /// Writes `words[k]` for every set bit k of `mask`, of 8 bits, to `out`; how many.
+    ///
+    /// # Safety
+    /// Eight words can be read from `words` on, and eight can be written from `out` on. The two may
+    /// overlap if `out` is not behind `words`.
+    unsafe fn compress(self, mask: u32, words: *const u32, out: *mut u32) -> usize;
 }
 
 /// Byte k of entry `m`: position of the k-th set bit of `m`.
@@ -258,9 +289,8 @@ const COMPRESS: [[u8; 8]; 256] = {
 
 /// Something to do with lanes.
 pub trait Job {
-    /// # Safety
-    /// The processor has the features of `L`.
-    unsafe fn run<L: Lanes>(self);
+    /// Does it.
+    fn run<L: Lanes>(self, lanes: L);
 }
 
 /// Does `job` with the lanes of `precision`.
@@ -268,20 +298,19 @@ pub trait Job {
 pub fn run(precision: Precision, job: impl Job) {
     #[cfg(target_arch = "x86_64")]
     if wide() {
+        // SAFETY: `wide` has found the features.
         return unsafe {
             match precision {
-                Precision::Single => with_features::<Avx2<true>>(job),
-                Precision::Mixed => with_features::<Avx2<false>>(job),
-                Precision::Double => with_features::<Avx2Double>(job),
+                Precision::Single => with_features(Avx2::<true>::new(), job),
+                Precision::Mixed => with_features(Avx2::<false>::new(), job),
+                Precision::Double => with_features(Avx2Double::new(), job),
             }
         };
     }
-    unsafe {
-        match precision {
-            Precision::Single => job.run::<Scalar<f32, true>>(),
-            Precision::Mixed => job.run::<Portable>(),
-            Precision::Double => job.run::<Scalar<f64, false>>(),
-        }
+    match precision {
+        Precision::Single => job.run(Scalar::<f32, true>::new()),
+        Precision::Mixed => job.run(Portable::new()),
+        Precision::Double => job.run(Scalar::<f64, false>::new()),
     }
 }
 
@@ -290,15 +319,17 @@ pub fn run(precision: Precision, job: impl Job) {
 pub fn run_mixed(job: impl Job) {
     #[cfg(target_arch = "x86_64")]
     if wide() {
-        return unsafe { with_features::<Avx2<false>>(job) };
+        // SAFETY: `wide` has found the features.
+        return unsafe { with_features(Avx2::<false>::new(), job) };
     }
-    unsafe { job.run::<Portable>() }
+    job.run(Portable::new())
 }
 
+/// What is inlined into it is compiled for the features.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,popcnt")]
-unsafe fn with_features<L: Lanes>(job: impl Job) {
-    unsafe { job.run::<L>() }
+fn with_features<L: Lanes>(lanes: L, job: impl Job) {
+    job.run(lanes)
 }
 
 /// Does what `f` does, compiled for the widest instructions that the processor has: plain loops, of
@@ -307,7 +338,7 @@ unsafe fn with_features<L: Lanes>(job: impl Job) {
 pub fn vectorised<R>(f: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
     if wide() {
-        // SAFETY: the processor has AVX2.
+        // SAFETY: `wide` has found AVX2.
         return unsafe { with_avx2(f) };
     }
     f()
@@ -315,7 +346,7 @@ pub fn vectorised<R>(f: impl FnOnce() -> R) -> R {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-unsafe fn with_avx2<R>(f: impl FnOnce() -> R) -> R {
+fn with_avx2<R>(f: impl FnOnce() -> R) -> R {
     f()
 }
 

@@ -1,5 +1,5 @@
 //! The moving arrays that every method shares: liquid and wall particles along cells, records for
-//! the pair loops, neighbour rows, and the rule that says when rows must be made anew.
+//! the pair loops, neighbour rows, and the rule that says when rows must be found again.
 //!
 //! Records: liquid `0 .. liquid`, then wall `liquid .. liquid + walls`, then the images of both
 //! behind mirror planes, if there are any, then eight spare ones, so that eight lanes can be loaded
@@ -40,7 +40,7 @@ pub struct Lengths {
     pub spacing: f64,
     /// Support radius of the pair sums (2 h).
     pub support: f64,
-    /// Longest distance that anything asks for (2 H with tension).
+    /// Longest distance at which anything looks for neighbours (2 H with tension).
     pub longest: f64,
     /// A pair may be missing while it is this little inside the support (slope below 1e-3).
     pub late: f64,
@@ -58,15 +58,21 @@ impl Lengths {
 
 /// Particles, cells, rows.
 pub struct Flow {
+    /// Of the scene.
     pub dimension: Dimension,
+    /// The box.
     pub domain: Domain,
+    /// Its cells.
     pub grid: Grid,
+    /// Lengths that shape the rows.
     pub lengths: Lengths,
     /// Extra reach of the rows where nothing is known of speeds, as a fraction of the support.
     slack: f64,
+    /// The liquid.
     pub particles: Particles,
     /// Sorted along cells once, never moved.
     pub wall: Wall,
+    /// What pair sums read: liquid, wall, images.
     pub records: Vec<Record>,
     /// Fixed-point coordinates in that order, as of the last [`Flow::place`].
     pub at: [Vec<i32>; 3],
@@ -74,7 +80,9 @@ pub struct Flow {
     pub rows: Rows,
     /// Rows of the wall: liquid neighbours only.
     pub wall_rows: Rows,
+    /// Liquid particles by cell, as of the last sort.
     pub liquid_cells: Cells,
+    /// Wall particles by cell.
     pub wall_cells: Cells,
     /// Images behind mirror planes, of a box that has them.
     pub mirror: Option<Mirror>,
@@ -107,6 +115,10 @@ struct Scratch {
 }
 
 impl Flow {
+    /// Cells for a box; particles are not sorted yet.
+    ///
+    /// # Errors
+    /// A periodic side that is shorter than a kernel support.
     pub fn new(
         dimension: Dimension,
         domain: &Domain,

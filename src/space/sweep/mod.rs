@@ -1,8 +1,7 @@
 //! Pair sums: one pass over the neighbours of many targets, eight at a time, gather only.
 //!
 //! A [`Pass`] says what a pair adds; the sweep says which pairs there are. A target's sum is taken
-//! by
-//! one thread in the order of its row, so the result does not depend on the number of threads.
+//! by one thread in the order of its row, so the result does not depend on the number of threads.
 
 mod block;
 mod kept;
@@ -16,6 +15,9 @@ pub use super::row::Source;
 pub use kept::Kept;
 pub use near::{Field, runs};
 use rayon::prelude::*;
+
+/// Rows name records that are not there.
+pub(super) const TOO_FEW: &str = "rows of more points than there are records";
 
 /// A squared distance beyond every support, in units of h^2.
 const FAR: f32 = 1e12;
@@ -35,29 +37,30 @@ pub struct Pair<F> {
 /// The pairs of a target and the eight records of `group`.
 ///
 /// # Safety
-/// The processor has the features of `L`, and `group` has eight indices of records.
+/// `group` has eight indices, all below `records.len()`.
 #[inline(always)]
 pub(super) unsafe fn gathered<L: Lanes>(
+    lanes: L,
     records: &[Record],
     group: &[u32],
     at: [i32; 3],
     own: [L::F; 6],
     scale: [L::F; 3],
 ) -> Pair<L::F> {
-    unsafe {
-        let (other, [a, b, c, d, e]) = L::gather(records.as_ptr(), group.as_ptr());
-        let separation = separation::<L>(at, other, scale);
-        Pair {
-            d: separation,
-            q2: dot(separation, separation),
-            own,
-            other: [a, b, c, d, e, L::splat(0.0)],
-        }
+    // SAFETY: there are eight indices, all of records.
+    let (other, [a, b, c, d, e]) = unsafe { lanes.gather(records.as_ptr(), group.as_ptr()) };
+    let separation = separation(lanes, at, other, scale);
+    Pair {
+        d: separation,
+        q2: dot(separation, separation),
+        own,
+        other: [a, b, c, d, e, lanes.splat(0.0)],
     }
 }
 
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
+    /// What a target gets.
     type Out: Send;
     /// Whether nothing adds to this target, so that its row need not be read.
     #[inline(always)]
@@ -71,12 +74,15 @@ pub trait Pass<const N: usize>: Sync {
     }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
     fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; N]);
-    /// `target`: record index.
+    /// Makes `out` of the sums of `target`, a record index.
     fn finish(&self, target: usize, sum: [f32; N], out: &mut Self::Out);
 }
 
 /// Sums over neighbour rows; `out[k]` belongs to target `rows.first + k`.
 /// `scale`: fixed-point units to multiples of the smoothing length.
+///
+/// # Panics
+/// If `rows` was built for more points than there are records.
 pub fn rows<const N: usize, P: Pass<N>>(
     records: &[Record],
     rows: &Rows,
@@ -85,6 +91,7 @@ pub fn rows<const N: usize, P: Pass<N>>(
     out: &mut [P::Out],
 ) {
     assert_eq!(out.len(), rows.len());
+    assert!(rows.bound() <= records.len(), "{TOO_FEW}");
     out.par_chunks_mut(CHUNK).enumerate().for_each(|(c, out)| {
         let from = c * CHUNK;
         let job = InRows {
@@ -111,43 +118,40 @@ struct InRows<'a, const N: usize, P: Pass<N>> {
 
 impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
     #[inline(always)]
-    unsafe fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self, lanes: L) {
         let (records, rows, pass, from) = (self.records, self.rows, self.pass, self.from);
-        unsafe {
-            let scale = self.scale.lanes::<L>();
-            for (k, out) in self.out.iter_mut().enumerate() {
-                let target = rows.first + from + k;
-                if pass.skips(target) {
-                    pass.finish(target, [0.0; N], out);
-                    continue;
-                }
-                let record = &records[target];
-                let at = [record.at(0), record.at(1), record.at(2)];
-                let own = [0, 1, 2, 3, 4, 5].map(|c| if c < 5 { record.payload(c) } else { 0.0 });
-                let own = splat::<L>(pass.own(target, own));
-                let mut sum = [L::splat(0.0); N];
-                for group in rows.row(from + k).chunks_exact(WIDTH) {
-                    let pair = gathered::<L>(records, group, at, own, scale);
-                    pass.pair(&pair, &mut sum);
-                }
-                pass.finish(target, total(&sum), out);
+        let scale = self.scale.lanes(lanes);
+        for (k, out) in self.out.iter_mut().enumerate() {
+            let target = rows.first + from + k;
+            if pass.skips(target) {
+                pass.finish(target, [0.0; N], out);
+                continue;
             }
+            let record = &records[target];
+            let at = [record.at(0), record.at(1), record.at(2)];
+            let own = [0, 1, 2, 3, 4, 5].map(|c| if c < 5 { record.payload(c) } else { 0.0 });
+            let own = splat(lanes, pass.own(target, own));
+            let mut sum = [lanes.splat(0.0); N];
+            for group in rows.row(from + k).chunks_exact(WIDTH) {
+                // SAFETY: indices are below the bound of the rows, and there are so many records.
+                let pair = unsafe { gathered(lanes, records, group, at, own, scale) };
+                pass.pair(&pair, &mut sum);
+            }
+            pass.finish(target, total(&sum), out);
         }
     }
 }
 
 #[inline(always)]
-unsafe fn splat<L: Lanes>(own: [f32; 6]) -> [L::F; 6] {
-    unsafe {
-        [
-            L::splat(own[0]),
-            L::splat(own[1]),
-            L::splat(own[2]),
-            L::splat(own[3]),
-            L::splat(own[4]),
-            L::splat(own[5]),
-        ]
-    }
+fn splat<L: Lanes>(lanes: L, own: [f32; 6]) -> [L::F; 6] {
+    [
+        lanes.splat(own[0]),
+        lanes.splat(own[1]),
+        lanes.splat(own[2]),
+        lanes.splat(own[3]),
+        lanes.splat(own[4]),
+        lanes.splat(own[5]),
+    ]
 }
 
 #[inline(always)]

@@ -1,7 +1,6 @@
-//! From the frames of a run, in their order, to everything that is reported.
+//! Evaluation: from the frames of a run, in their order, to measures, pictures and the report.
 //!
-//! Writes into one folder: `measures.csv`, `plots/*.svg`, `panels/*.png` (section, view and
-//! the sheet of all), `fields/*.png`, `report.html`.
+//! Writes `measures.csv`, `plots/*.svg`, `panels/*.png`, `fields/*.png` and `report.html`.
 
 mod draw;
 
@@ -15,7 +14,7 @@ use super::report::Report;
 use super::section::{self, Section};
 use super::view::{self, Camera};
 use crate::measure::answer;
-use crate::measure::gauge::{Gauge, Kind, Start, contact_time, pool_depth};
+use crate::measure::gauge::{Gauge, Kind, Start, contact_time};
 use crate::measure::loss;
 use crate::measure::pool::Axis;
 use crate::measure::series::{Norm, Reference, Row, Series, SeriesError, compare};
@@ -25,32 +24,39 @@ use crate::particle::Frame;
 use crate::scene::sanity::Warning;
 use crate::scene::{Dimension, Scene, numbers};
 
-/// What can go wrong after the run.
+/// An evaluation that failed.
 #[derive(Debug, thiserror::Error)]
 pub enum PostError {
+    /// The measures cannot be written, or a reference cannot be read.
     #[error(transparent)]
     Series(#[from] SeriesError),
+    /// The file `path` cannot be written.
     #[error("cannot write {path}: {source}")]
     Write {
         path: PathBuf,
         source: std::io::Error,
     },
+    /// The plot or picture `what` cannot be drawn.
     #[error("cannot draw {what}: {problem}")]
     Draw { what: String, problem: String },
+    /// Times do not increase; both in s.
     #[error("frame at {now} s comes after the one at {before} s; give frames in their order")]
     Order { before: f64, now: f64 },
+    /// There is no frame.
     #[error("no frame to measure; the log is empty")]
     Empty,
 }
 
-/// What was made.
+/// Results of an evaluation.
 #[derive(Debug)]
 pub struct PostReport {
+    /// Measures of all frames.
     pub series: Series,
     /// Key results, as in the report.
     pub results: Vec<(String, String)>,
+    /// Deviations from the reference curves.
     pub norms: Vec<Norm>,
-    /// Sentences about panels and fields after the last frame.
+    /// Sentences about panels and fields later than the last frame.
     pub missed: Vec<String>,
     /// Liquid that is missing at the end.
     pub losses: Vec<Warning>,
@@ -58,9 +64,9 @@ pub struct PostReport {
     pub files: Vec<PathBuf>,
 }
 
-/// Takes frames, then reports; of a part of a symmetric scene, on the whole.
+/// Takes frames, then reports. Where mirrors cut the scene, it evaluates the whole.
 pub struct Post {
-    /// The whole, and what was simulated.
+    /// The whole scene, and the part that was simulated.
     scene: Scene,
     part: Scene,
     unfold: Unfold,
@@ -76,27 +82,27 @@ pub struct Post {
     panels: Instants,
     fields: Instants,
     sections: Vec<(Section, Option<Canvas>)>,
-    /// Height of the crown, and the frame with the highest so far: of the title picture.
+    /// Largest height of the crown so far, with its frame: for the title picture.
     best: Option<(f64, Frame)>,
     averages: Vec<Field>,
     files: Vec<PathBuf>,
     remarks: Vec<String>,
 }
 
-/// What is wanted of a frame besides its measures.
+/// What a frame needs besides its measures.
 struct Asked {
     panel: bool,
     field: bool,
 }
 
-/// What a frame gave: its row and the initial level, its pictures.
+/// Results of a frame: its row, the start values, its pictures.
 struct Look {
     measured: (Row, Start),
     panel: Option<(Section, Option<Canvas>)>,
     field: Option<Field>,
 }
 
-/// Instants that are still to come, s, rising.
+/// Instants still to come, s, the earliest last.
 struct Instants {
     left: Vec<f64>,
     half: f64,
@@ -123,8 +129,7 @@ impl Instants {
 }
 
 impl Post {
-    /// `base`: folder that the paths of references are relative to (that of the pipeline file);
-    /// `out`: existing folder to write to. Reads the references.
+    /// Reads the references, relative to `base` (the folder of the scene file); `out` must exist.
     pub fn new(scene: &Scene, base: &Path, out: &Path) -> Result<Post, PostError> {
         let mut references = Vec::new();
         for reference in &scene.post.references {
@@ -162,19 +167,19 @@ impl Post {
         })
     }
 
-    /// Has the report show a sentence about the run.
+    /// Adds a sentence about the run to the report.
     pub fn remark(&mut self, text: String) {
         self.remarks.push(text);
     }
 
-    /// Measures a frame and keeps what the pictures need of it.
+    /// Measures a frame and draws its panel and field.
     pub fn frame(&mut self, frame: &Frame) -> Result<(), PostError> {
         self.frames(std::slice::from_ref(frame))
     }
 
-    /// The same for several, side by side.
+    /// Measures several frames in parallel.
     pub fn frames(&mut self, frames: &[Frame]) -> Result<(), PostError> {
-        // The first of all fixes the level that the others are measured from.
+        // The first frame defines the level that the others are measured from.
         let alone = usize::from(self.last.is_none() && !frames.is_empty());
         let wholes: Vec<Frame>;
         let frames = match self.unfold.is_plain() {
@@ -225,10 +230,11 @@ impl Post {
         let panel = asked.panel.then(|| {
             let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
             let view = (self.scene.dimension == Dimension::Three).then(|| {
-                // Drawn twice as large, and a quarter taller than wide: room for a jet.
+                // Drawn at twice the size, and a quarter taller than wide: room for a jet.
                 let width = 2 * section::width(&self.scene);
                 let size = [width, width / 4 * 5];
-                let camera = Camera::whole(&self.scene, pool_depth(&self.scene), size);
+                let camera =
+                    Camera::whole(&self.scene, self.scene.pool_depth().unwrap_or(0.0), size);
                 view::draw(&self.scene, frame, &camera).halved()
             });
             (section, view)
@@ -270,7 +276,11 @@ impl Post {
             ..Report::default()
         };
         if let Some((_, frame)) = self.best.take() {
-            let at = [self.axis.at[0], self.axis.at[1], pool_depth(&self.scene)];
+            let at = [
+                self.axis.at[0],
+                self.axis.at[1],
+                self.scene.pool_depth().unwrap_or(0.0),
+            ];
             let png = view::picture(&self.scene, &frame, at);
             let png = png.map_err(|e| draw_error("picture", &e))?;
             self.write("picture.png", &png)?;
@@ -316,7 +326,7 @@ impl Post {
         })
     }
 
-    /// Before the crater is deepest there is no jet: what stands on the axis is the drop.
+    /// Before the crater is deepest there is no jet: the liquid at the axis is the drop.
     fn blank_early_jet(&mut self) {
         let deepest = self.series.maximum("crater_depth_m").map(|(_, t)| t);
         let times = self.series.time().to_vec();
@@ -341,15 +351,14 @@ impl Post {
         let mut notes = self.remarks.clone();
         if let Some(level) = self.gauge.start.level {
             notes.push(format!(
-                "Lengths count from the level of the pool in the first frame, {:.3} mm above the \
-                 floor.",
+                "Lengths count from the pool level in the first frame, {:.3} mm above the floor.",
                 1e3 * level
             ));
         }
         if self.shift > 0.0 {
             notes.push(format!(
                 "Plots count time from the contact of the drop, {:.3} ms after the start; \
-                 measures.csv counts from the start, a reference as it says.",
+                 measures.csv counts from the start; a reference as its columns state.",
                 1e3 * self.shift
             ));
         }
@@ -357,7 +366,7 @@ impl Post {
         notes
     }
 
-    /// Instants asked for that no frame reaches.
+    /// Requested instants after the last frame.
     fn missed(&self) -> Vec<String> {
         let sentence = |what: &str, time: f64| {
             let time = 1e3 * time;

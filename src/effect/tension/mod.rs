@@ -32,7 +32,7 @@
 //! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H; where R
 //! is not much larger than H (the stress acts at a depth of 0.46 H); and where H is below 2.6 s0:
 //! the stress derives from no energy, its pull along the surface bunches the particles, and a drop
-//! at rest stirs by itself (docs/validation.md).
+//! at rest has spurious currents (docs/validation.md).
 //! With [`super::wetting`] walls have a contact angle. Curvature times normal: [`counted`].
 //! The derivative of an energy: [`energy`].
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
@@ -77,7 +77,9 @@ const DEEP: f64 = 1.5;
 
 /// The effect with its scratch memory.
 pub struct Tension {
+    /// Which of the forces above.
     pub form: TensionForm,
+    /// Kernel of all sums.
     pub kernel: KernelName,
     /// H, m.
     pub length: f64,
@@ -87,6 +89,7 @@ pub struct Tension {
     pub coefficient: f64,
     /// alpha.
     pub strength: f64,
+    /// 2 or 3.
     pub dimension: usize,
     /// rho0, kg/m^3.
     pub density: f64,
@@ -116,10 +119,12 @@ pub struct Tension {
     /// Acceleration of `reached`, m/s^2.
     force: Vec<[f32; 3]>,
     counted: Counted,
+    /// Scratch memory and walls of a tension with an energy.
     pub energy: Energy,
 }
 
 impl Tension {
+    /// A tension that has found nothing yet; `length`: H and `short`: h, m.
     pub fn new(
         form: TensionForm,
         kernel: KernelName,
@@ -162,7 +167,7 @@ impl Tension {
         }
     }
 
-    /// The normals alone, for who shifts particles and has no tension; `length`: H, m.
+    /// The normals alone, for a method that shifts particles without tension; `length`: H, m.
     pub fn normals(kernel: KernelName, length: f64, dimension: usize, density: f64) -> Self {
         let form = TensionForm::RawColour;
         Tension::new(form, kernel, [length; 2], 0.0, 1.0, dimension, density)

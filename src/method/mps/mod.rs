@@ -17,7 +17,8 @@
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
 //! `blended` is `corrected` with the gradient of the smooth kernel in place of w / r^2 where a
-//! surface is in the support: a drop at rest stirs by 0.4 of it, a splash is coarser.
+//! surface is in the support: spurious currents in a drop at rest are 0.4 of those, a splash is
+//! coarser.
 //! `closure.completed` is that of ISPH, [`surface`], with the weights of (4); there and in the
 //! shifting a smooth kernel of h = r_e / 2 shows the surface. The step, its limits, walls and
 //! shifting: [`super::projection`].

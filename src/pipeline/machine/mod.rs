@@ -1,4 +1,4 @@
-//! Where a result was made, and how much time it took.
+//! The machine that made a result, and the time that it took.
 
 mod limit;
 
@@ -6,13 +6,16 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-/// The machine, as far as it tells.
+/// The machine, as far as it is known.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
+    /// Host name.
     pub host: String,
+    /// Model of the processor.
     pub processor: String,
     /// Threads that the machine runs at once.
     pub cores: usize,
+    /// Operating system and architecture.
     pub system: String,
 }
 
@@ -28,8 +31,8 @@ impl Machine {
     }
 }
 
-/// Memory that this process may use, bytes: that of the machine, or of a container that allows
-/// less; infinite where the system does not say.
+/// Memory that this process may use, bytes: that of the machine, or of a container that permits
+/// less; infinite if unknown.
 pub fn memory() -> f64 {
     let allowed = limit::here().map_or(f64::INFINITY, |bytes| bytes as f64);
     physical_memory().min(allowed)
@@ -38,7 +41,7 @@ pub fn memory() -> f64 {
 fn physical_memory() -> f64 {
     #[cfg(unix)]
     {
-        // SAFETY: asks for two numbers.
+        // SAFETY: reads two numbers.
         let ask = |name| unsafe { libc::sysconf(name) } as f64;
         let bytes = ask(libc::_SC_PHYS_PAGES) * ask(libc::_SC_PAGESIZE);
         if bytes > 0.0 {
@@ -48,8 +51,8 @@ fn physical_memory() -> f64 {
     f64::INFINITY
 }
 
-/// Has arrays of 128 KiB and more mapped, each by itself, so that what is freed goes back at once.
-/// The allocator of glibc would raise that limit with the first one freed, and rows that grow would
+/// Maps each array of 128 KiB or more separately, so that freed memory returns to the system at
+/// once. By default glibc raises this limit when the first such array is freed, and growing rows
 /// leave holes: a tenth of the memory of ISPH at a million particles.
 pub fn map_large_arrays() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -73,7 +76,7 @@ fn processor() -> String {
     name.map_or(String::new(), |(_, name)| name.trim().to_string())
 }
 
-/// CPU time of this process, all threads, s; 0 where the system does not tell.
+/// CPU time of this process, all threads, s; 0 if unknown.
 pub fn cpu_seconds() -> f64 {
     #[cfg(unix)]
     if let Some(usage) = usage() {
@@ -83,11 +86,11 @@ pub fn cpu_seconds() -> f64 {
     0.0
 }
 
-/// The most memory that this process has held, bytes.
+/// Peak memory of this process, bytes.
 pub fn peak_memory() -> Option<u64> {
     #[cfg(unix)]
     return usage().map(|usage| {
-        // In KiB, but for one system.
+        // In KiB, except on one system.
         let unit = if cfg!(target_os = "macos") { 1 } else { 1024 };
         usage.ru_maxrss as u64 * unit
     });
@@ -97,8 +100,9 @@ pub fn peak_memory() -> Option<u64> {
 
 #[cfg(unix)]
 fn usage() -> Option<libc::rusage> {
-    // SAFETY: all zeros are a valid `rusage`, and `getrusage` only fills it.
+    // SAFETY: all zeros are a valid `rusage`.
     let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
+    // SAFETY: `getrusage` only fills it.
     (unsafe { libc::getrusage(libc::RUSAGE_SELF, &mut usage) } == 0).then_some(usage)
 }
 
@@ -137,6 +141,7 @@ pub struct Clock {
 }
 
 impl Clock {
+    /// Starts at the present wall and CPU time.
     pub fn start() -> Self {
         Clock {
             wall: Instant::now(),

@@ -1,14 +1,14 @@
-//! Where the liquid is: the volume fraction on a grid of half the particle spacing.
+//! The volume fraction of liquid on a grid of half the particle spacing.
 //!
 //! (1) `φ(x) = Σ_j V_j W(x − x_j)`, `V_j = s0^d`
 //!
-//! The surface is the level φ = 1/2. W is Wendland's C2 kernel with h = 1.3 s0, whatever the
-//! method uses, so that methods are measured alike: a flat lattice has its level exactly half a
+//! The surface is the level φ = 1/2. W is Wendland's C2 kernel with h = 1.3 s0 for every method, so
+//! that all methods are measured in the same way: a flat lattice has its level exactly half a
 //! spacing above the top layer, and a single sheet of particles (peak 0.58) still counts as liquid.
 //! V is the nominal volume: the density of a method may be deficient at a surface, its mass is not.
 //!
 //! Liquid is mirrored at walls and repeated at periodic sides. Only blocks of nodes near a surface
-//! are summed; a block deep in the liquid or far from it is one number. Every node sums in a fixed
+//! are summed; a block deep in the liquid or far from it has one value. Every node sums in a fixed
 //! order: the result is independent of the number of threads.
 
 mod sorted;
@@ -32,6 +32,7 @@ pub struct Raster {
     pub count: [usize; 3],
     /// Distance of nodes, m, about s0 / 2 (exact divisions of the box where it is periodic).
     pub spacing: [f64; 3],
+    /// Whether each axis is periodic.
     pub periodic: [bool; 3],
     /// Particle spacing s0, m.
     pub particle_spacing: f64,
@@ -39,7 +40,7 @@ pub struct Raster {
     pub(super) edge: [usize; 3],
     /// Blocks along each axis.
     pub(super) blocks: [usize; 3],
-    /// Of each block: its place among the summed ones, or `summed +` its place in `uniform`.
+    /// For each block: its place among the summed ones, or `summed +` its place in `uniform`.
     pub(super) code: Vec<u32>,
     pub(super) summed: usize,
     /// Whether a block that is not summed is liquid.
@@ -48,8 +49,8 @@ pub struct Raster {
 }
 
 impl Raster {
-    /// Sums (1) for particles at `position` (m, each of the same length); others than finite ones
-    /// and those outside the box are passed over.
+    /// Sums (1) for particles at `position` (m, arrays of equal length); particles that are not
+    /// finite or are outside the box are ignored.
     pub fn new(
         dimension: Dimension,
         domain: &Domain,
@@ -179,7 +180,7 @@ impl Raster {
 
     /// Block of a node and the node's place in it.
     pub(super) fn locate(&self, node: [usize; 3]) -> (usize, usize) {
-        // Edges are powers of two: shifts and masks, for this is the inmost lookup.
+        // Edges are powers of two: shifts and masks, because this is the innermost lookup.
         let [ex, ey, ez] = self.edge;
         let b = [0, 1, 2].map(|a| node[a] >> self.edge[a].trailing_zeros());
         let l = [node[0] & (ex - 1), node[1] & (ey - 1), node[2] & (ez - 1)];
@@ -199,10 +200,10 @@ impl Raster {
         [0, 1, 2].map(|a| self.edge[a] as f64 * self.spacing[a])
     }
 
-    /// Of each block: `Some(true)` deep in liquid, `Some(false)` far from it, `None` to be summed.
+    /// For each block: `Some(true)` deep in liquid, `Some(false)` far from it, `None` to be summed.
     ///
-    /// Half-blocks (2 s0 wide) are counted. A block is deep if all of its half-blocks and the ring
-    /// around them hold five eighths of what a lattice would; far if all of them are empty.
+    /// Particles are counted in half-blocks (2 s0 wide). A block is deep if all of its half-blocks
+    /// and the ring around them contain five eighths of a lattice; far if all of them are empty.
     fn classify(&self, sorted: &Sorted) -> Vec<Option<bool>> {
         let size = self.block_size();
         let flat = self.edge[1] == 1;

@@ -1,9 +1,9 @@
-//! Presets: fragments of a scene file that are laid under the user's.
+//! Presets: fragments of a scene file that supply what the user's file leaves out.
 //!
-//! `paper` is what is printed, `corrected` that method with its known errors removed, `modern` what
-//! a specialist would run today. A fragment is TOML in the format of the scene file, with the
-//! source of each value beside it. A key that the user gives stays; a table of the fragment that
-//! the user does not have, such as that of an effect, is left out.
+//! `paper` is the printed method, `corrected` that method with its known errors removed, `modern`
+//! what a specialist would use today. A fragment is TOML in the format of the scene file, with the
+//! source of each value beside it. The user's keys take precedence; a table of the fragment that
+//! the user's file lacks, such as that of an effect, is left out.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -12,36 +12,36 @@ use super::method::{MethodName, Preset};
 use super::schema::property;
 use super::tree::{Tree, Value, child};
 
-/// What serves where a preset's own choice does not.
+/// Replacements where a preset's own choice is not possible.
 const RAW_COLOUR: &str = "effects.tension.form = \"raw-colour\"";
 const SYMMETRIC: &str = "method.isph.gradient = \"symmetric\"";
-const STRESS: &str = include_str!("preset/mps-stress.toml");
+const STRESS: &str = include_str!("mps-stress.toml");
 
 /// The fragments of a preset, the first one on top.
 pub fn fragments(name: MethodName, preset: Preset) -> &'static [&'static str] {
     match (name, preset) {
-        (MethodName::Wcsph, Preset::Paper) => &[include_str!("preset/wcsph-paper.toml")],
+        (MethodName::Wcsph, Preset::Paper) => &[include_str!("wcsph-paper.toml")],
         (MethodName::Wcsph, Preset::Corrected) => &[
-            include_str!("preset/wcsph-corrected.toml"),
-            include_str!("preset/wcsph-paper.toml"),
+            include_str!("wcsph-corrected.toml"),
+            include_str!("wcsph-paper.toml"),
         ],
-        (MethodName::Wcsph, Preset::Modern) => &[include_str!("preset/wcsph-modern.toml")],
-        (MethodName::Isph, Preset::Paper) => &[include_str!("preset/isph-paper.toml")],
+        (MethodName::Wcsph, Preset::Modern) => &[include_str!("wcsph-modern.toml")],
+        (MethodName::Isph, Preset::Paper) => &[include_str!("isph-paper.toml")],
         (MethodName::Isph, Preset::Corrected) => &[
-            include_str!("preset/isph-corrected.toml"),
-            include_str!("preset/isph-paper.toml"),
+            include_str!("isph-corrected.toml"),
+            include_str!("isph-paper.toml"),
         ],
-        (MethodName::Isph, Preset::Modern) => &[include_str!("preset/isph-modern.toml")],
-        (MethodName::Mps, Preset::Paper) => &[include_str!("preset/mps-paper.toml")],
+        (MethodName::Isph, Preset::Modern) => &[include_str!("isph-modern.toml")],
+        (MethodName::Mps, Preset::Paper) => &[include_str!("mps-paper.toml")],
         (MethodName::Mps, Preset::Corrected) => &[
-            include_str!("preset/mps-corrected.toml"),
-            include_str!("preset/mps-paper.toml"),
+            include_str!("mps-corrected.toml"),
+            include_str!("mps-paper.toml"),
         ],
-        (MethodName::Mps, Preset::Modern) => &[include_str!("preset/mps-modern.toml")],
+        (MethodName::Mps, Preset::Modern) => &[include_str!("mps-modern.toml")],
     }
 }
 
-/// The scene with its preset under it; `schema`: of scene files.
+/// The scene completed by its preset; `schema`: of scene files.
 pub fn laid_under<'a>(tree: &Tree<'a>, schema: &serde_json::Value) -> Tree<'a> {
     let word = |key: &str| tree.text_at(key);
     let mut names = METHODS.into_iter();
@@ -59,7 +59,7 @@ pub fn laid_under<'a>(tree: &Tree<'a>, schema: &serde_json::Value) -> Tree<'a> {
     if let DeValue::Table(root) = full.root.get_mut()
         && let DeValue::Table(method) = child(root, "method", &here).get_mut()
     {
-        // What other methods would have is checked, and not read.
+        // Settings of other methods are checked, but not used.
         let settings = std::mem::take(method).into_iter();
         *method = settings
             .filter(|(key, _)| !is_other(key.get_ref(), name))
@@ -80,11 +80,11 @@ fn is_other(key: &str, name: MethodName) -> bool {
     key != name.word() && METHODS.iter().any(|method| key == method.word())
 }
 
-/// What a preset has otherwise, because of what the user says.
+/// Changes of a preset that the user's settings require.
 fn adapted(tree: &Tree<'_>, name: MethodName, preset: Preset) -> Option<&'static str> {
     let word = |key: &str| tree.text_at(key);
     match name {
-        // The energy of the surface needs dual steps and the kernel of Wendland.
+        // The surface energy needs dual stepping and Wendland's kernel.
         MethodName::Wcsph => {
             let stepping = tree.get("method.wcsph.time_stepping").is_some();
             let dual = tree.get("method.wcsph.time_stepping.dual").is_some();
@@ -92,12 +92,12 @@ fn adapted(tree: &Tree<'_>, name: MethodName, preset: Preset) -> Option<&'static
             let is_served = (dual || !stepping) && kernel == "wendland-c2";
             (preset == Preset::Modern && !is_served).then_some(RAW_COLOUR)
         }
-        // Pressure forces have to do the work that their divergence sees.
+        // The pressure gradient must be the adjoint of the divergence.
         MethodName::Isph => {
             let form = word("effects.tension.form");
             (form == Some("surface-energy")).then_some(SYMMETRIC)
         }
-        // Young's force is made for the stress of `modern`.
+        // Young's force requires the stress of `modern`.
         MethodName::Mps => {
             let wets = tree.get("effects.wetting").is_some();
             (wets && preset != Preset::Paper).then_some(STRESS)
@@ -105,7 +105,7 @@ fn adapted(tree: &Tree<'_>, name: MethodName, preset: Preset) -> Option<&'static
     }
 }
 
-/// Lays a fragment under a table.
+/// Adds the missing keys of a table from a fragment.
 fn lay<'a>(under: &mut Value<'a>, fragment: DeTable<'a>, schema: &serde_json::Value) {
     let DeValue::Table(table) = under.get_mut() else {
         return;

@@ -44,7 +44,8 @@ columns! {
     pub(super) struct Own as this {
         /// d rho/dt, kg/m^3/s (continuity only).
         pub rate: f32 => Role::Persistent("density_rate"),
-        /// Acceleration: the whole one (single rate), or what is held over an advective step (dual).
+        /// Acceleration: the whole one (single rate), or what is held over an advective step
+        /// (dual).
         pub held: [f32; 3] => this.role_of_held,
         pub force: [f32; 3] => Role::Scratch,
         /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).

@@ -265,7 +265,10 @@ fn sides_walls_and_times_are_checked() {
         &["box.x", "periodic on one side only"],
     );
     let open = boxed("wall_velocity = { z_high = [1, 0, 0] }");
-    holds(&open, &["box.wall_velocity.z_high", "without a wall", "`box.z`"]);
+    holds(
+        &open,
+        &["box.wall_velocity.z_high", "without a wall", "`box.z`"],
+    );
     let through = boxed("wall_velocity = { z_low = [1, 0, 2] }");
     holds(&through, &["moves the wall through the liquid"]);
     let gravity = edited("\"9.81 m/s^2\"", "\"9.81 m/s^2\"\ndirection = [0, 0, 0]").to_string();

@@ -3,11 +3,13 @@
 //! Writes `measures.csv`, `plots/*.svg`, `panels/*.png`, `fields/*.png` and `report.html`.
 
 mod draw;
+mod instants;
 
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
+use self::instants::Instants;
 use super::canvas::Canvas;
 use super::field::Field;
 use super::report::Report;
@@ -100,32 +102,6 @@ struct Look {
     measured: (Row, Start),
     panel: Option<(Section, Option<Canvas>)>,
     field: Option<Field>,
-}
-
-/// Instants still to come, s, the earliest last.
-struct Instants {
-    left: Vec<f64>,
-    half: f64,
-}
-
-impl Instants {
-    fn new(wanted: &[f64], interval: f64) -> Instants {
-        let mut left = wanted.to_vec();
-        left.sort_by(|a, b| b.total_cmp(a));
-        Instants {
-            left,
-            half: 0.5 * interval,
-        }
-    }
-
-    /// Whether the frame at `time` is the nearest to an instant; each frame serves once.
-    fn take(&mut self, time: f64) -> bool {
-        let before = self.left.len();
-        while self.left.last().is_some_and(|t| *t <= time + self.half) {
-            self.left.pop();
-        }
-        self.left.len() < before
-    }
 }
 
 impl Post {

@@ -113,7 +113,9 @@ pub fn of_result(folder: &Path, stamp: &Stamp) -> Result<Option<Figures>> {
                 metadata.and_then(|metadata| metadata.modified()).ok()
             };
             let newest = mine.max_by_key(written);
-            newest.map(|(folder, post)| Figures::read(folder, post)).transpose()
+            newest
+                .map(|(folder, post)| Figures::read(folder, post))
+                .transpose()
         }
         _ => Ok(None),
     }

@@ -18,12 +18,7 @@ Exit codes:
   130  stopped by Ctrl-C or a termination signal after a checkpoint; the same command continues";
 
 /// Output of `--version` after the name of the program.
-const VERSION: &str = concat!(
-    env!("CARGO_PKG_VERSION"),
-    " (",
-    env!("CORONET_BUILD"),
-    ")"
-);
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("CORONET_BUILD"), ")");
 
 /// Drop impact on a pool, a wall or another drop, with particles, as a resumable pipeline.
 #[derive(Debug, Parser)]
@@ -119,10 +114,9 @@ impl Command {
             Command::Export(arguments) => arguments.json,
             Command::Recover(arguments) => arguments.json,
             Command::Study(_) | Command::Tune(_) => true,
-            Command::Init(_)
-            | Command::Schema(_)
-            | Command::Completions(_)
-            | Command::Man(_) => false,
+            Command::Init(_) | Command::Schema(_) | Command::Completions(_) | Command::Man(_) => {
+                false
+            }
         }
     }
 }

@@ -91,7 +91,12 @@ pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Answer>
         Kind::Shape => shape(scene, series),
         Kind::Front => {
             let front = most(series, "front_m", "farthest front", Quantity::Length);
-            let top = most(series, "column_height_m", "highest liquid", Quantity::Length);
+            let top = most(
+                series,
+                "column_height_m",
+                "highest liquid",
+                Quantity::Length,
+            );
             front.into_iter().chain(top).collect()
         }
         Kind::Level | Kind::Bulk => Vec::new(),
@@ -123,9 +128,18 @@ fn pool(series: &Series) -> Vec<Answer> {
         "largest crown height",
         Quantity::Length,
     );
-    let jet = jet_crosses(series)
-        .and_then(|_| most(series, "jet_height_m", "largest jet height", Quantity::Length));
-    [depth, diameter, crown, jet].into_iter().flatten().collect()
+    let jet = jet_crosses(series).and_then(|_| {
+        most(
+            series,
+            "jet_height_m",
+            "largest jet height",
+            Quantity::Length,
+        )
+    });
+    [depth, diameter, crown, jet]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 fn wall(scene: &Scene, series: &Series, shift: f64) -> Vec<Answer> {
@@ -188,12 +202,7 @@ fn unexplained(scene: &Scene, series: &Series) -> Option<Answer> {
 }
 
 /// The maximum of a column, with its time.
-fn most(
-    series: &Series,
-    column: &str,
-    name: &'static str,
-    quantity: Quantity,
-) -> Option<Answer> {
+fn most(series: &Series, column: &str, name: &'static str, quantity: Quantity) -> Option<Answer> {
     let (value, time) = series.maximum(column)?;
     Some(Answer {
         name,

@@ -182,8 +182,8 @@ fn energy_growth(measures: &Series, method: &Method) -> f64 {
 /// with a tension that is a stress, which has no energy for the budget. `mass`: of the first frame,
 /// kg.
 pub fn unexplained_part(scene: &Scene, measures: &Series, mass: f64) -> [f64; 2] {
-    let has_energy = scene.effects.tension.is_none()
-        || scene.effects.has_tension(TensionForm::SurfaceEnergy);
+    let has_energy =
+        scene.effects.tension.is_none() || scene.effects.has_tension(TensionForm::SurfaceEnergy);
     let gravity = scene.effects.gravity.map_or(f64::NAN, length);
     match has_energy {
         true => unexplained(measures, mass * gravity * scene.spacing),

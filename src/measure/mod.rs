@@ -3,8 +3,8 @@
 //! A frame becomes a raster of the volume fraction, the raster becomes connected regions, and these
 //! become numbers; `gauge` selects the numbers of a scene.
 
-mod area;
 pub mod answer;
+mod area;
 pub mod conservation;
 pub mod contact;
 pub mod drop;

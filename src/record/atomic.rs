@@ -108,8 +108,11 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     file.commit()
 }
 
-/// Replaces `path` by `bytes`, atomically, but does not wait for the disk: for what need not outlive
-/// a power cut, after which the file can be empty.
+/// Replaces `path` by `bytes`, atomically, without waiting for the disk: for content that need not
+/// survive a power cut, after which the file can be empty.
+///
+/// # Errors
+/// If the file cannot be written or renamed.
 pub fn write_passing(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let mut file = AtomicFile::create(path)?;
     file.write_all(bytes)

@@ -75,7 +75,9 @@ fn settings(first: &Run, second: &Run) -> Vec<Setting> {
         let setting = of.iter().find(|(known, _)| known == name);
         setting.map(|(_, value)| value.clone())
     };
-    let only_second = second.iter().filter(|(name, _)| find(&first, name).is_none());
+    let only_second = second
+        .iter()
+        .filter(|(name, _)| find(&first, name).is_none());
     let names = first.iter().chain(only_second).map(|(name, _)| name);
     let values = names.map(|name| (name.clone(), [find(&first, name), find(&second, name)]));
     values.filter(|(_, [a, b])| a != b).collect()
@@ -219,14 +221,21 @@ fn print_figures(pairs: &[Pair]) {
     let mut rows = vec![head.map(str::to_string).to_vec()];
     rows.extend(pairs.iter().map(Pair::row));
     out!("");
-    lines(&rows, &[1, 2, 3, 4]).iter().for_each(|line| out!("{line}"));
+    lines(&rows, &[1, 2, 3, 4])
+        .iter()
+        .for_each(|line| out!("{line}"));
 }
 
 fn print_curves(curves: &[Curve]) {
     if curves.is_empty() {
         return;
     }
-    let head = ["curves", "largest difference", "of the range", "after contact"];
+    let head = [
+        "curves",
+        "largest difference",
+        "of the range",
+        "after contact",
+    ];
     let mut rows = vec![head.map(str::to_string).to_vec()];
     rows.extend(curves.iter().map(|curve| {
         let largest = signed(digits(curve.largest), curve.largest);
@@ -235,12 +244,18 @@ fn print_curves(curves: &[Curve]) {
         vec![curve.name.clone(), largest, part, time]
     }));
     out!("");
-    lines(&rows, &[1, 2, 3]).iter().for_each(|line| out!("{line}"));
+    lines(&rows, &[1, 2, 3])
+        .iter()
+        .for_each(|line| out!("{line}"));
     out!("differences are second minus first, in the units of the names");
 }
 
 fn signed(text: String, value: f64) -> String {
-    if value > 0.0 { format!("+{text}") } else { text }
+    if value > 0.0 {
+        format!("+{text}")
+    } else {
+        text
+    }
 }
 
 fn percent(part: f64) -> String {

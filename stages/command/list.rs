@@ -50,7 +50,8 @@ pub fn list(arguments: &StoreArguments) -> Result<()> {
     rows.sort_by(|a, b| a.age.total_cmp(&b.age));
     let differing = differing(&rows);
     if arguments.json {
-        rows.iter().for_each(|row| out!("{}", object(row, &differing)));
+        rows.iter()
+            .for_each(|row| out!("{}", object(row, &differing)));
         return Ok(());
     }
     if rows.is_empty() {
@@ -91,7 +92,9 @@ fn row(store: &Store, run: Run, jobs: &[Unfinished]) -> Row {
     });
     let folders = run.results.iter().map(|(folder, _)| folder);
     let folders = folders.chain(mine.map(|job| &job.folder));
-    let mut folders: Vec<_> = folders.filter(|path| path.starts_with(store.root())).collect();
+    let mut folders: Vec<_> = folders
+        .filter(|path| path.starts_with(store.root()))
+        .collect();
     folders.sort();
     folders.dedup();
     let bytes = folders.into_iter().map(|folder| sweep::size(folder)).sum();
@@ -125,7 +128,11 @@ fn differing(rows: &[Row]) -> Vec<(String, Vec<Option<String>>)> {
     found.sort_by_key(|(name, values)| {
         let table = ORDER.iter().position(|table| name.starts_with(table));
         let known = values.iter().flatten().count();
-        (name == "title", Reverse(known), table.unwrap_or(ORDER.len()))
+        (
+            name == "title",
+            Reverse(known),
+            table.unwrap_or(ORDER.len()),
+        )
     });
     found
 }

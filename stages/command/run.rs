@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
 use coronet::measure::series::Series;
-use coronet::pipeline::{self, PipelineError, Report, Run, Store, latest};
+use coronet::pipeline::{self, PipelineError, Report, Run, Status, Store, latest};
 use coronet::scene::{Scene, numbers};
 use serde_json::json;
 
@@ -70,7 +70,13 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         figures: figures(&loaded.scene, &ended.reports)?,
         rest: Rest::of(&store, &pipeline).filter(|_| arguments.until.is_some()),
     };
-    finish(&store, &pipeline.name, &ended.reports, &told, arguments.store.json);
+    finish(
+        &store,
+        &pipeline.name,
+        &ended.reports,
+        &told,
+        arguments.store.json,
+    );
     let unnamed = ended.unnamed.map_or(Ok(()), Err);
     unnamed.context("the results are finished and kept, but have no names in latest/")
 }
@@ -85,7 +91,9 @@ struct Told {
 fn figures(scene: &Scene, reports: &[Report]) -> Result<Option<Figures>> {
     let post = reports.iter().find(|report| report.stage == "post");
     let measures = post.map(|report| Series::read(&report.folder.join(post::MEASURES)));
-    Ok(measures.transpose()?.map(|measures| Figures::new(scene, measures)))
+    Ok(measures
+        .transpose()?
+        .map(|measures| Figures::new(scene, measures)))
 }
 
 fn threads(arguments: &RunArguments) -> usize {
@@ -128,8 +136,12 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
         out!("Figures");
         figures.lines().iter().for_each(|line| out!("  {line}"));
     }
-    for warning in warnings {
-        note!("warning: {warning}");
+    // An evaluation that ran has told them already.
+    let told_before = |report: &Report| report.stage == "post" && report.status != Status::Fresh;
+    if !reports.iter().any(told_before) {
+        warnings
+            .iter()
+            .for_each(|warning| note!("warning: {warning}"));
     }
     places(store, name, find);
     if let Some(rest) = &told.rest {

@@ -96,7 +96,8 @@ fn row(job: &Unfinished) -> Vec<String> {
         job.label(),
         told.map_or_else(none, |told| told.pipeline.clone()),
         done.map_or_else(none, |told| format!("{:.1} %", 100.0 * told.fraction)),
-        left.filter(|_| job.holder.is_some()).map_or_else(none, duration),
+        left.filter(|_| job.holder.is_some())
+            .map_or_else(none, duration),
         speed.map_or_else(none, |told| format!("{:.2e} {}", told.speed, told.unit)),
         match job.checkpoint {
             Some(_) => format!("{} ago", since(job.checkpoint)),

@@ -48,7 +48,10 @@ fn a_run_ends_with_its_figures_and_show_begins_with_them() {
     assert_eq!(diameter["time_s"], depth["time_s"]);
     assert_eq!(figure(&summary["figures"], "mass lost")["value"], 0.0);
     let unexplained = figure(&summary["figures"], "energy unexplained");
-    assert!(unexplained["value"].as_f64().unwrap() < 0.02, "{unexplained}");
+    assert!(
+        unexplained["value"].as_f64().unwrap() < 0.02,
+        "{unexplained}"
+    );
     assert_eq!(summary["missing"], Value::Null);
 
     let shown = |path: &str| program.call(&["show", path, "--json"]).well().objects();
@@ -56,17 +59,35 @@ fn a_run_ends_with_its_figures_and_show_begins_with_them() {
         let facts = shown(&format!("artifacts/latest/tiny/{name}"));
         assert_eq!(facts[0]["figures"], summary["figures"], "{name}");
     }
-    assert_eq!(shown("artifacts/latest/tiny/pack-drop")[0]["figures"], Value::Null);
+    assert_eq!(
+        shown("artifacts/latest/tiny/pack-drop")[0]["figures"],
+        Value::Null
+    );
 
     let told = program.call(&["run", "tiny.toml"]).well().out;
     let line = format!("{:.2} ms", 1e3 * after);
-    has(&told, &["largest crater depth", " mm  at ", &line, "mass lost", "0 %"]);
-    let head = program.call(&["show", "artifacts/latest/tiny/post"]).well().out;
+    has(
+        &told,
+        &[
+            "largest crater depth",
+            " mm  at ",
+            &line,
+            "mass lost",
+            "0 %",
+        ],
+    );
+    let head = program
+        .call(&["show", "artifacts/latest/tiny/post"])
+        .well()
+        .out;
     let place = head.find("largest crater depth").expect("figures");
     assert!(place < head.find("settings").unwrap(), "{head}");
     // The page tells the same.
     let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
-    has(&page, &["largest crater depth", &line, "energy unexplained"]);
+    has(
+        &page,
+        &["largest crater depth", &line, "energy unexplained"],
+    );
 
     // Without its log there are no figures, but all else.
     fs::remove_file(program.latest("impact").join("frames.mcap")).unwrap();
@@ -78,9 +99,19 @@ fn a_run_ends_with_its_figures_and_show_begins_with_them() {
 #[test]
 fn a_run_that_was_cut_says_what_is_missing_and_how_to_go_on() {
     let program = Program::new();
-    let cut = ["run", "tiny.toml", "--until", "relax", "--set", "title=A drop"];
+    let cut = [
+        "run",
+        "tiny.toml",
+        "--until",
+        "relax",
+        "--set",
+        "title=A drop",
+    ];
     let ended = program.call(&cut).well();
-    has(&ended.out, &["missing  calibrate, impact, post", "go on    "]);
+    has(
+        &ended.out,
+        &["missing  calibrate, impact, post", "go on    "],
+    );
     let command = ended.out.lines().find(|line| line.starts_with("go on"));
     has(command.unwrap(), &["run tiny.toml --set 'title=A drop'"]);
     assert!(!command.unwrap().contains("until"));
@@ -89,18 +120,32 @@ fn a_run_that_was_cut_says_what_is_missing_and_how_to_go_on() {
     assert_eq!(summary["missing"].as_array().unwrap().len(), 3);
     assert!(summary["figures"].is_null() && summary["report"].is_null());
     let list = program.call(&["list", "--json"]).well().objects();
-    assert_eq!((&list[0]["state"], &list[0]["job"]), (&"unfinished".into(), &"impact".into()));
+    assert_eq!(
+        (&list[0]["state"], &list[0]["job"]),
+        (&"unfinished".into(), &"impact".into())
+    );
 
     let mut child = program.start(&["run", "tiny.toml", "--set", "impact.end=30 ms"]);
     program.in_flight(&mut child);
     let ended = interrupt(child);
-    ended.badly(130, &["missing  impact (goes on from an unfinished run), post", "go on    "]);
+    ended.badly(
+        130,
+        &[
+            "missing  impact (goes on from an unfinished run), post",
+            "go on    ",
+        ],
+    );
 }
 
 #[test]
 fn what_makes_figures_doubtful_is_told_at_the_end() {
     let program = Program::new();
-    let sets = ["relax.time=0.2 ms", "box.x=open", "impact.end=2 ms", "post.panels=[]"];
+    let sets = [
+        "relax.time=0.2 ms",
+        "box.x=open",
+        "impact.end=2 ms",
+        "post.panels=[]",
+    ];
     let mut arguments = vec!["run", "tiny.toml", "--json"];
     sets.iter().for_each(|set| arguments.extend(["--set", set]));
     let first = program.call(&arguments).well();
@@ -109,10 +154,20 @@ fn what_makes_figures_doubtful_is_told_at_the_end() {
     let [first, ended] = [first.objects(), ended.objects()];
     let warnings = &ended.last().unwrap()["warnings"];
     assert_eq!(&first.last().unwrap()["warnings"], warnings);
-    has(&warnings.to_string(), &["relax drop: not at rest", "of the liquid left the box"]);
+    has(
+        &warnings.to_string(),
+        &["relax drop: not at rest", "of the liquid left the box"],
+    );
     arguments.retain(|word| *word != "--json");
     let told = program.call(&arguments).well();
-    has(&told.err, &["warning: relax drop: not at rest", "warning: ", "left the box"]);
+    has(
+        &told.err,
+        &[
+            "warning: relax drop: not at rest",
+            "warning: ",
+            "left the box",
+        ],
+    );
 }
 
 #[test]
@@ -126,7 +181,10 @@ fn runs_are_listed_with_what_tells_them_apart_and_compared() {
     program.run(&[&faster[..], &["--set", "post.panels=[]"]].concat());
 
     let list = program.call(&["list", "--json"]).well().objects();
-    let names: Vec<&str> = list.iter().map(|run| run["name"].as_str().unwrap()).collect();
+    let names: Vec<&str> = list
+        .iter()
+        .map(|run| run["name"].as_str().unwrap())
+        .collect();
     assert_eq!(names, ["loop/fast", "tiny"], "the newest first");
     for run in &list {
         assert_eq!(run["state"], "finished");
@@ -137,10 +195,22 @@ fn runs_are_listed_with_what_tells_them_apart_and_compared() {
     }
     assert_eq!(list[0]["settings"]["body.drop.velocity"], "1.2 m/s");
     let text = program.call(&["list"]).well().out;
-    has(&text, &["body.drop.velocity", "1.2 m/s", "crater depth", "finished", "loop/fast"]);
+    has(
+        &text,
+        &[
+            "body.drop.velocity",
+            "1.2 m/s",
+            "crater depth",
+            "finished",
+            "loop/fast",
+        ],
+    );
     assert_eq!(text.lines().count(), 3, "{text}");
 
-    let diff = program.call(&["diff", "tiny", "loop/fast", "--json"]).well().objects();
+    let diff = program
+        .call(&["diff", "tiny", "loop/fast", "--json"])
+        .well()
+        .objects();
     let settings = diff[0]["settings"].as_array().unwrap();
     assert_eq!(settings.len(), 1, "{settings:?}");
     assert_eq!(settings[0]["first"], "1 m/s");
@@ -150,17 +220,34 @@ fn runs_are_listed_with_what_tells_them_apart_and_compared() {
     assert!((of("second") - of("first") - of("difference")).abs() < 1e-15);
     assert!((of("difference") / of("first") - of("relative")).abs() < 1e-12);
     let curves = diff[0]["curves"].as_array().unwrap();
-    let kinetic = curves.iter().find(|curve| curve["column"] == "kinetic_energy_J");
+    let kinetic = curves
+        .iter()
+        .find(|curve| curve["column"] == "kinetic_energy_J");
     let part = kinetic.unwrap()["over_range"].as_f64().unwrap();
     assert!(part > 0.1 && part <= 1.0, "{part}");
     let folder = "artifacts/latest/loop/fast";
     let text = program.call(&["diff", "tiny", folder]).well().out;
-    has(&text, &["body.drop.velocity", "largest crater depth", "kinetic_energy_J", "%"]);
+    has(
+        &text,
+        &[
+            "body.drop.velocity",
+            "largest crater depth",
+            "kinetic_energy_J",
+            "%",
+        ],
+    );
 
-    let same = program.call(&["diff", "tiny", "artifacts/latest/tiny/post"]).well().out;
+    let same = program
+        .call(&["diff", "tiny", "artifacts/latest/tiny/post"])
+        .well()
+        .out;
     has(&same, &["no setting differs", "0.00 %"]);
-    program.call(&["diff", "tiny", "no\u{1b}ne"]).badly(2, &["no\\u{1b}ne", "loop/fast, tiny"]);
-    program.call(&["diff", "tiny", "tiny.toml"]).badly(2, &["tiny.toml"]);
+    program
+        .call(&["diff", "tiny", "no\u{1b}ne"])
+        .badly(2, &["no\\u{1b}ne", "loop/fast, tiny"]);
+    program
+        .call(&["diff", "tiny", "tiny.toml"])
+        .badly(2, &["tiny.toml"]);
 }
 
 /// Work folders of the store that hold a file of progress.
@@ -185,22 +272,46 @@ fn a_running_and_an_interrupted_job_are_seen_from_outside() {
     let work = program.in_flight(&mut child);
     let running = loop {
         let jobs = status();
-        if jobs.first().is_some_and(|job| job["fraction"].as_f64() > Some(0.0)) {
+        if jobs
+            .first()
+            .is_some_and(|job| job["fraction"].as_f64() > Some(0.0))
+        {
             break jobs;
         }
-        assert!(child.try_wait().unwrap().is_none(), "it ended unseen: {jobs:?}");
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "it ended unseen: {jobs:?}"
+        );
     };
     let job = &running[0];
     assert_eq!(running.len(), 1, "{running:?}");
-    assert_eq!((&job["state"], &job["stage"]), (&"running".into(), &"impact".into()));
-    assert_eq!((&job["name"], &job["process"]), (&"tiny".into(), &id.into()));
+    assert_eq!(
+        (&job["state"], &job["stage"]),
+        (&"running".into(), &"impact".into())
+    );
+    assert_eq!(
+        (&job["name"], &job["process"]),
+        (&"tiny".into(), &id.into())
+    );
     assert!(job["fraction"].as_f64().unwrap() < 1.0 && job["speed"].as_f64().unwrap() > 0.0);
     assert!(job["checkpoint_age_s"].as_f64().unwrap() < 60.0);
     has(job["text"].as_str().unwrap(), &["t = ", "of 60.000 ms"]);
     let text = program.call(&["status"]).well().out;
-    has(&text, &["impact", "tiny", "%", "particle-steps/s", &format!("process {id} on")]);
+    has(
+        &text,
+        &[
+            "impact",
+            "tiny",
+            "%",
+            "particle-steps/s",
+            &format!("process {id} on"),
+        ],
+    );
     let list = program.call(&["list", "--json"]).well().objects();
-    assert_eq!((&list[0]["name"], &list[0]["state"]), (&"tiny".into(), &"running".into()));
+    assert_eq!(
+        (&list[0]["name"], &list[0]["state"]),
+        (&"tiny".into(), &"running".into())
+    );
     program.call(&["verify"]).well();
 
     interrupt(child).badly(130, &["impact"]);
@@ -232,7 +343,10 @@ fn a_running_and_an_interrupted_job_are_seen_from_outside() {
 fn a_scene_to_begin_with_is_one_that_the_program_accepts() {
     let program = Program::new();
     let list = program.call(&["init", "--list"]).well().out;
-    let names: Vec<&str> = list.lines().filter_map(|l| l.split_whitespace().next()).collect();
+    let names: Vec<&str> = list
+        .lines()
+        .filter_map(|l| l.split_whitespace().next())
+        .collect();
     assert!(names.len() >= 4 && names.contains(&"tiny"), "{list}");
     has(&list, &["A small drop on a shallow pool"]);
     for name in names {
@@ -242,7 +356,10 @@ fn a_scene_to_begin_with_is_one_that_the_program_accepts() {
         let plan = program.call(&["plan", &path]).well();
         has(&plan.out, &["impact", "post"]);
         let text = fs::read_to_string(program.path(&path)).unwrap();
-        assert!(text.starts_with('#') && !text.contains("#:schema"), "{path}");
+        assert!(
+            text.starts_with('#') && !text.contains("#:schema"),
+            "{path}"
+        );
     }
     // The default is where `coronet run` looks for it.
     program.call(&["init"]).well();
@@ -251,13 +368,20 @@ fn a_scene_to_begin_with_is_one_that_the_program_accepts() {
     let ended = program.call(&["init", "tiny"]);
     ended.badly(2, &["tiny.toml", "exists already", "another path"]);
     assert_eq!(fs::read(program.path("tiny.toml")).unwrap(), before);
-    program.call(&["init", "none"]).badly(2, &["none", "default", "tiny"]);
-    program.call(&["init", "tiny", "no/such/x.toml"]).badly(5, &["no/such/x.toml"]);
+    program
+        .call(&["init", "none"])
+        .badly(2, &["none", "default", "tiny"]);
+    program
+        .call(&["init", "tiny", "no/such/x.toml"])
+        .badly(5, &["no/such/x.toml"]);
 }
 
 #[test]
 fn the_version_names_what_it_was_built_from() {
     let version = Program::new().call(&["--version"]).well().out;
     let expected = format!("coronet {} (", env!("CARGO_PKG_VERSION"));
-    assert!(version.starts_with(&expected) && version.contains("rustc"), "{version}");
+    assert!(
+        version.starts_with(&expected) && version.contains("rustc"),
+        "{version}"
+    );
 }

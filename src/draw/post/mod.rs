@@ -270,7 +270,9 @@ impl Post {
         let (scene, kind, series) = (&self.scene, self.gauge.kind, &self.series);
         let answers = answer::of(scene, kind, series, self.shift);
         report.results = answer::lines(&answers, self.shift);
-        report.results.extend(summary::of(scene, kind, series, self.shift));
+        report
+            .results
+            .extend(summary::of(scene, kind, series, self.shift));
         report.numbers = numbers::of(&self.part)
             .groups
             .into_iter()

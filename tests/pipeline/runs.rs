@@ -206,7 +206,10 @@ fn runs_are_listed_with_what_tells_them_apart_and_compared() {
         ],
     );
     assert_eq!(text.lines().count(), 3, "{text}");
+    the_two_are_compared(&program);
+}
 
+fn the_two_are_compared(program: &Program) {
     let diff = program
         .call(&["diff", "tiny", "loop/fast", "--json"])
         .well()
@@ -322,7 +325,11 @@ fn a_running_and_an_interrupted_job_are_seen_from_outside() {
     let list = program.call(&["list"]).well().out;
     has(&list, &["tiny", "unfinished: impact"]);
 
-    // Neither cleaning nor hashing minds the file, nor one that is damaged.
+    the_file_does_no_harm(&program, &work);
+}
+
+/// Neither cleaning nor hashing minds the file of progress in `work`, nor one that is damaged.
+fn the_file_does_no_harm(program: &Program, work: &Path) {
     for text in [None, Some("{\"pipeline\": 3}"), Some("")] {
         if let Some(text) = text {
             fs::write(work.join("progress.json"), text).unwrap();
@@ -330,13 +337,14 @@ fn a_running_and_an_interrupted_job_are_seen_from_outside() {
         program.call(&["gc", "--yes"]).well();
         program.call(&["verify"]).well();
         assert!(work.exists());
-        assert_eq!(status()[0]["stage"], "impact");
+        let jobs = program.call(&["status", "--json"]).well().objects();
+        assert_eq!(jobs[0]["stage"], "impact");
         program.call(&["list"]).well();
     }
     program.run(&["--set", "impact.end=3 ms"]);
     let all = ["gc", "--yes", "--older-than", "0s", "--unfinished"];
     program.call(&all).well();
-    assert!(!work.exists() && progress_files(&program).is_empty());
+    assert!(!work.exists() && progress_files(program).is_empty());
 }
 
 #[test]

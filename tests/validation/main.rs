@@ -16,7 +16,7 @@ mod wall;
 use coronet::method::rest::Rest;
 use coronet::method::{self, Diverged, Phase, Solver};
 use coronet::particle::{Frame, Particles, pack::pack};
-use coronet::scene::{Scene, file};
+use coronet::scene::{RelaxInput, Scene, TensionStrength, file};
 use std::ops::ControlFlow::Continue;
 use std::path::Path;
 

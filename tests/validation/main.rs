@@ -16,7 +16,8 @@ mod wall;
 use coronet::method::rest::Rest;
 use coronet::method::{self, Diverged, Phase, Solver};
 use coronet::particle::{Frame, Particles, pack::pack};
-use coronet::scene::{RelaxInput, Scene, TensionStrength, file};
+use coronet::scene::input::RelaxInput;
+use coronet::scene::{Scene, TensionStrength, file};
 use std::ops::ControlFlow::Continue;
 use std::path::Path;
 

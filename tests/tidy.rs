@@ -29,7 +29,7 @@ const COLUMNS: usize = 100;
 const ROOT: &str =
     "Cargo.toml Cargo.lock build.rs clippy.toml deny.toml rust-toolchain.toml rustfmt.toml
     README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE-MIT LICENSE-APACHE pipeline.toml
-    stages src tests artifacts benches examples scenes docs fuzz target export";
+    stages src tests artifacts benches examples scenes docs fuzz python target export";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -197,6 +197,20 @@ impl Simulation {
     /// # Errors
     /// [`Error::Diverged`].
     pub fn run(&mut self, mut each: impl FnMut(&Frame, &Row)) -> Result<&Series, Error> {
+        self.run_while(|frame, row| {
+            each(frame, row);
+            true
+        })
+    }
+
+    /// [`Simulation::run`] that stops soon after `each` has returned false.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`].
+    pub fn run_while(
+        &mut self,
+        mut each: impl FnMut(&Frame, &Row) -> bool,
+    ) -> Result<&Series, Error> {
         let Simulation {
             scene,
             solver,
@@ -205,18 +219,19 @@ impl Simulation {
             gauge,
             measures,
         } = self;
-        let mut take = |solver: &dyn Solver| {
-            if frames.takes(solver.time()) {
+        let mut goes_on = true;
+        let mut take = |solver: &dyn Solver, goes_on: &mut bool| {
+            if *goes_on && frames.takes(solver.time()) {
                 let frame = solver.frame();
                 let whole = (!unfold.is_plain()).then(|| unfold.frame(&frame));
                 let row = gauge.measure(whole.as_ref().unwrap_or(&frame));
                 measures.push(&row);
-                each(&frame, &row);
+                *goes_on = each(&frame, &row);
             }
         };
-        take(solver.as_ref());
-        while solver.time() < scene.impact.end {
-            solver.advance(&mut take)?;
+        take(solver.as_ref(), &mut goes_on);
+        while goes_on && solver.time() < scene.impact.end {
+            solver.advance(&mut |solver| take(solver, &mut goes_on))?;
         }
         Ok(measures)
     }

@@ -52,7 +52,7 @@ pub use method::{
 pub use problem::Problem;
 pub use stage::{
     Arrangement, Clock, Colouring, Frames, Impact, LONGEST_REFERENCE, Packing, Post, Reference,
-    Relax,
+    Relax, StopWhen,
 };
 use tree::Tree;
 pub use wetting::Wetting;

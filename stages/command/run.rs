@@ -14,7 +14,7 @@ use crate::answer::{self, Figures};
 use crate::arguments::RunArguments;
 use crate::print::{note, out};
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, journal, post, signals};
+use crate::{PROGRAM, impact, jobs, journal, post, signals, stop};
 
 /// Answer to a first signal.
 const STOPPING: &str = "stopping after the next checkpoint";
@@ -69,6 +69,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     let told = Told {
         figures: figures(&loaded.scene, &ended.reports)?,
         rest: Rest::of(&store, &pipeline).filter(|_| arguments.until.is_some()),
+        ended: self::ended(&ended.reports),
     };
     finish(
         &store,
@@ -86,6 +87,15 @@ struct Told {
     figures: Option<Figures>,
     /// Stages after `--until`.
     rest: Option<Rest>,
+    /// Of the impact, if conditions could end it before its end.
+    ended: Option<String>,
+}
+
+/// The note of an impact about the conditions that could end it.
+fn ended(reports: &[Report]) -> Option<String> {
+    let impact = reports.iter().find(|report| report.stage == "impact")?;
+    let mut notes = impact.stamp.notes.iter();
+    notes.find(|note| note.contains(stop::CONDITIONS)).cloned()
 }
 
 fn figures(scene: &Scene, reports: &[Report]) -> Result<Option<Figures>> {
@@ -127,10 +137,14 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             "state": text("impact", impact::STATE),
             "figures": told.figures.as_ref().map(Figures::json),
             "warnings": warnings,
+            "ended": told.ended,
             "missing": told.rest.as_ref().map(|rest| &rest.missing),
             "continue": told.rest.as_ref().map(|rest| &rest.command),
         });
         return out!("{object}");
+    }
+    if let Some(text) = &told.ended {
+        out!("ended    {text}");
     }
     if let Some(figures) = &told.figures {
         out!("Figures");

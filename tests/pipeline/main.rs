@@ -18,6 +18,7 @@ mod resume;
 mod runs;
 mod schema;
 mod sharing;
+mod stop;
 mod study;
 mod toy;
 mod truth;

@@ -29,6 +29,7 @@ mod stage;
 mod symmetry;
 mod tree;
 mod unit;
+pub mod variant;
 mod wetting;
 mod width;
 

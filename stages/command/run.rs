@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
 use coronet::measure::series::Series;
+use coronet::pipeline::name::is_name;
 use coronet::pipeline::{self, PipelineError, Report, Run, Status, Store, latest};
-use coronet::scene::{Scene, numbers};
+use coronet::scene::{Scene, numbers, variant};
 use serde_json::json;
 
 use super::plan;
@@ -42,6 +43,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         );
         out!("{}\n{text}Run with {threads} threads", loaded.scene.title);
     }
+    let also = own_name(arguments, &pipeline.name);
     let stop = signals::stop_flag(STOPPING)?;
     if arguments.stop_at_end_of_input {
         signals::stop_at_end_of_input(&stop)?;
@@ -50,6 +52,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     let all = Run {
         store: &store,
         pipeline: &pipeline,
+        also: also.as_deref(),
         until: arguments.until.as_deref(),
         stop: &stop,
         watch: &screen,
@@ -70,6 +73,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         figures: figures(&loaded.scene, &ended.reports)?,
         rest: Rest::of(&store, &pipeline).filter(|_| arguments.until.is_some()),
         ended: self::ended(&ended.reports),
+        also,
     };
     finish(
         &store,
@@ -82,6 +86,17 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     unnamed.context("the results are finished and kept, but have no names in latest/")
 }
 
+/// The name of a run with `--set` and without `--name`. It keeps the results when the name of the
+/// file goes to the next ones.
+fn own_name(arguments: &RunArguments, file: &str) -> Option<String> {
+    let sets = &arguments.pipeline.set;
+    if arguments.name.is_some() || sets.is_empty() {
+        return None;
+    }
+    let name = format!("{file},{}", variant::name(sets));
+    is_name(&name).then_some(name)
+}
+
 /// What the end of a run tells besides where its results are.
 struct Told {
     figures: Option<Figures>,
@@ -89,6 +104,8 @@ struct Told {
     rest: Option<Rest>,
     /// Of the impact, if conditions could end it before its end.
     ended: Option<String>,
+    /// The name of its own.
+    also: Option<String>,
 }
 
 /// The note of an impact about the conditions that could end it.
@@ -130,6 +147,7 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             "summary": name,
             "artifacts": store.root().to_string_lossy(),
             "latest": latest::folder(store, name).to_string_lossy(),
+            "name": told.also.as_deref().unwrap_or(name),
             "report": text("post", post::REPORT),
             "measures": text("post", post::MEASURES),
             "frames": text("impact", journal::FRAMES),
@@ -158,6 +176,9 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             .for_each(|warning| note!("warning: {warning}"));
     }
     places(store, name, find);
+    if let Some(name) = &told.also {
+        out!("name     {name}");
+    }
     if let Some(rest) = &told.rest {
         rest.print();
     }

@@ -62,6 +62,7 @@ mod scene_schema;
 mod scene_spelling;
 mod scene_stop;
 mod scene_symmetry;
+mod scene_variant;
 mod scene_wetting;
 mod space_component;
 mod space_lane;

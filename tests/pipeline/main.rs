@@ -20,6 +20,7 @@ mod schema;
 mod sharing;
 mod stop;
 mod study;
+mod sweep;
 mod toy;
 mod truth;
 mod tune;

@@ -147,7 +147,8 @@ pub struct RunArguments {
     pub pipeline: PipelineArguments,
     #[command(flatten)]
     pub store: StoreArguments,
-    /// Name of the results under `latest/` [default: that of the file]
+    /// Name of the results under `latest/` [default: that of the file; with --set the results also
+    /// keep a name of their own, as `pipeline,body.drop.velocity=2.42_m_s`]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
     /// Stop after this stage

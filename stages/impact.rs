@@ -1,9 +1,10 @@
 //! `impact`: relaxed bodies -> the state at the end, and the log of frames.
 //!
-//! The run ends at the first restartable instant at or after `impact.end`. Frame k is taken at the
-//! first step at or after k x `frames.interval`; a result contains every frame up to its last
-//! instant. So the frames of a shorter run are exactly the first frames of a longer one, with any
-//! interruptions.
+//! The run ends at the first restartable instant at or after `impact.end`, or after the frame that
+//! meets a condition of `impact.stop_when`; a later `impact.end` does not continue that. Frame k is
+//! taken at the first step at or after k x `frames.interval`; a result contains every frame up to
+//! its last instant. So the frames of a shorter run are exactly the first frames of a longer one,
+//! with any interruptions.
 
 use coronet::measure::loss;
 use coronet::method::frame::Schedule;
@@ -25,6 +26,7 @@ use crate::journal::{
 };
 use crate::pace::Pace;
 use crate::settings::Forecast;
+use crate::stop::Stop;
 
 /// State at the end.
 pub const STATE: &str = "state.checkpoint";
@@ -107,11 +109,15 @@ impl Impact<'_> {
             taken: start.taken,
             error: None,
             watch: loss::Watch::default(),
+            stop: Stop::new(&self.input, start.past),
             warning: None,
         };
         frames.step(solver.as_ref());
         if let Err(error) = self.advance(context, solver.as_mut(), &mut frames) {
             return Err(Trouble::Stage(first_cause(error, frames.log)));
+        }
+        if let Some(stop) = &frames.stop {
+            context.note(stop.note(solver.time(), self.input.impact.end));
         }
         let end = frames.checkpoint(solver.as_ref());
         let taken = frames.taken;
@@ -137,7 +143,7 @@ impl Impact<'_> {
         let mut flight = Flight::new(context, self.checkpoint_every)?;
         let mut pace = Pace::new(solver);
         let mut part = (solver.time() / impact.end * PARTS).floor();
-        while solver.time() < impact.end {
+        while solver.time() < impact.end && !frames.is_stopped() {
             let advanced = solver.advance(&mut |solver| frames.step(solver));
             if let Err(diverged) = advanced {
                 flight.land(context)?;
@@ -149,9 +155,10 @@ impl Impact<'_> {
                 context.warn(&text);
             }
             let progress = (solver.time() / impact.end * PARTS).floor();
-            let kept = progress > part && solver.time() < impact.end;
+            let goes_on = solver.time() < impact.end && !frames.is_stopped();
+            let kept = progress > part && goes_on;
             part = progress;
-            let stopped = context.stopped() && solver.time() < impact.end;
+            let stopped = context.stopped() && goes_on;
             if kept || stopped || flight.is_due() {
                 let flush = frames
                     .log
@@ -200,6 +207,7 @@ impl Impact<'_> {
             state,
             next: 0,
             taken: 0,
+            past: None,
             resumed: false,
         })
     }

@@ -13,6 +13,7 @@ use coronet::record::Checkpoint;
 use coronet::record::log::{self, LogError, LogWriter, Segment};
 
 use crate::flight;
+use crate::stop::{Past, Stop};
 
 /// Frames of the whole run.
 pub const FRAMES: &str = "frames.mcap";
@@ -30,6 +31,8 @@ pub struct Start {
     pub state: State,
     pub next: u64,
     pub taken: u64,
+    /// What is known of the frames so far, if conditions can end the run.
+    pub past: Option<Past>,
     /// Begin after t = 0.
     pub resumed: bool,
 }
@@ -63,6 +66,8 @@ pub struct Frames {
     pub taken: u64,
     pub error: Option<LogError>,
     pub watch: loss::Watch,
+    /// What can end the run before its end.
+    pub stop: Option<Stop>,
     /// Remark about the last frame.
     pub warning: Option<String>,
 }
@@ -77,8 +82,16 @@ impl Frames {
         let frame = solver.frame();
         let warning = self.watch.look(time, &frame.scalars);
         self.warning = warning.or(self.warning.take());
+        if let Some(stop) = &mut self.stop {
+            stop.look(&frame);
+        }
         self.error = self.log.frame(frame).err();
         self.taken += 1;
+    }
+
+    /// Whether a condition has ended the run.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.as_ref().is_some_and(Stop::is_met)
     }
 
     pub fn check(&mut self) -> Result<(), StageError> {
@@ -91,6 +104,9 @@ impl Frames {
         let mut checkpoint = Checkpoint::from(solver.state());
         checkpoint.scalars.push((NEXT.into(), self.due.next as f64));
         checkpoint.scalars.push((TAKEN.into(), self.taken as f64));
+        if let Some(stop) = &self.stop {
+            stop.keep(&mut checkpoint);
+        }
         checkpoint
     }
 }
@@ -99,8 +115,10 @@ impl Frames {
 pub fn start(checkpoint: Checkpoint) -> Option<Start> {
     let next = checkpoint.scalar(NEXT)? as u64;
     let taken = checkpoint.scalar(TAKEN)? as u64;
+    let past = Past::read(&checkpoint);
     Some(Start {
         state: State::try_from(checkpoint).ok()?,
+        past,
         next,
         taken,
         resumed: true,

@@ -20,6 +20,7 @@ mod relax;
 mod runs;
 mod settings;
 mod signals;
+mod stop;
 mod study;
 mod table;
 mod watch;

@@ -13,6 +13,7 @@ use coronet::scene::input::PostInput;
 use crate::journal::FRAMES;
 use crate::relax::UNREST;
 use crate::settings::Forecast;
+use crate::stop::STOPPED;
 
 /// The table of measures, as [`post::Post`] names it.
 pub const MEASURES: &str = "measures.csv";
@@ -58,6 +59,9 @@ impl Stage for Post<'_> {
             post.remark(format!("Warning: {text}."));
             context.warn(&text);
             context.note(text);
+        }
+        for text in ends(context) {
+            post.remark(format!("The run {text}."));
         }
         let mut frames = log::read_frames(&path).map_err(StageError::failed)?;
         let mut batch = next(&mut frames)?;
@@ -133,6 +137,13 @@ fn unrest(context: &Context) -> Vec<String> {
         restless.map(text).collect::<Vec<_>>()
     });
     texts.collect()
+}
+
+/// Notes of the impact about conditions that have ended it.
+fn ends(context: &Context) -> Vec<String> {
+    let notes = context.inputs[0].stamp.notes.iter();
+    let ends = notes.filter(|note| note.starts_with(STOPPED));
+    ends.cloned().collect()
 }
 
 /// Number of frames measured in parallel; fewer if they are large.

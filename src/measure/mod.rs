@@ -8,6 +8,7 @@ mod area;
 pub mod conservation;
 pub mod contact;
 pub mod drop;
+pub mod ending;
 mod energy;
 pub mod gauge;
 pub mod lamella;

@@ -1,5 +1,6 @@
-//! `artifacts/latest/<pipeline>/`: the newest results by name, as links, and `manifest.json`, which
-//! lists the results of the pipeline.
+//! `artifacts/latest/<name>/`: the newest results by name, as links, and `manifest.json`, which
+//! lists them. The name is that of the pipeline, which goes from run to run; a run with other
+//! settings has a name of its own as well ([`super::Run`]).
 
 use std::fs::{self, File};
 use std::io;

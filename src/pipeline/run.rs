@@ -23,6 +23,8 @@ pub struct Run<'a> {
     pub store: &'a Store,
     /// The jobs to run.
     pub pipeline: &'a Pipeline<'a>,
+    /// Another name of the results besides that of the pipeline.
+    pub also: Option<&'a str>,
     /// Name of the last stage to run; all if `None`.
     pub until: Option<&'a str>,
     /// Set to stop the run at the next restartable instant.
@@ -40,10 +42,9 @@ pub struct Run<'a> {
 /// # Errors
 /// If a job fails, or the store cannot be used.
 pub fn run(run: &Run) -> Result<Ended, PipelineError> {
-    if !is_name(&run.pipeline.name) {
-        return Err(PipelineError::Name {
-            name: run.pipeline.name.clone(),
-        });
+    if let Some(name) = names(run).find(|name| !is_name(name)) {
+        let name = name.to_string();
+        return Err(PipelineError::Name { name });
     }
     let last = last_job(run)?;
     let _shared = run.store.share(&mut |holder| {
@@ -65,15 +66,22 @@ pub fn run(run: &Run) -> Result<Ended, PipelineError> {
     Ok(Ended { reports, unnamed })
 }
 
+/// Names of the results.
+fn names<'a>(run: &Run<'a>) -> impl Iterator<Item = &'a str> {
+    [run.pipeline.name.as_str()].into_iter().chain(run.also)
+}
+
 /// Points the names of the pipeline to its results.
 fn name_results(run: &Run, reports: &[Report], whole: bool) -> Result<(), FileError> {
-    for path in latest::finish(run.store, &run.pipeline.name, reports, whole)? {
-        let path = path.display();
-        let text = format!("a copy was in place of a link; it is kept as {path}");
-        run.watch.event(&Event::Warning {
-            job: "latest",
-            text: &text,
-        });
+    for name in names(run) {
+        for path in latest::finish(run.store, name, reports, whole)? {
+            let path = path.display();
+            let text = format!("a copy was in place of a link; it is kept as {path}");
+            run.watch.event(&Event::Warning {
+                job: "latest",
+                text: &text,
+            });
+        }
     }
     Ok(())
 }

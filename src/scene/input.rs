@@ -16,7 +16,7 @@ use super::body::BodyTable;
 use super::domain::BoxTable;
 use super::key::KeyError;
 use super::problem::Liquid;
-use super::stage::{LONGEST_REFERENCE, Pack, Packing};
+use super::stage::{LONGEST_REFERENCE, Pack, Packing, StopWhen};
 use super::unit::{Colour, List, Time};
 use super::{
     Arrangement, Clock, Colouring, Dimension, Domain, Frames, Problem, Relax, Scene, Shape, Sph,
@@ -93,6 +93,9 @@ pub struct End {
     /// Simulated time to reach, s.
     #[serde(with = "Time")]
     pub end: f64,
+    /// What ends it before, each once, in the order of [`StopWhen::ALL`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stop_when: Vec<StopWhen>,
 }
 
 /// Name and colour of a body.
@@ -145,24 +148,42 @@ impl PostInput {
         Scene {
             name: self.name.clone(),
             title: self.title.clone(),
-            problem: self.problem.clone(),
-            pack: Packing::default(),
-            relax: None,
-            impact: super::Impact {
-                end: self.impact.end,
-                checkpoint_every: f64::INFINITY,
-            },
-            frames: Frames {
-                interval: self.frames.interval,
-                time_scale: 1.0,
-                colour: Colouring::Body,
-            },
             post: super::Post {
                 panels: self.post.panels.clone(),
                 fields: self.post.fields.clone(),
                 references: self.post.references.iter().map(curve).collect(),
             },
+            ..bare(&self.problem, &self.impact, self.frames.interval)
         }
+    }
+}
+
+impl ImpactInput {
+    /// A scene that contains only what may be measured during an impact.
+    pub fn scene(&self) -> Scene {
+        bare(&self.problem, &self.impact, self.frames.interval)
+    }
+}
+
+/// A scene without names and pictures; `interval`: time between frames, s.
+fn bare(problem: &Problem, impact: &End, interval: f64) -> Scene {
+    Scene {
+        name: String::new(),
+        title: String::new(),
+        problem: problem.clone(),
+        pack: Packing::default(),
+        relax: None,
+        impact: super::Impact {
+            end: impact.end,
+            stop_when: impact.stop_when.clone(),
+            checkpoint_every: f64::INFINITY,
+        },
+        frames: Frames {
+            interval,
+            time_scale: 1.0,
+            colour: Colouring::Body,
+        },
+        post: super::Post::default(),
     }
 }
 
@@ -287,6 +308,7 @@ impl Scene {
 
     /// Input of the impact.
     pub fn impact_input(&self) -> ImpactInput {
+        let is_asked = |condition: &StopWhen| self.impact.stop_when.contains(condition);
         ImpactInput {
             problem: self.problem.clone(),
             start: match self.relax {
@@ -295,6 +317,7 @@ impl Scene {
             },
             impact: End {
                 end: self.impact.end,
+                stop_when: StopWhen::ALL.into_iter().filter(is_asked).collect(),
             },
             frames: self.frames.clone(),
             labels: self.labels(self.frames.colour == Colouring::Body),
@@ -324,8 +347,10 @@ impl Scene {
             name: self.name.clone(),
             title: self.title.clone(),
             problem: self.problem.clone(),
+            // What has ended a run is in its frames.
             impact: End {
                 end: self.impact.end,
+                stop_when: Vec::new(),
             },
             frames: Interval {
                 interval: self.frames.interval,

@@ -29,6 +29,7 @@ mod stage;
 mod symmetry;
 mod tree;
 mod unit;
+pub mod variant;
 mod wetting;
 mod width;
 
@@ -52,7 +53,7 @@ pub use method::{
 pub use problem::Problem;
 pub use stage::{
     Arrangement, Clock, Colouring, Frames, Impact, LONGEST_REFERENCE, Packing, Post, Reference,
-    Relax,
+    Relax, StopWhen,
 };
 use tree::Tree;
 pub use wetting::Wetting;

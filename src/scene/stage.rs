@@ -97,10 +97,54 @@ pub struct Impact {
     #[serde(with = "Time")]
     #[schemars(transform = positive)]
     pub end: f64,
+    /// Conditions of which the first one that is met ends the run before `end`. They are looked for
+    /// in each frame. `crater-deepest`: the surface on the axis has risen from the deepest point of
+    /// the crater by a tenth of its depth and by a particle spacing; `level-crossed`: after the
+    /// crater it is above the initial level; `rebound`: a drop that has wetted a wall has left it;
+    /// each in 3 frames one after the other. `rest`: the kinetic energy is below a hundredth of its
+    /// largest value in 10 frames one after the other.
+    #[serde(default)]
+    pub stop_when: Vec<StopWhen>,
     /// Wall-clock time between checkpoints of a running stage; in no key.
     #[serde(default = "Impact::checkpoint_every", with = "Time")]
     #[schemars(transform = positive)]
     pub checkpoint_every: f64,
+}
+
+/// A condition that ends a run, in the measures of its frames.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopWhen {
+    /// The crater has passed its largest depth.
+    CraterDeepest,
+    /// The surface on the axis has risen through the initial level after the crater.
+    LevelCrossed,
+    /// A drop that has wetted a wall has left it.
+    Rebound,
+    /// The liquid has come to rest.
+    Rest,
+}
+
+impl StopWhen {
+    /// All, in their order.
+    pub const ALL: [StopWhen; 4] = [
+        StopWhen::CraterDeepest,
+        StopWhen::LevelCrossed,
+        StopWhen::Rebound,
+        StopWhen::Rest,
+    ];
+
+    /// As in a scene file.
+    pub fn word(self) -> &'static str {
+        match self {
+            StopWhen::CraterDeepest => "crater-deepest",
+            StopWhen::LevelCrossed => "level-crossed",
+            StopWhen::Rebound => "rebound",
+            StopWhen::Rest => "rest",
+        }
+    }
 }
 
 impl Impact {

@@ -82,7 +82,7 @@ impl<'a> Tree<'a> {
         Ok(tree)
     }
 
-    /// Applies `key.key=value`. The value is TOML if it parses as such, else a string.
+    /// Applies `key.key=value`.
     fn set(&mut self, argument: &'a str, span: Range<usize>) -> Result<(), SceneError> {
         let wrong = |problem: &str| SceneError::Argument {
             argument: argument.to_string(),
@@ -95,11 +95,7 @@ impl<'a> Tree<'a> {
         if keys.iter().any(|key| key.is_empty()) {
             return Err(wrong("names an empty key"));
         }
-        let text = text.trim();
-        let value = match DeValue::parse(text) {
-            Ok(parsed) => relocated(parsed.into_inner(), &span),
-            Err(_) => DeValue::String(text.into()),
-        };
+        let value = relocated(parsed(text.trim()), &span);
         let mut slot = &mut self.root;
         for key in keys {
             let DeValue::Table(table) = slot.get_mut() else {
@@ -213,6 +209,19 @@ impl<'a> Tree<'a> {
             remedy: remedy.to_string(),
         }
     }
+}
+
+/// The value of a `--set`: TOML if it parses as such, else a string.
+fn parsed(text: &str) -> DeValue<'_> {
+    match DeValue::parse(text) {
+        Ok(parsed) => parsed.into_inner(),
+        Err(_) => DeValue::String(text.into()),
+    }
+}
+
+/// The same, without places.
+pub fn value_of(text: &str) -> toml::Value {
+    plain(&parsed(text))
 }
 
 /// `parent.key`, or `key` at the root.

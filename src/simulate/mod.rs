@@ -30,6 +30,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use crate::measure::ending::{Ending, Memory};
 use crate::measure::gauge::Gauge;
 use crate::measure::series::{Row, Series};
 use crate::measure::whole::Unfold;
@@ -122,6 +123,7 @@ pub struct Simulation {
     frames: Schedule,
     unfold: Unfold,
     gauge: Gauge,
+    ending: Ending,
     measures: Series,
 }
 
@@ -164,6 +166,7 @@ impl Simulation {
             frames: Schedule::new(scene.frames.interval),
             unfold: Unfold::new(scene),
             gauge: Gauge::new(&scene.whole()),
+            ending: Ending::new(&scene.impact.stop_when, scene.spacing, Memory::default()),
             measures: Series::default(),
         })
     }
@@ -191,8 +194,9 @@ impl Simulation {
         Ok(self.solver.advance(&mut |_| ())?)
     }
 
-    /// Continues to `impact.end`. `each` is called with every frame of `frames.interval` and its
-    /// measures, by column name; the result contains the measures of all frames.
+    /// Continues to `impact.end`, or until a condition of `impact.stop_when` is met. `each` is
+    /// called with every frame of `frames.interval` and its measures, by column name; the result
+    /// contains the measures of all frames.
     ///
     /// # Errors
     /// [`Error::Diverged`].
@@ -217,21 +221,23 @@ impl Simulation {
             frames,
             unfold,
             gauge,
+            ending,
             measures,
         } = self;
         let mut goes_on = true;
-        let mut take = |solver: &dyn Solver, goes_on: &mut bool| {
+        let mut take = |solver: &dyn Solver, ending: &mut Ending, goes_on: &mut bool| {
             if *goes_on && frames.takes(solver.time()) {
                 let frame = solver.frame();
                 let whole = (!unfold.is_plain()).then(|| unfold.frame(&frame));
                 let row = gauge.measure(whole.as_ref().unwrap_or(&frame));
+                ending.look(&row);
                 measures.push(&row);
                 *goes_on = each(&frame, &row);
             }
         };
-        take(solver.as_ref(), &mut goes_on);
-        while goes_on && solver.time() < scene.impact.end {
-            solver.advance(&mut |solver| take(solver, &mut goes_on))?;
+        take(solver.as_ref(), ending, &mut goes_on);
+        while goes_on && solver.time() < scene.impact.end && ending.met().is_none() {
+            solver.advance(&mut |solver| take(solver, ending, &mut goes_on))?;
         }
         Ok(measures)
     }

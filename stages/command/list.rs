@@ -1,6 +1,7 @@
 //! `coronet list`: the named runs of a store, one a row.
 
 use std::cmp::Reverse;
+use std::collections::BTreeSet;
 use std::time::SystemTime;
 
 use anyhow::Result;
@@ -47,6 +48,9 @@ pub fn list(arguments: &StoreArguments) -> Result<()> {
             Err(error) => note!("warning: {name}: {error:#}"),
         }
     }
+    let twins: Vec<bool> = rows.iter().map(|row| is_twin(row, &rows)).collect();
+    let mut twins = twins.into_iter();
+    rows.retain(|_| !twins.next().unwrap_or(false));
     rows.sort_by(|a, b| a.age.total_cmp(&b.age));
     let differing = differing(&rows);
     if arguments.json {
@@ -106,6 +110,20 @@ fn row(store: &Store, run: Run, jobs: &[Unfinished]) -> Row {
         bytes,
         age,
     }
+}
+
+/// Whether a finished run is listed by a name of its own, that of the file with settings, too.
+fn is_twin(row: &Row, all: &[Row]) -> bool {
+    let folders = |row: &Row| {
+        let folders = row.run.results.iter().map(|(folder, _)| folder.clone());
+        folders.collect::<BTreeSet<_>>()
+    };
+    let is_own = |name: &str| {
+        let rest = name.strip_prefix(&row.run.name);
+        rest.is_some_and(|rest| rest.starts_with(','))
+    };
+    let mut own = all.iter().filter(|other| is_own(&other.run.name));
+    row.state == State::Finished && own.any(|other| folders(other) == folders(row))
 }
 
 /// The settings that are not the same in all rows, with the value of each row, if it has one: those

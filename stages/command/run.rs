@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
 use coronet::measure::series::Series;
+use coronet::pipeline::name::is_name;
 use coronet::pipeline::{self, PipelineError, Report, Run, Status, Store, latest};
-use coronet::scene::{Scene, numbers};
+use coronet::scene::{Scene, numbers, variant};
 use serde_json::json;
 
 use super::plan;
@@ -14,7 +15,7 @@ use crate::answer::{self, Figures};
 use crate::arguments::RunArguments;
 use crate::print::{note, out};
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, journal, post, signals};
+use crate::{PROGRAM, impact, jobs, journal, post, signals, stop};
 
 /// Answer to a first signal.
 const STOPPING: &str = "stopping after the next checkpoint";
@@ -42,6 +43,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         );
         out!("{}\n{text}Run with {threads} threads", loaded.scene.title);
     }
+    let also = own_name(arguments, &pipeline.name);
     let stop = signals::stop_flag(STOPPING)?;
     if arguments.stop_at_end_of_input {
         signals::stop_at_end_of_input(&stop)?;
@@ -50,6 +52,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     let all = Run {
         store: &store,
         pipeline: &pipeline,
+        also: also.as_deref(),
         until: arguments.until.as_deref(),
         stop: &stop,
         watch: &screen,
@@ -69,6 +72,8 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     let told = Told {
         figures: figures(&loaded.scene, &ended.reports)?,
         rest: Rest::of(&store, &pipeline).filter(|_| arguments.until.is_some()),
+        ended: self::ended(&ended.reports),
+        also,
     };
     finish(
         &store,
@@ -81,11 +86,33 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     unnamed.context("the results are finished and kept, but have no names in latest/")
 }
 
+/// The name of a run with `--set` and without `--name`. It keeps the results when the name of the
+/// file goes to the next ones.
+fn own_name(arguments: &RunArguments, file: &str) -> Option<String> {
+    let sets = &arguments.pipeline.set;
+    if arguments.name.is_some() || sets.is_empty() {
+        return None;
+    }
+    let name = format!("{file},{}", variant::name(sets));
+    is_name(&name).then_some(name)
+}
+
 /// What the end of a run tells besides where its results are.
 struct Told {
     figures: Option<Figures>,
     /// Stages after `--until`.
     rest: Option<Rest>,
+    /// Of the impact, if conditions could end it before its end.
+    ended: Option<String>,
+    /// The name of its own.
+    also: Option<String>,
+}
+
+/// The note of an impact about the conditions that could end it.
+fn ended(reports: &[Report]) -> Option<String> {
+    let impact = reports.iter().find(|report| report.stage == "impact")?;
+    let mut notes = impact.stamp.notes.iter();
+    notes.find(|note| note.contains(stop::CONDITIONS)).cloned()
 }
 
 fn figures(scene: &Scene, reports: &[Report]) -> Result<Option<Figures>> {
@@ -120,6 +147,7 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             "summary": name,
             "artifacts": store.root().to_string_lossy(),
             "latest": latest::folder(store, name).to_string_lossy(),
+            "name": told.also.as_deref().unwrap_or(name),
             "report": text("post", post::REPORT),
             "measures": text("post", post::MEASURES),
             "frames": text("impact", journal::FRAMES),
@@ -127,10 +155,14 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             "state": text("impact", impact::STATE),
             "figures": told.figures.as_ref().map(Figures::json),
             "warnings": warnings,
+            "ended": told.ended,
             "missing": told.rest.as_ref().map(|rest| &rest.missing),
             "continue": told.rest.as_ref().map(|rest| &rest.command),
         });
         return out!("{object}");
+    }
+    if let Some(text) = &told.ended {
+        out!("ended    {text}");
     }
     if let Some(figures) = &told.figures {
         out!("Figures");
@@ -144,6 +176,9 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             .for_each(|warning| note!("warning: {warning}"));
     }
     places(store, name, find);
+    if let Some(name) = &told.also {
+        out!("name     {name}");
+    }
     if let Some(rest) = &told.rest {
         rest.print();
     }

@@ -43,6 +43,7 @@ pub fn scene(dimension: Dimension, size: [f64; 3], shape: Shape) -> Scene {
         relax: None,
         impact: Impact {
             end: 0.0,
+            stop_when: vec![],
             checkpoint_every: 60.0,
         },
         frames: Frames {

@@ -158,6 +158,7 @@ pub fn watched(
     let ended = run(&Run {
         store,
         pipeline,
+        also: None,
         until: None,
         stop: &AtomicBool::new(false),
         watch,

@@ -176,7 +176,7 @@ fn runs_are_listed_with_what_tells_them_apart_and_compared() {
     let empty = program.call(&["list"]).well();
     has(&empty.out, &["there are no runs in artifacts"]);
     assert!(program.call(&["list", "--json"]).well().out.is_empty());
-    program.run(&["--set", "post.panels=[]"]);
+    program.run(&["--name", "tiny", "--set", "post.panels=[]"]);
     let faster = ["--name", "loop/fast", "--set", "body.drop.velocity=1.2 m/s"];
     program.run(&[&faster[..], &["--set", "post.panels=[]"]].concat());
 

@@ -277,6 +277,7 @@ fn an_unknown_last_stage_is_refused_with_the_known_ones() {
     let error = run(&Run {
         store: &store,
         pipeline: &pipeline(&lab, 1, 0),
+        also: None,
         until: Some("som"),
         stop: &AtomicBool::new(false),
         watch: &Silent,

@@ -1,5 +1,6 @@
 //! Checks of a resolved scene that involve several values.
 
+mod stop;
 mod tension;
 
 use std::path::Path;
@@ -36,6 +37,7 @@ pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneE
     found.take(vortices(scene, tree));
     found.take(tension::check(scene, tree));
     found.take(times(scene, tree));
+    found.take(stop::check(scene, tree));
     found.take(references(scene, tree, folder));
     found.told()
 }

@@ -63,4 +63,5 @@ mod scene_symmetry;
 mod scene_wetting;
 mod space_component;
 mod space_lane;
+mod space_refused;
 mod space_row;

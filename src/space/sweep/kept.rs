@@ -241,17 +241,17 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
                 places = rest;
                 let [x, y, z, _] = points[i].0.map(|word| word as i32);
                 let own = splat(lanes, field.own_of(pass, i), pass.extra(i));
-                let own = ([x, y, z], own, scale);
+                let at = [x, y, z];
                 let mut sum = [lanes.splat(0.0); N];
                 let (whole, left) = row.split_at(count - count % WIDTH);
                 for group in whole.chunks_exact(WIDTH) {
                     // SAFETY: a row holds places among the candidates of its block.
-                    let pair = unsafe { gathered(lanes, &chunk.copied, group, own) };
+                    let pair = unsafe { gathered(lanes, &chunk.copied, group, at, own, scale) };
                     pass.pair(&pair, &mut sum);
                 }
                 if !left.is_empty() {
                     // SAFETY: the same; rows are padded to eight.
-                    let mut pair = unsafe { gathered(lanes, &chunk.copied, left, own) };
+                    let mut pair = unsafe { gathered(lanes, &chunk.copied, left, at, own, scale) };
                     pair.q2 = lanes.first(count % WIDTH, pair.q2, lanes.splat(FAR));
                     pass.pair(&pair, &mut sum);
                 }
@@ -270,7 +270,9 @@ unsafe fn gathered<L: Lanes, P: Payload>(
     lanes: L,
     candidates: &[Half],
     places: &[u16],
-    (at, (own, extra), scale): ([i32; 3], Own<L::F, P>, [L::F; 3]),
+    at: [i32; 3],
+    (own, extra): Own<L::F, P>,
+    scale: [L::F; 3],
 ) -> Pair<L::F, P> {
     // SAFETY: there are eight places, all of candidates.
     let (other, word) = unsafe { lanes.gather_halves(candidates.as_ptr(), places.as_ptr()) };

@@ -238,14 +238,11 @@ impl Wetting {
         };
         let norm = K::norm(dimension) / length.powi(dimension as i32);
         let factor = 2.0 * flow.mass / self.setting.density * norm;
+        let (lean, kernel) = (&self.shear, PhantomData::<K>);
         for axis in 0..3 {
             let facing = &self.facing[axis];
             self.sums.resize(facing.len(), 0.0);
-            let pass = Sheared::<K> {
-                axis,
-                shear: &self.shear,
-                kernel: PhantomData,
-            };
+            let pass = Sheared { axis, lean, kernel };
             sweep::runs(field, facing, &pass, &mut self.sums);
             for (&j, sum) in facing.iter().zip(&self.sums) {
                 let beyond = (factor * *sum as f64 - 0.5) / self.edge;

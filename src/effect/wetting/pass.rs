@@ -9,8 +9,8 @@ use std::marker::PhantomData;
 /// SUM w with separations sheared along a wall normal to `axis`: (2).
 pub struct Sheared<'a, K> {
     pub axis: usize,
-    /// Of each target.
-    pub shear: &'a [Vec<f32>; 3],
+    /// The shear of each target.
+    pub lean: &'a [Vec<f32>; 3],
     pub kernel: PhantomData<K>,
 }
 
@@ -19,7 +19,7 @@ impl<K: Kernel> Pass<1> for Sheared<'_, K> {
     type Out = f32;
     #[inline(always)]
     fn extra(&self, target: usize) -> [f32; 3] {
-        let [x, y, z] = self.shear;
+        let [x, y, z] = self.lean;
         [x[target], y[target], z[target]]
     }
     #[inline(always)]

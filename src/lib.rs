@@ -82,6 +82,7 @@
 //! | mist | single particles that leave the scene |
 //! | pass | what one pair of particles adds to the sums of a loop |
 //! | problem | liquid, box, effects and method: all that a solver reads |
+//! | payload | the numbers that a point carries for a pass, by name |
 //! | records, rows | what a pair loop reads of particles; the neighbours of a particle |
 //! | shore | walls in the energy of the surface |
 //! | state | all that a solver needs to go on, bit for bit |

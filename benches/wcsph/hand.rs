@@ -8,7 +8,7 @@ use coronet::kernel::Kernel;
 use coronet::method::Phase;
 use coronet::method::flow::{Flow, Lengths};
 use coronet::method::model::Model;
-use coronet::method::pass::{Force, Neighbourhood, Summation, Surroundings};
+use coronet::method::pass::{Force, Moving, Neighbourhood, Summation, Surroundings};
 use coronet::particle::{Particles, Wall};
 use coronet::scene::{Scene, TimeStepping};
 use coronet::space::parallel::{each, max, slots3};
@@ -187,7 +187,8 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
         self.flow.find();
         self.book(Part::Rows, start);
         let start = cpu_seconds();
-        self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        let still = Moving::default();
+        self.flow.pack(|_, _| still, |_, _| still);
         let pass = Neighbourhood {
             factor: self.gradient_factor(),
             viscosity: (),
@@ -225,7 +226,7 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
     /// Density, then forces with the velocity `ahead` s on.
     fn evaluate(&mut self, ahead: f64) {
         let start = cpu_seconds();
-        self.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        self.flow.pack(|_, _| (), |_, _| ());
         let (scale, h) = (self.scale(), self.h);
         let factor = self.flow.particles.mass * K::norm(3) / h.powi(3);
         let pass = Summation {
@@ -242,13 +243,16 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
         let stiffness = rho0 * self.model.sound_speed.powi(2) / 7.0;
         let payload = |p: &Particles, i: usize| {
             let (rho, v) = (p.density[i], &p.velocity);
-            let v = [0, 1, 2].map(|a| (v[a][i] + ahead * held[i][a] as f64) as f32);
             let weight = 1.0 / (rho * rho);
             let (e, e2) = (rho / rho0, (rho / rho0) * (rho / rho0));
             let pressure = (stiffness * (e * e2 * (e2 * e2) - 1.0)).max(0.0);
-            [v[0], v[1], v[2], (pressure * weight) as f32, weight as f32]
+            Moving {
+                velocity: [0, 1, 2].map(|a| (v[a][i] + ahead * held[i][a] as f64) as f32),
+                pressure: (pressure * weight) as f32,
+                weight: weight as f32,
+            }
         };
-        self.flow.repack(payload, |_, _| [0.0; 5]);
+        self.flow.repack(payload, |_, _| Moving::default());
         let pass = Force::<K, V, false> {
             factor: self.gradient_factor(),
             viscosity: self.viscosity,

@@ -1,16 +1,27 @@
 //! Pair sums of weakly compressible SPH. Lengths in units of h, `q = r / h`,
 //! grad W = norm / h^(d+1) slope(q) d with d = r_ab / h.
-//!
-//! Payloads of a record: velocity (3), then what the pass says.
 
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
+payload! {
+    /// What forces read, and what looks at velocities.
+    pub struct Moving<F> {
+        /// m/s.
+        velocity: [F; 3],
+        /// P / rho^2.
+        pressure: F,
+        /// 1 / rho^2, negative where tension is controlled.
+        weight: F,
+    }
+}
+
 #[inline(always)]
-fn difference<F: Real>(a: &[F; 6], b: &[F; 6]) -> [F; 3] {
+fn difference<F: Real>(a: [F; 3], b: [F; 3]) -> [F; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -25,15 +36,26 @@ pub struct Summation<K> {
 }
 
 impl<K: Kernel> Pass<1> for Summation<K> {
+    type Payload = ();
     type Out = f64;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 1]) {
         let w = K::w_apart(pair.q2.sqrt(), pair.q2);
         sum[0] += w;
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
         *out = self.own + self.factor * sum[0] as f64;
+    }
+}
+
+payload! {
+    /// What [`Continuity`] reads.
+    pub struct Compressed<F> {
+        /// v + t f with t = delta h / c, m/s.
+        velocity: [F; 3],
+        /// e = rho / rho0 - 1.
+        excess: F,
     }
 }
 
@@ -47,8 +69,6 @@ impl<K: Kernel> Pass<1> for Summation<K> {
 /// at rest, whose pressure falls within the width of the tension, into its rim, and the particles
 /// follow: its core was 1 % too dense after 40 ms, its pressure 3 % too low, and more with more
 /// particles.
-///
-/// Payload 0 to 2: v + t f with t = delta h / c; payload 3: e = rho / rho0 - 1.
 pub struct Continuity<'a, K> {
     /// m norm / h^(d+1).
     pub factor: f64,
@@ -63,17 +83,20 @@ pub struct Continuity<'a, K> {
 }
 
 impl<K: Kernel> Pass<1> for Continuity<'_, K> {
+    type Payload = Compressed;
     type Out = f32;
     #[inline(always)]
-    fn own(&self, target: usize, [x, y, z, e, a, b]: [f32; 6]) -> [f32; 6] {
+    fn own(&self, target: usize, mut own: Compressed) -> Compressed {
         let f = self.held[target.min(self.held.len() - 1)];
-        let [x, y, z] = [0, 1, 2].map(|a| [x, y, z][a] - self.lag * f[a]);
-        [x, y, z, e, a, b]
+        for a in 0..3 {
+            own.velocity[a] -= self.lag * f[a];
+        }
+        own
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
-        let v = difference(&pair.own, &pair.other);
-        let e = pair.own[3] - pair.other[3];
+    fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 1]) {
+        let v = difference(pair.own.velocity, pair.other.velocity);
+        let e = pair.own.excess - pair.other.excess;
         let rate = pair.q2.splat(self.diffusion).mul_add(e, dot(v, pair.d));
         let slope = K::slope_lanes(pair.q2.sqrt());
         sum[0] = slope.mul_add(rate, sum[0]);
@@ -84,6 +107,18 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
     }
 }
 
+payload! {
+    /// What [`Spared`] reads.
+    pub struct Sparing<F> {
+        /// m/s.
+        velocity: [F; 3],
+        /// e = rho / rho0 - 1.
+        excess: F,
+        /// What differences of e are spared, times 2 delta c, m/s.
+        spared: F,
+    }
+}
+
 /// [`Continuity`] with gravity alone as f, whose part from diffusion is known, for the budget of
 /// energy: first the rate, then that part. It may spare small differences of density.
 ///
@@ -91,8 +126,6 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
 /// is the derivative of an energy every particle needs the density that it has: it holds the force
 /// on it. Diffusion would even it out, and the layer would creep, fed by it, as long as it lasts.
 /// Without any, a splash is noise: a crater at d/8 was 20 % flat.
-///
-/// Payload 0 to 2: v; 3: e; 4: what differences of e are spared, times 2 delta c, m/s.
 pub struct Spared<K> {
     /// m norm / h^(d+1).
     pub factor: f64,
@@ -105,14 +138,15 @@ pub struct Spared<K> {
 }
 
 impl<K: Kernel> Pass<2> for Spared<K> {
+    type Payload = Sparing;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
-        let v = difference(&pair.own, &pair.other);
-        let e = pair.own[3] - pair.other[3];
+    fn pair<F: Real>(&self, pair: &Pair<F, Sparing>, sum: &mut [F; 2]) {
+        let v = difference(pair.own.velocity, pair.other.velocity);
+        let e = pair.own.excess - pair.other.excess;
         let held = dot(pair.q2.splat3(self.held), pair.d);
         let evened = e * self.diffusion - held;
-        let spared = pair.own[4].max(pair.other[4]);
+        let spared = pair.own.spared.max(pair.other.spared);
         let least = pair.q2.splat(0.0) - spared;
         let evened = evened - evened.max(least).min(spared);
         let rate = evened + dot(v, pair.d);
@@ -127,7 +161,6 @@ impl<K: Kernel> Pass<2> for Spared<K> {
 }
 
 /// Pair force of pressure and of viscosity `V` (Nishio Eq. 5).
-/// Payload 3: P / rho^2, payload 4: 1 / rho^2, negative where tension is controlled.
 ///
 /// `CONTROL`: where marked, a negative own pressure enters with its sign turned, so that the pair
 /// sees P_b - P_a, which is blind to a common tension and does not clump (Sun, Colagrossi, Marrone,
@@ -142,24 +175,26 @@ pub struct Force<K, V, const CONTROL: bool> {
 }
 
 impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, CONTROL> {
+    type Payload = Moving;
     type Out = [f32; 3];
     #[inline(always)]
-    fn own(&self, _: usize, [a, b, c, mut pressure, weight, rest]: [f32; 6]) -> [f32; 6] {
-        if CONTROL && weight < 0.0 {
-            pressure = pressure.abs();
+    fn own(&self, _: usize, mut own: Moving) -> Moving {
+        if CONTROL && own.weight < 0.0 {
+            own.pressure = own.pressure.abs();
         }
-        [a, b, c, pressure, weight, rest]
+        own
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 3]) {
         let slope = K::slope_lanes(pair.q2.sqrt());
-        let p = pair.own[3] + pair.other[3];
+        let (own, other) = (&pair.own, &pair.other);
+        let p = own.pressure + other.pressure;
         if V::PRESENT {
-            let v = difference(&pair.own, &pair.other);
+            let v = difference(own.velocity, other.velocity);
             let weight = if CONTROL {
-                pair.own[4].abs() + pair.other[4].abs()
+                own.weight.abs() + other.weight.abs()
             } else {
-                pair.own[4] + pair.other[4]
+                own.weight + other.weight
             };
             self.viscosity.add(slope, pair.q2, pair.d, v, weight, sum);
         }
@@ -178,13 +213,14 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, C
 pub struct ForceAndGradient<K, V, const CONTROL: bool>(pub Force<K, V, CONTROL>);
 
 impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradient<K, V, CONTROL> {
+    type Payload = Moving;
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    fn own(&self, target: usize, payload: [f32; 6]) -> [f32; 6] {
-        self.0.own(target, payload)
+    fn own(&self, target: usize, own: Moving) -> Moving {
+        self.0.own(target, own)
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 6]) {
         let mut force = [sum[0], sum[1], sum[2]];
         self.0.pair(pair, &mut force);
         let slope = K::slope_lanes(pair.q2.sqrt());
@@ -201,7 +237,7 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradi
 }
 
 /// Everything that an advective step asks of the neighbourhood: viscosity, and the kernel sum that
-/// shows the free surface. Payload: velocity, unused, 1 / rho^2.
+/// shows the free surface.
 pub struct Neighbourhood<K, V> {
     /// m norm / h^(d+1).
     pub factor: f64,
@@ -237,16 +273,17 @@ impl Surroundings {
 }
 
 impl<K: Kernel, V: PairViscosity> Pass<5> for Neighbourhood<K, V> {
+    type Payload = Moving;
     type Out = Surroundings;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 5]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 5]) {
         let q = pair.q2.sqrt();
         let w = K::w_apart(q, pair.q2);
         if V::PRESENT {
             let slope = K::slope_lanes(q);
-            let v = difference(&pair.own, &pair.other);
+            let v = difference(pair.own.velocity, pair.other.velocity);
             let mut s = [sum[0], sum[1], sum[2]];
-            let weight = pair.own[4] + pair.other[4];
+            let weight = pair.own.weight + pair.other.weight;
             self.viscosity
                 .add(slope, pair.q2, pair.d, v, weight, &mut s);
             [sum[0], sum[1], sum[2]] = s;
@@ -265,21 +302,30 @@ impl<K: Kernel, V: PairViscosity> Pass<5> for Neighbourhood<K, V> {
     }
 }
 
-/// SUM of payload 0 over the support: how many neighbours are marked with 1.
+payload! {
+    /// What [`Marked`] reads.
+    pub struct Mark<F> {
+        /// 1 where a particle is marked, else 0.
+        mark: F,
+    }
+}
+
+/// How many neighbours in the support are marked.
 pub struct Marked<'a> {
     /// Whether any neighbour of a target may be marked.
     pub near: &'a [bool],
 }
 
 impl Pass<1> for Marked<'_> {
+    type Payload = Mark;
     type Out = f32;
     #[inline(always)]
     fn skips(&self, target: usize) -> bool {
         !self.near[target]
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
-        let seen = pair.other[0].if_less(pair.q2, pair.q2.splat(4.0));
+    fn pair<F: Real>(&self, pair: &Pair<F, Mark>, sum: &mut [F; 1]) {
+        let seen = pair.other.mark.if_less(pair.q2, pair.q2.splat(4.0));
         sum[0] += seen;
     }
     #[inline(always)]
@@ -289,7 +335,7 @@ impl Pass<1> for Marked<'_> {
 }
 
 /// Extrapolation of pressure and velocity from the liquid to a wall particle (Adami, Hu & Adams
-/// 2012, Eqs. 22-27). Payload: velocity, P / rho^2, 1 / rho^2.
+/// 2012, Eqs. 22-27).
 pub struct Extrapolation<K> {
     /// The kernel.
     pub kernel: PhantomData<K>,
@@ -311,19 +357,20 @@ pub struct WallSums {
 }
 
 impl<K: Kernel> Pass<9> for Extrapolation<K> {
+    type Payload = Moving;
     type Out = WallSums;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 9]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 9]) {
+        let other = &pair.other;
         let q = pair.q2.sqrt();
         let w = K::w_apart(q, pair.q2);
         sum[0] += w;
-        sum[1] = w.mul_add(pair.other[3] / pair.other[4].abs(), sum[1]);
+        sum[1] = w.mul_add(other.pressure / other.weight.abs(), sum[1]);
         for a in 0..3 {
             sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
-            sum[5 + a] = w.mul_add(pair.other[a], sum[5 + a]);
+            sum[5 + a] = w.mul_add(other.velocity[a], sum[5 + a]);
         }
-        let v = [pair.other[0], pair.other[1], pair.other[2]];
-        sum[8] = K::slope_lanes(q).mul_add(dot(v, pair.d), sum[8]);
+        sum[8] = K::slope_lanes(q).mul_add(dot(other.velocity, pair.d), sum[8]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, s: [f32; 9], out: &mut WallSums) {

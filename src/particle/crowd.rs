@@ -10,7 +10,7 @@ use crate::space::mirror::{Mirror, Planes};
 use crate::space::parallel::{each_mut, three};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
-use crate::space::sweep::{self, Pass};
+use crate::space::sweep::{self, Pass, Payload, Records, words_of};
 use rayon::prelude::*;
 
 /// Reach of neighbour lists beyond the support, so that a list is valid for several steps.
@@ -27,7 +27,7 @@ pub struct Crowd {
     wall: [Vec<f64>; 3],
     /// Images of liquid and wall behind mirror planes, if the region has any.
     mirror: Option<Mirror>,
-    records: Vec<Record>,
+    records: Records,
     /// Fixed-point coordinates in the order of the records, as of the last rebuild.
     fixed: [Vec<i32>; 3],
     rows: Rows,
@@ -63,7 +63,7 @@ impl Crowd {
             position,
             wall,
             mirror,
-            records: Vec::new(),
+            records: Records::default(),
             fixed: Default::default(),
             rows: Rows::default(),
             support,
@@ -88,16 +88,16 @@ impl Crowd {
         [0, 1, 2].map(|k| self.position[k][i])
     }
 
-    /// Sets the payload of every liquid record, a vector first; the payload of the wall stays zero.
-    pub fn load(&mut self, payload: impl Fn(usize) -> [f32; 5] + Sync) {
+    /// Sets the payload of every liquid record; the payload of the wall stays zero.
+    pub fn load<P: Payload>(&mut self, payload: impl Fn(usize) -> P + Sync) {
         let n = self.len();
-        each_mut(&mut self.records[..n], |i, record| {
-            for (word, value) in record.0[3..].iter_mut().zip(payload(i)) {
+        each_mut(&mut self.records.carry::<P>()[..n], |i, record| {
+            for (word, value) in record.0[3..].iter_mut().zip(words_of(payload(i))) {
                 *word = value.to_bits();
             }
         });
         if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records, true);
+            mirror.copy(&mut self.records);
         }
     }
 
@@ -177,11 +177,12 @@ impl Crowd {
         }
         let images = self.mirror.as_ref().map_or(0, Mirror::len);
         let count = n + self.wall[0].len() + images + WIDTH;
-        self.records.clear();
-        self.records.resize(count, Record::default());
+        let records = self.records.carry::<()>();
+        records.clear();
+        records.resize(count, Record::default());
         for j in 0..self.wall[0].len() {
             let x = [0, 1, 2].map(|k| self.wall[k][j]);
-            self.records[n + j] = Record::new(self.grid.fix3(x), [0.0; 5]);
+            records[n + j] = Record::new(self.grid.fix3(x), [0.0; 5]);
         }
         self.place();
         for (a, fixed) in self.fixed.iter_mut().enumerate() {
@@ -214,15 +215,18 @@ impl Crowd {
     /// Writes positions into the records.
     fn place(&mut self) {
         let (grid, position) = (&self.grid, &self.position);
-        each_mut(&mut self.records[..position[0].len()], |i, records| {
-            let at = grid.fix3([0, 1, 2].map(|k| position[k][i]));
-            let record = records;
-            for (word, at) in record.0.iter_mut().zip(at) {
-                *word = at as u32;
-            }
-        });
+        each_mut(
+            &mut self.records.carrying::<()>()[..position[0].len()],
+            |i, records| {
+                let at = grid.fix3([0, 1, 2].map(|k| position[k][i]));
+                let record = records;
+                for (word, at) in record.0.iter_mut().zip(at) {
+                    *word = at as u32;
+                }
+            },
+        );
         if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records, true);
+            mirror.copy(&mut self.records);
         }
     }
 }

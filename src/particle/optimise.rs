@@ -27,6 +27,7 @@
 use super::completion::Completion;
 use super::crowd::Crowd;
 use crate::kernel::Kernel;
+use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::{self, each_mut};
 use crate::space::sweep::{Pair, Pass};
@@ -83,9 +84,10 @@ impl Local {
 struct Sum<K>(Measure<K>);
 
 impl<K: Kernel> Pass<4> for Sum<K> {
+    type Payload = ();
     type Out = Local;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 4]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
         let q = pair.q2.sqrt();
         let w = K::w_apart(q, pair.q2);
         sum[3] += w;
@@ -101,14 +103,20 @@ impl<K: Kernel> Pass<4> for Sum<K> {
     }
 }
 
+payload! {
+    /// lambda of (4).
+    struct Multiplier<F> { lambda: F }
+}
+
 /// The neighbours' part of (4).
 struct Transposed<K>(Measure<K>);
 
 impl<K: Kernel> Pass<3> for Transposed<K> {
+    type Payload = Multiplier;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
-        let slope = K::slope_lanes(pair.q2.sqrt()) * pair.other[3];
+    fn pair<F: Real>(&self, pair: &Pair<F, Multiplier>, sum: &mut [F; 3]) {
+        let slope = K::slope_lanes(pair.q2.sqrt()) * pair.other.lambda;
         for k in 0..3 {
             sum[k] = slope.mul_add(pair.d[k], sum[k]);
         }
@@ -118,17 +126,24 @@ impl<K: Kernel> Pass<3> for Transposed<K> {
     }
 }
 
+payload! {
+    /// dx of (3).
+    struct Step<F> { dx: [F; 3] }
+}
+
 /// The neighbours' part of (3).
 struct Direct<K>(Measure<K>);
 
 impl<K: Kernel> Pass<1> for Direct<K> {
+    type Payload = Step;
     type Out = f32;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Step>, sum: &mut [F; 1]) {
         let slope = K::slope_lanes(pair.q2.sqrt());
-        let mut dot = pair.d[0] * pair.other[0];
-        dot = pair.d[1].mul_add(pair.other[1], dot);
-        dot = pair.d[2].mul_add(pair.other[2], dot);
+        let dx = pair.other.dx;
+        let mut dot = pair.d[0] * dx[0];
+        dot = pair.d[1].mul_add(dx[1], dot);
+        dot = pair.d[2].mul_add(dx[2], dot);
         sum[0] = slope.mul_add(dot, sum[0]);
     }
     fn finish(&self, _target: usize, sum: [f32; 1], out: &mut f32) {
@@ -257,7 +272,7 @@ fn transposed<K: Kernel>(
     lambda: &[f32],
     out: &mut [[f32; 3]],
 ) {
-    crowd.load(|i| [0.0, 0.0, 0.0, lambda[i], 0.0]);
+    crowd.load(|i| Multiplier { lambda: lambda[i] });
     crowd.sum(measure.h, &Transposed(measure), out);
     each_mut(&mut out[..lambda.len()], |i, out| {
         for k in 0..3 {
@@ -274,7 +289,7 @@ fn direct<K: Kernel>(
     step: &[[f32; 3]],
     out: &mut [f32],
 ) {
-    crowd.load(|i| [step[i][0], step[i][1], step[i][2], 0.0, 0.0]);
+    crowd.load(|i| Step { dx: step[i] });
     crowd.sum(measure.h, &Direct(measure), out);
     each_mut(&mut out[..step.len()], |i, out| {
         let own: f32 = (0..3).map(|k| local[i].gradient[k] * step[i][k]).sum();

@@ -31,9 +31,10 @@ struct Push {
 }
 
 impl Pass<3> for Push {
+    type Payload = ();
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 3]) {
         let slope = WendlandC2::slope_lanes(pair.q2.sqrt());
         for k in 0..3 {
             sum[k] = slope.mul_add(pair.d[k], sum[k]);

@@ -11,6 +11,7 @@ use super::lane::Record;
 use super::parallel::each_mut;
 use super::row::Source;
 use super::sort::Cells;
+use super::sweep::Records;
 
 /// In which planes an image is reflected: two bits an axis, 1 in its low plane, 2 in its high one.
 pub type Code = u8;
@@ -215,26 +216,27 @@ impl Mirror {
         }
     }
 
-    /// Image records from those of the points. `is_vector`: whether payloads 0, 1, 2 are one.
-    pub fn copy(&self, records: &mut [Record], is_vector: bool) {
-        self.copy_from(records, is_vector, 0);
+    /// Image records from those of the points.
+    pub fn copy(&self, records: &mut Records) {
+        self.copy_from(records, 0);
     }
 
-    /// The same for the images of the wall alone, with a vector.
-    pub fn copy_wall(&self, records: &mut [Record]) {
-        self.copy_from(records, true, self.liquid.len());
+    /// The same for the images of the wall alone.
+    pub fn copy_wall(&self, records: &mut Records) {
+        self.copy_from(records, self.liquid.len());
     }
 
-    fn copy_from(&self, records: &mut [Record], is_vector: bool, from: usize) {
+    fn copy_from(&self, records: &mut Records, from: usize) {
+        let (records, axes) = records.turning();
         let (points, images) = records.split_at_mut(self.first);
         let images = &mut images[from..self.len()];
         each_mut(images, |k, image| {
             let (k, code) = (from + k, self.code[from + k]);
             let point = &points[self.source[k] as usize];
             let at = [0, 1, 2].map(|a| self.planes.reflect(a, point.at(a), code));
-            let payload = [0, 1, 2, 3, 4].map(|c| match is_vector && c < 3 {
-                true => sign(code, c) * point.payload(c),
-                false => point.payload(c),
+            let payload = [0, 1, 2, 3, 4].map(|c| match axes[c] {
+                Some(axis) => sign(code, axis) * point.payload(c),
+                None => point.payload(c),
             });
             *image = Record::new(at, payload);
         });

@@ -5,15 +5,17 @@
 //! which is all that a product costs), sums are f64.
 
 use super::grid::Scale;
-use super::lane::{self, Job, Lanes, Real, Record, WIDTH};
+use super::lane::{self, Job, Lanes, Real, WIDTH};
 use super::row::{CHUNK, Rows};
-use super::sweep::{Pair, TOO_FEW, gathered};
+use super::sweep::{Pair, Payload, Records, TOO_FEW, carried, gathered, splat};
 use rayon::prelude::*;
 
 /// What couples a pair, and what else is summed along the row.
 pub trait Couple<const N: usize>: Sync {
+    /// What the points carry.
+    type Payload: Payload;
     /// Weights of eight pairs: zero for padding (d = 0) and beyond the support.
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; N]) -> F;
+    fn pair<F: Real>(&self, pair: &Pair<F, Self::Payload>, sum: &mut [F; N]) -> F;
 }
 
 #[derive(Clone, Debug, Default)]
@@ -37,7 +39,7 @@ pub struct Sparse {
 #[derive(Clone, Copy)]
 pub struct Layout<'a> {
     /// All records: liquid, wall, images.
-    pub records: &'a [Record],
+    pub records: &'a Records,
     /// Rows of the liquid particles.
     pub liquid: &'a Rows,
     /// Rows of the wall particles.
@@ -148,8 +150,8 @@ impl Sparse {
     /// Couples all unknowns; `degree[i]` becomes the sum of row i, `sums[i]` what else is summed.
     ///
     /// # Panics
-    /// If rows were built for more points than there are records, or if a wall particle belongs to
-    /// no unknown that there is.
+    /// If rows were built for more points than there are records, if those carry what the pass does
+    /// not read, or if a wall particle belongs to no unknown that there is.
     pub fn build<const N: usize, P: Couple<N>>(
         &mut self,
         layout: &Layout,
@@ -160,6 +162,7 @@ impl Sparse {
         let (count, records) = (layout.len(), layout.records.len());
         let bound = layout.liquid.bound().max(layout.wall.bound());
         assert!(bound <= records, "{TOO_FEW}");
+        layout.records.check::<P::Payload>();
         let known = layout.unknown.iter().all(|&i| (i as usize) < count);
         assert!(known, "walls of unknowns that there are not");
         self.count = count;
@@ -248,10 +251,7 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     let record = &layout.records[target];
     let at = [record.at(0), record.at(1), record.at(2)];
     let scale = layout.scale.lanes(lanes);
-    let mut own = [lanes.splat(0.0); 6];
-    for (c, own) in own.iter_mut().enumerate().take(5) {
-        *own = lanes.splat(record.payload(c));
-    }
+    let own = splat(lanes, carried::<P::Payload>(record), [0.0; 3]);
     let mut degree = 0.0;
     chunk.make_room(row.len());
     let mut kept = chunk.index.len();

@@ -5,6 +5,7 @@ use coronet::method::flow::{Flow, Lengths};
 use coronet::particle::{Particles, Wall, wall};
 use coronet::scene::{Dimension, Shape, Side};
 use coronet::space::sparse::Layout;
+use coronet::space::sweep::Payload;
 
 pub const PERIODIC: [[Side; 2]; 3] = [[Side::Periodic; 2]; 3];
 pub const OPEN: [[Side; 2]; 3] = [[Side::Open; 2], [Side::Open; 2], [Side::Open; 2]];
@@ -188,10 +189,12 @@ impl Cloud {
         row
     }
 
-    /// Writes these payloads into the records.
-    pub fn pack(&mut self, payload: &[[f32; 5]]) {
+    /// Writes payloads into the records, given as their numbers one after the other.
+    pub fn pack<P: Payload>(&mut self, payload: &[[f32; 5]]) {
         let n = self.flow.liquid();
-        self.flow.pack(|_, i| payload[i], |_, i| payload[n + i]);
+        let of = |[a, b, c, d, e]: [f32; 5]| P::from_words([a, b, c, d, e, 0.0]);
+        self.flow
+            .pack(|_, i| of(payload[i]), |_, i| of(payload[n + i]));
     }
 }
 

@@ -3,7 +3,8 @@
 use super::cloud::{Cloud, OPEN, PERIODIC};
 use super::pack_scene::S0;
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
-use coronet::method::isph::pass::{Look, PressureSlope, Weights};
+use coronet::method::isph::pass::{Coupled, Look, Pressed, PressureSlope, Weights};
+use coronet::method::pass::Moving;
 use coronet::method::projection::correction::{inverse, least_eigenvalue, times};
 use coronet::method::projection::look::Local;
 use coronet::method::projection::surface::{Completion, Share, is_surface};
@@ -60,6 +61,15 @@ fn laplacian<K: Kernel>(cloud: &Cloud, p: impl Fn([f64; 3]) -> f64) -> Vec<f64> 
         .collect()
 }
 
+/// What a particle of this volume carries.
+fn like(volume: f32) -> Coupled {
+    Coupled {
+        density: 1.0,
+        volume,
+        offset: 0.0,
+    }
+}
+
 /// Particles whose support lies inside the box.
 fn inside(cloud: &Cloud) -> Vec<usize> {
     let (reach, size) = (2.0 * cloud.h, cloud.flow.domain.size);
@@ -74,9 +84,7 @@ fn inside(cloud: &Cloud) -> Vec<usize> {
 fn the_laplacian_of_a_parabola_is_right_on_a_lattice() {
     for dimension in BOTH {
         let mut cloud = cloud(dimension, 10.0, OPEN, 0.0);
-        cloud
-            .flow
-            .pack(|_, _| [1.0, 1.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+        cloud.flow.pack(|_, _| like(1.0), |_, _| Coupled::default());
         let found = laplacian::<WendlandC2>(&cloud, |x| 3.0 * x[0] * x[0] - x[2]);
         for i in inside(&cloud) {
             assert!(
@@ -103,7 +111,7 @@ fn look(cloud: &mut Cloud, v: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Local> {
             [x, y, z, 0.0, 0.0]
         })
         .collect();
-    cloud.pack(&payload);
+    cloud.pack::<Moving>(&payload);
     let marks = vec![0.0; cloud.flow.liquid()];
     let pass = Look::<WendlandC2, true> {
         value: factor::<WendlandC2>(cloud, 0),
@@ -154,7 +162,7 @@ fn corrected_divergence_and_gradient_are_exact_for_linear_fields() {
         let payload: Vec<[f32; 5]> = (0..cloud.records())
             .map(|i| [p(cloud.position(i)) as f32, 0.0, 0.0, 0.0, 0.0])
             .collect();
-        cloud.pack(&payload);
+        cloud.pack::<Pressed>(&payload);
         let mut sums = vec![[0.0; 3]; local.len()];
         let pass = PressureSlope::<WendlandC2, false>(PhantomData);
         let scale = cloud.flow.grid.scale(cloud.h);
@@ -237,7 +245,7 @@ fn the_completed_closure_is_exact_for_the_depth_below_a_lattice() {
         }
         cloud
             .flow
-            .pack(|_, i| [1.0, inverse[i], 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+            .pack(|_, i| like(inverse[i]), |_, _| Coupled::default());
         let flow = &cloud.flow;
         let layout = Layout {
             records: &flow.records,

@@ -66,4 +66,5 @@ mod scene_variant;
 mod scene_wetting;
 mod space_component;
 mod space_lane;
+mod space_refused;
 mod space_row;

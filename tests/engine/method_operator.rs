@@ -4,9 +4,12 @@ use super::cloud::{Cloud, OPEN};
 use super::pack_scene::S0;
 use coronet::effect::viscosity::{Morris, PairViscosity, TwoTerm};
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
-use coronet::method::pass::{Continuity, Force, ForceAndGradient, Neighbourhood, Surroundings};
+use coronet::method::pass::Surroundings;
+use coronet::method::pass::{
+    Compressed, Continuity, Force, ForceAndGradient, Moving, Neighbourhood,
+};
 use coronet::scene::Dimension;
-use coronet::space::sweep::rows;
+use coronet::space::sweep::{Payload, rows};
 use std::marker::PhantomData;
 
 const DENSITY: f64 = 1100.0;
@@ -48,7 +51,7 @@ fn factor<K: Kernel>(cloud: &Cloud) -> f64 {
 }
 
 /// Writes payloads given by place about the middle, m.
-fn fill(cloud: &mut Cloud, field: impl Fn([f64; 3]) -> [f64; 5]) -> usize {
+fn fill<P: Payload>(cloud: &mut Cloud, field: impl Fn([f64; 3]) -> [f64; 5]) -> usize {
     let (i, centre) = middle(cloud);
     let payload: Vec<[f32; 5]> = (0..cloud.records())
         .map(|j| {
@@ -56,7 +59,7 @@ fn fill(cloud: &mut Cloud, field: impl Fn([f64; 3]) -> [f64; 5]) -> usize {
             field([0, 1, 2].map(|a| x[a] - centre[a])).map(|x| x as f32)
         })
         .collect();
-    cloud.pack(&payload);
+    cloud.pack::<P>(&payload);
     i
 }
 
@@ -67,7 +70,7 @@ fn acceleration<K: Kernel, V: PairViscosity>(
     field: impl Fn([f64; 3]) -> [f64; 5],
 ) -> [f64; 3] {
     let mut cloud = lattice(dimension);
-    let i = fill(&mut cloud, field);
+    let i = fill::<Moving>(&mut cloud, field);
     let pass = Force::<K, V, false> {
         factor: factor::<K>(&cloud),
         viscosity,
@@ -98,7 +101,7 @@ fn dilation<K: Kernel>(
         (0..3).for_each(|a| payload[a] += 0.5 * drift[a]);
         payload
     };
-    let i = fill(&mut cloud, ahead);
+    let i = fill::<Compressed>(&mut cloud, ahead);
     let pass = Continuity {
         factor: factor::<K>(&cloud),
         diffusion: diffusion as f32,
@@ -275,7 +278,7 @@ fn kernel_sum_is_one_inside_and_its_gradient_points_inwards() {
     type K = WendlandC2;
     for dimension in BOTH {
         let mut cloud = lattice(dimension);
-        let inside = fill(&mut cloud, |_| [0.0; 5]);
+        let inside = fill::<Moving>(&mut cloud, |_| [0.0; 5]);
         let pass = Neighbourhood {
             factor: 0.0,
             viscosity: (),

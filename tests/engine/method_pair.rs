@@ -4,7 +4,7 @@ use super::cloud::{CHANNEL, Cloud, OPEN, PERIODIC, dot};
 use coronet::effect::viscosity::{Morris, PairViscosity, TwoTerm};
 use coronet::kernel::{CubicSpline, Kernel, WendlandC2};
 use coronet::method::pass::{
-    Continuity, Extrapolation, Force, ForceAndGradient, Neighbourhood, Summation,
+    Continuity, Extrapolation, Force, ForceAndGradient, Moving, Neighbourhood, Summation,
 };
 use coronet::scene::{Dimension, Precision};
 use coronet::space::sweep::{Pass, rows};
@@ -113,7 +113,7 @@ fn compare<const N: usize, P: Pass<N>>(
 {
     for (name, mut cloud) in clouds() {
         let payload = payloads(&mut cloud);
-        cloud.pack(&payload);
+        cloud.pack::<P::Payload>(&payload);
         let n = cloud.flow.liquid();
         let sums = |i| brute(&cloud, &payload, i, 0..cloud.records(), &term);
         let sums: Vec<_> = (0..n).map(sums).collect();
@@ -228,7 +228,7 @@ fn pressure_and_viscosity() {
     kernels!(check);
 }
 
-/// Where payload 4 is negative, a negative own pressure counts with its sign turned.
+/// Where the weight is negative, a negative own pressure counts with its sign turned.
 #[test]
 fn controlled_tension() {
     fn check<K: Kernel>() {
@@ -285,7 +285,7 @@ fn extrapolation_to_walls() {
     cloud.flow.wall_sees_wall = false;
     cloud.flow.find();
     let payload = payloads(&mut cloud);
-    cloud.pack(&payload);
+    cloud.pack::<Moving>(&payload);
     let (n, walls) = (cloud.flow.liquid(), cloud.flow.walls());
     let pass = Extrapolation {
         kernel: PhantomData::<K>,

@@ -3,13 +3,13 @@
 use super::cloud::{Cloud, OPEN};
 use super::pack_scene::S0;
 use coronet::kernel::Kernel;
-use coronet::method::mps::pass::{Look, Number, PressureSlope, Surface, Viscous, Weights};
+use coronet::method::mps::pass::{Coupled, Look, Number, PressureSlope, Surface, Viscous, Weights};
 use coronet::method::mps::{Lattice, Smooth};
 use coronet::method::projection::correction::times;
 use coronet::method::projection::look::Local;
 use coronet::scene::Dimension;
 use coronet::space::sparse::Sparse;
-use coronet::space::sweep::{self, Pass};
+use coronet::space::sweep::{self, Pass, Payload};
 
 const BOTH: [Dimension; 2] = [Dimension::Two, Dimension::Three];
 /// r_e / l0, and h / l0 that covers it.
@@ -39,6 +39,14 @@ fn inside(cloud: &Cloud) -> Vec<usize> {
     found
 }
 
+/// Writes payloads given by place, in spacings.
+fn pack<P: Payload>(cloud: &mut Cloud, payload: impl Fn([f64; 3]) -> [f64; 5]) {
+    let payload: Vec<[f32; 5]> = (0..cloud.records())
+        .map(|i| payload(cloud.position(i).map(|x| x / S0)).map(|x| x as f32))
+        .collect();
+    cloud.pack::<P>(&payload);
+}
+
 fn sums<const N: usize, P: Pass<N>>(
     cloud: &mut Cloud,
     pass: &P,
@@ -47,10 +55,7 @@ fn sums<const N: usize, P: Pass<N>>(
 where
     P::Out: Default + Clone,
 {
-    let payload: Vec<[f32; 5]> = (0..cloud.records())
-        .map(|i| payload(cloud.position(i).map(|x| x / S0)).map(|x| x as f32))
-        .collect();
-    cloud.pack(&payload);
+    pack::<P::Payload>(cloud, payload);
     let flow = &cloud.flow;
     let mut out = vec![P::Out::default(); flow.liquid()];
     let scale = flow.grid.scale(cloud.h);
@@ -109,14 +114,7 @@ fn the_laplacian_of_a_parabola_is_exact_on_a_lattice() {
         let flagged = |x: [f64; 3]| x[0] < 5.0;
         let weights = Weights::<true> { reach: REACH };
         let own = |x: [f64; 3]| [f64::from(u8::from(!flagged(x))), 1.0, 0.0, 0.0, 0.0];
-        let _ = sums(
-            &mut cloud,
-            &Number {
-                reach: REACH,
-                factor: 1.0,
-            },
-            own,
-        );
+        pack::<Coupled>(&mut cloud, own);
         let flow = &cloud.flow;
         let layout = cloud.layout();
         let (mut sparse, mut degree, mut parts) = (Sparse::default(), Vec::new(), Vec::new());

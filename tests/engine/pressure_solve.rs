@@ -2,7 +2,7 @@
 
 use super::cloud::{Cloud, OPEN, PERIODIC};
 use coronet::kernel::WendlandC2;
-use coronet::method::isph::pass::Weights;
+use coronet::method::isph::pass::{Coupled, Weights};
 use coronet::method::pressure::multigrid::Domain;
 use coronet::method::pressure::{Equation, Outcome, Solver};
 use coronet::scene::{Dimension, Preconditioner};
@@ -30,9 +30,12 @@ fn equation(dimension: Dimension, side: f64, periodic: bool) -> (Equation, Domai
     let sides = if periodic { PERIODIC } else { OPEN };
     let cells = [side, depth, side];
     let mut cloud = Cloud::new(dimension, cells, sides, [SMOOTHING, 0.2], |_| true);
-    cloud
-        .flow
-        .pack(|_, _| [1.0, 1.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+    let like = Coupled {
+        density: 1.0,
+        volume: 1.0,
+        offset: 0.0,
+    };
+    cloud.flow.pack(|_, _| like, |_, _| Coupled::default());
     let flow = &cloud.flow;
     let layout = cloud.layout();
     let (mut e, mut sums) = (Equation::default(), Vec::new());

@@ -1,14 +1,11 @@
 //! Wide lanes and their scalar twin: the same bits.
 
-use std::panic::AssertUnwindSafe;
 use std::process::Command;
 
 use super::cloud::{CHANNEL, Cloud, PERIODIC};
 use super::method_scene::{self, fingerprint};
 use coronet::scene::Dimension;
 use coronet::space::lane::{Half, Lanes, Portable, Real, Record, WIDTH, dot, wide};
-use coronet::space::sparse::{Couple, Sparse};
-use coronet::space::sweep::{self, Field, Pair, Pass};
 
 /// The words of eight lanes, whatever they are of.
 ///
@@ -303,97 +300,4 @@ fn many_positions_are_placed_as_one_is() {
             }
         }
     }
-}
-
-/// How many neighbours there are.
-struct Count;
-
-impl Pass<1> for Count {
-    type Out = f32;
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
-        sum[0] += pair.q2.splat(1.0);
-    }
-    fn finish(&self, _: usize, [sum]: [f32; 1], out: &mut f32) {
-        *out = sum;
-    }
-}
-
-impl Couple<1> for Count {
-    fn pair<F: Real>(&self, pair: &Pair<F>, _: &mut [F; 1]) -> F {
-        pair.q2
-    }
-}
-
-fn plane() -> Cloud {
-    let cells = [8.0, 0.0, 8.0];
-    let mut cloud = Cloud::new(Dimension::Two, cells, PERIODIC, [1.3, 0.2], |_| true);
-    cloud.flow.pack(|_, _| [1.0; 5], |_, _| [1.0; 5]);
-    cloud
-}
-
-/// The least of the sums over runs with so many coordinates and words less than there are.
-fn least_without(coordinates: usize, words: usize) -> f32 {
-    let cloud = plane();
-    let flow = &cloud.flow;
-    let count = flow.at[0].len();
-    let at = flow.at.clone().map(|at| at[coordinates..].to_vec());
-    let field = Field {
-        grid: &flow.grid,
-        at: &at,
-        payload: &[vec![1.0f32; count - words]],
-        sources: &flow.sources(),
-        position: &flow.particles.position,
-        own: &[],
-        cutoff: 2.0 * cloud.h,
-        scale: flow.grid.scale(cloud.h),
-    };
-    let targets: Vec<u32> = (0..flow.liquid() as u32).collect();
-    let mut sums = vec![0.0; targets.len()];
-    sweep::runs(field, &targets, &Count, &mut sums);
-    sums.into_iter().fold(f32::INFINITY, f32::min)
-}
-
-/// The message of the panic of `call`; it must panic.
-fn refusal(call: impl FnOnce()) -> String {
-    let panic = std::panic::catch_unwind(AssertUnwindSafe(call)).expect_err("nothing is refused");
-    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
-    text.or_else(|| panic.downcast_ref::<String>().cloned())
-        .expect("a text")
-}
-
-// Safe code that asks for data which are not there is refused.
-
-#[test]
-fn rows_of_too_few_records_are_refused() {
-    let flow = plane().flow;
-    let (scale, records) = (flow.grid.scale(1.0), &flow.records[1..flow.liquid()]);
-    let mut sums = vec![0.0; flow.liquid()];
-    let text = refusal(|| sweep::rows(records, &flow.rows, scale, &Count, &mut sums));
-    assert!(
-        text.contains("rows of more points than there are records"),
-        "{text}"
-    );
-}
-
-#[test]
-fn runs_of_too_few_points_or_words_are_refused() {
-    assert!(least_without(0, 0) > 8.0);
-    let text = refusal(|| {
-        least_without(1, 1);
-    });
-    assert!(text.contains("cells of other points"), "{text}");
-    let text = refusal(|| {
-        least_without(0, 1);
-    });
-    assert!(text.contains("points without a payload"), "{text}");
-}
-
-#[test]
-fn products_with_too_few_values_are_refused() {
-    let (cloud, mut matrix) = (plane(), Sparse::default());
-    matrix.build(&cloud.layout(), &Count, &mut Vec::new(), &mut Vec::new());
-    let text = refusal(|| {
-        matrix.dot(0, &vec![1.0; matrix.len() - 1]);
-    });
-    assert!(text.contains("fewer values than unknowns"), "{text}");
 }

@@ -32,6 +32,7 @@
 use super::{FAINT, Tension};
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
+use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
 use crate::space::sweep::{self, Field, Pair, Pass};
@@ -291,9 +292,10 @@ struct Numbers<K, const PRINTED: bool> {
 }
 
 impl<K: Kernel, const PRINTED: bool> Pass<4> for Numbers<K, PRINTED> {
+    type Payload = ();
     type Out = [f32; 4];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 4]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
         if !PRINTED {
             let q = pair.q2.sqrt();
             sum[0] += K::w_apart(q, pair.q2);
@@ -321,7 +323,12 @@ impl<K: Kernel, const PRINTED: bool> Pass<4> for Numbers<K, PRINTED> {
     }
 }
 
-/// n2. Payload 0: n1.
+payload! {
+    /// n1.
+    struct Number<F> { count: F }
+}
+
+/// n2.
 struct Deeper<K, const PRINTED: bool> {
     /// 1 / g, or 1/2.
     gain: f32,
@@ -329,11 +336,12 @@ struct Deeper<K, const PRINTED: bool> {
 }
 
 impl<K: Kernel, const PRINTED: bool> Pass<1> for Deeper<K, PRINTED> {
+    type Payload = Number;
     type Out = f32;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Number>, sum: &mut [F; 1]) {
         let (zero, one) = (pair.q2.splat(0.0), pair.q2.splat(1.0));
-        let more = (pair.other[0] - pair.own[0]) * self.gain;
+        let more = (pair.other.count - pair.own.count) * self.gain;
         let part = if PRINTED {
             let x = more.max(zero).min(one);
             let rest = pair.q2.splat(-2.0).mul_add(x, pair.q2.splat(3.0));
@@ -351,19 +359,25 @@ impl<K: Kernel, const PRINTED: bool> Pass<1> for Deeper<K, PRINTED> {
     }
 }
 
-/// SUM w kappa and SUM w of (5). Payload: kappa and 1 at the surface, else 0.
+payload! {
+    /// kappa and 1 at the surface, else 0.
+    struct Bent<F> { kappa: F, mark: F }
+}
+
+/// SUM w kappa and SUM w of (5).
 struct Means;
 
 impl Pass<2> for Means {
+    type Payload = Bent;
     type Out = [f32; 2];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Bent>, sum: &mut [F; 2]) {
         let zero = pair.q2.splat(0.0);
         let q = pair.q2.sqrt().max(pair.q2.splat(NEAREST));
         let w = (pair.q2.splat(2.0) / q - 1.0).max(zero);
         let w = w.if_less(zero, pair.q2);
-        sum[0] = w.mul_add(pair.other[0], sum[0]);
-        sum[1] = w.mul_add(pair.other[1], sum[1]);
+        sum[0] = w.mul_add(pair.other.kappa, sum[0]);
+        sum[1] = w.mul_add(pair.other.mark, sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 2], out: &mut [f32; 2]) {

@@ -121,9 +121,10 @@ fn complete<K: Kernel>(dimension: usize, unit: f64, s: &mut [f32; 4]) -> Density
 struct Look<K>(PhantomData<K>);
 
 impl<K: Kernel> Pass<4> for Look<K> {
+    type Payload = ();
     type Out = [f32; 4];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 4]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
         let q = pair.q2.sqrt();
         let slope = K::slope_lanes(q);
         for a in 0..3 {

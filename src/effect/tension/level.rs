@@ -24,6 +24,7 @@
 use super::Tension;
 use super::stressed::Stressed;
 use crate::effect::depth::depths;
+use crate::effect::normal::Root;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::space::lane::{Real, dot};
@@ -93,21 +94,20 @@ fn lifted(root: [f64; 3], bend: &Bend, [z, b]: [f64; 2], dimension: usize) -> [f
 /// The least curvature that counts, as a part of the bracket in (2).
 pub(super) const LEAST: f64 = -0.5;
 
-/// Sums of (3). Payload: u, of any length.
+/// Sums of (3).
 pub(super) struct Curvature<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<7> for Curvature<K> {
+    type Payload = Root;
     type Out = Bend;
     #[inline(always)]
-    fn own(&self, _: usize, u: [f32; 6]) -> [f32; 6] {
-        let size = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
-        u.map(|u| u / size.max(f32::MIN_POSITIVE))
+    fn own(&self, _: usize, own: Root) -> Root {
+        own.unit()
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 7]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Root>, sum: &mut [F; 7]) {
         let zero = pair.q2.splat(0.0);
-        let (a, d) = ([pair.own[0], pair.own[1], pair.own[2]], pair.d);
-        let b = [pair.other[0], pair.other[1], pair.other[2]];
+        let (a, b, d) = (pair.own.u, pair.other.u, pair.d);
         let size = dot(b, b).sqrt().max(pair.q2.splat(f32::MIN_POSITIVE));
         let along = dot(a, b) / size;
         let slope = K::slope_lanes(pair.q2.sqrt());

@@ -257,6 +257,7 @@ impl Tension {
             sweep::runs(field, &self.reached, &Whole(pass), &mut force);
         } else if self.lifted {
             let field = self.stressed.field(field, &sources, &self.stressed.stress);
+            let field = field.owning(&[]);
             sweep::runs(field, &self.reached, &Tensor(pass), &mut force);
         } else {
             let field = self.stressed.field(field, &sources, &self.stressed.u);

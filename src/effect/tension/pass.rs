@@ -1,6 +1,8 @@
 //! Pair sums of the surface tension; numbers as in [`super`].
 
+use crate::effect::normal::{Coloured, Root};
 use crate::kernel::Kernel;
+use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
@@ -9,9 +11,10 @@ use std::marker::PhantomData;
 pub struct Volume<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<1> for Volume<K> {
+    type Payload = ();
     type Out = f32;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 1]) {
         sum[0] += K::w_lanes(pair.q2.sqrt());
     }
     #[inline(always)]
@@ -20,15 +23,21 @@ impl<K: Kernel> Pass<1> for Volume<K> {
     }
 }
 
-/// SUM V_b w: (2). Payload 0: V.
+payload! {
+    /// V of (2).
+    pub struct Filled<F> { volume: F }
+}
+
+/// SUM V_b w: (2).
 pub struct Colour<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<1> for Colour<K> {
+    type Payload = Filled;
     type Out = f32;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Filled>, sum: &mut [F; 1]) {
         let w = K::w_lanes(pair.q2.sqrt());
-        sum[0] = pair.other[0].mul_add(w, sum[0]);
+        sum[0] = pair.other.volume.mul_add(w, sum[0]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
@@ -36,15 +45,16 @@ impl<K: Kernel> Pass<1> for Colour<K> {
     }
 }
 
-/// SUM (c_b - c_a) slope d: (3), then SUM slope d. Payload 0: c.
+/// SUM (c_b - c_a) slope d: (3), then SUM slope d.
 pub struct Difference<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<6> for Difference<K> {
+    type Payload = Coloured;
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Coloured>, sum: &mut [F; 6]) {
         let slope = K::slope_lanes(pair.q2.sqrt());
-        let f = slope * (pair.other[0] - pair.own[0]);
+        let f = slope * (pair.other.colour - pair.own.colour);
         for a in 0..3 {
             sum[a] = f.mul_add(pair.d[a], sum[a]);
             sum[3 + a] = slope.mul_add(pair.d[a], sum[3 + a]);
@@ -57,7 +67,7 @@ impl<K: Kernel> Pass<6> for Difference<K> {
 }
 
 /// What the neighbours' stress adds to the acceleration, (5) without the own stress:
-/// T_b / rho^2 = |u|^2 I - u u. Payload: u.
+/// T_b / rho^2 = |u|^2 I - u u.
 #[derive(Clone, Copy)]
 pub struct Summed<K> {
     pub factor: f64,
@@ -65,11 +75,12 @@ pub struct Summed<K> {
 }
 
 impl<K: Kernel> Pass<3> for Summed<K> {
+    type Payload = Root;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Root>, sum: &mut [F; 3]) {
         let slope = K::slope_lanes(pair.q2.sqrt());
-        let u = [pair.other[0], pair.other[1], pair.other[2]];
+        let u = pair.other.u;
         let along = (pair.q2.splat(0.0) - slope) * dot(u, pair.d);
         let size = slope * dot(u, u);
         for c in 0..3 {
@@ -82,20 +93,24 @@ impl<K: Kernel> Pass<3> for Summed<K> {
     }
 }
 
-/// The same for stresses of any shape. Payload: T / rho^2 as in [`super::stressed`].
+payload! {
+    /// T / rho^2.
+    pub struct Stress<F> { xx: F, yy: F, zz: F, yz: F, xz: F, xy: F }
+}
+
+/// The same for stresses of any shape.
 pub struct Tensor<K>(pub Summed<K>);
 
 impl<K: Kernel> Pass<3> for Tensor<K> {
+    type Payload = Stress;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Stress>, sum: &mut [F; 3]) {
         let slope = K::slope_lanes(pair.q2.sqrt());
-        let [xx, yy, zz, yz, xz, xy] = pair.other;
-        for (c, row) in [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-            .iter()
-            .enumerate()
-        {
-            sum[c] = slope.mul_add(dot(*row, pair.d), sum[c]);
+        let t = &pair.other;
+        let rows = [[t.xx, t.xy, t.xz], [t.xy, t.yy, t.yz], [t.xz, t.yz, t.zz]];
+        for c in 0..3 {
+            sum[c] = slope.mul_add(dot(rows[c], pair.d), sum[c]);
         }
     }
     #[inline(always)]
@@ -106,11 +121,9 @@ impl<K: Kernel> Pass<3> for Tensor<K> {
 
 /// The whole pair force (5) before its factor.
 #[inline(always)]
-fn stress<K: Kernel, F: Real>(pair: &Pair<F>) -> [F; 3] {
+fn stress<K: Kernel, F: Real>(pair: &Pair<F, Root>) -> [F; 3] {
     let slope = K::slope_lanes(pair.q2.sqrt());
-    let d = pair.d;
-    let a = [pair.own[0], pair.own[1], pair.own[2]];
-    let b = [pair.other[0], pair.other[1], pair.other[2]];
+    let (d, a, b) = (pair.d, pair.own.u, pair.other.u);
     let s = dot(a, a) + dot(b, b);
     let (ad, bd) = (dot(a, d), dot(b, d));
     let mut force = d;
@@ -121,13 +134,14 @@ fn stress<K: Kernel, F: Real>(pair: &Pair<F>) -> [F; 3] {
     force
 }
 
-/// The whole pair force as an acceleration. Payload: u.
+/// The whole pair force as an acceleration.
 pub struct Whole<K>(pub Summed<K>);
 
 impl<K: Kernel> Pass<3> for Whole<K> {
+    type Payload = Root;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Root>, sum: &mut [F; 3]) {
         let force = stress::<K, F>(pair);
         for c in 0..3 {
             sum[c] += force[c];
@@ -140,19 +154,26 @@ impl<K: Kernel> Pass<3> for Whole<K> {
 }
 
 /// Tangential over (d-1) minus normal virial, about the normal of the surface at the target: that
-/// of the colour is noisy, and takes some per cent of the one for the other. Own: u, normal.
-pub struct Virial<K> {
+/// of the colour is noisy, and takes some per cent of the one for the other.
+pub struct Virial<'a, K> {
+    /// Of each target.
+    pub normals: &'a [[f32; 3]],
     /// 1 / (d-1).
     pub scale: f32,
     pub kernel: PhantomData<K>,
 }
 
-impl<K: Kernel> Pass<1> for Virial<K> {
+impl<K: Kernel> Pass<1> for Virial<'_, K> {
+    type Payload = Root;
     type Out = f64;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.normals[target]
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Root>, sum: &mut [F; 1]) {
         let force = stress::<K, F>(pair);
-        let n = [pair.own[3], pair.own[4], pair.own[5]];
+        let n = pair.extra;
         let normal = dot(n, pair.d) * dot(n, force);
         let tangential = dot(pair.d, force) - normal;
         let part = tangential * self.scale - normal;
@@ -164,21 +185,36 @@ impl<K: Kernel> Pass<1> for Virial<K> {
     }
 }
 
-/// (2) of [`super::energy`]. Payload: e', then g / H.
+payload! {
+    /// What [`Pull`] reads.
+    pub(super) struct Energetic<F> {
+        /// e'.
+        slope: F,
+        /// g / H.
+        gradient: [F; 3],
+    }
+}
+
+/// (2) of [`super::energy`].
 pub(super) struct Pull<K> {
     pub factor: f64,
     pub kernel: PhantomData<K>,
 }
 
 impl<K: Kernel> Pass<3> for Pull<K> {
+    type Payload = Energetic;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 3]) {
         let q = pair.q2.sqrt();
         let (slope, curve) = (K::slope_lanes(q), K::curve_lanes(q));
-        let g = [1, 2, 3].map(|k| pair.own[k] - pair.other[k]);
+        let (own, other) = (&pair.own, &pair.other);
+        let mut g = own.gradient;
+        for a in 0..3 {
+            g[a] = own.gradient[a] - other.gradient[a];
+        }
         let along = curve * dot(g, pair.d);
-        let central = slope.mul_add(pair.own[0] + pair.other[0], along);
+        let central = slope.mul_add(own.slope + other.slope, along);
         for a in 0..3 {
             sum[a] = central.mul_add(pair.d[a], slope.mul_add(g[a], sum[a]));
         }

@@ -153,13 +153,14 @@ impl Shore {
 struct Others<'a, P>(&'a P);
 
 impl<P: Pass<3, Out = [f32; 3]>> Pass<3> for Others<'_, P> {
+    type Payload = P::Payload;
     type Out = [f32; 3];
     #[inline(always)]
-    fn own(&self, _: usize, _: [f32; 6]) -> [f32; 6] {
-        [0.0; 6]
+    fn own(&self, _: usize, _: P::Payload) -> P::Payload {
+        P::Payload::default()
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload>, sum: &mut [F; 3]) {
         self.0.pair(pair, sum)
     }
     #[inline(always)]

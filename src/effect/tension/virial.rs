@@ -25,25 +25,20 @@ impl Tension {
         place: impl Fn(usize) -> ([f64; 3], f64),
     ) -> f64 {
         let n = flow.density.len();
-        let mut own: [Vec<f32>; 6] = Default::default();
-        own.iter_mut().for_each(|words| words.resize(n, 0.0));
+        let mut normals = vec![[0.0; 3]; n];
         let mut weights = Vec::with_capacity(self.reached.len());
         for &i in &self.reached {
-            let i = i as usize;
-            let (normal, weight) = place(i);
+            let (normal, weight) = place(i as usize);
             weights.push(weight);
-            for a in 0..3 {
-                own[a][i] = self.payload[a][i];
-                own[3 + a][i] = normal[a] as f32;
-            }
+            normals[i as usize] = normal.map(|n| n as f32);
         }
         let mut parts = vec![0.0f64; self.reached.len()];
         let pass = Virial::<K> {
+            normals: &normals,
             scale: 1.0 / (self.dimension as f32 - 1.0),
             kernel: PhantomData,
         };
         let field = self.field(flow, self.force_length);
-        let field = field.owning(&own);
         sweep::runs(field, &self.reached, &pass, &mut parts);
         let sum: f64 = parts.iter().zip(&weights).map(|(part, w)| part * w).sum();
         -0.5 * flow.mass * self.force_length * self.force_factor::<K>(flow.mass) * sum

@@ -2,6 +2,7 @@
 
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
+use crate::payload;
 use crate::space::lane::Real;
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
@@ -47,15 +48,20 @@ impl Means {
     }
 }
 
+payload! {
+    struct Words<F> { first: F, second: F }
+}
+
 struct Both<K>(PhantomData<K>);
 
 impl<K: Kernel> Pass<2> for Both<K> {
+    type Payload = Words;
     type Out = [f32; 2];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Words>, sum: &mut [F; 2]) {
         let w = K::w_lanes(pair.q2.sqrt());
-        sum[0] = w.mul_add(pair.other[0], sum[0]);
-        sum[1] = w.mul_add(pair.other[1], sum[1]);
+        sum[0] = w.mul_add(pair.other.first, sum[0]);
+        sum[1] = w.mul_add(pair.other.second, sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 2], out: &mut [f32; 2]) {

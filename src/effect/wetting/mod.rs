@@ -234,17 +234,16 @@ impl Wetting {
         let length = self.setting.length;
         let field = Field {
             cutoff: 2.0 * length * self.setting.angle.stretch() + flow.slack,
-            ..flow
-                .about(&self.foot, flow.of_liquid(), &[], length)
-                .owning(&self.shear)
+            ..flow.about(&self.foot, flow.of_liquid(), &[], length)
         };
         let norm = K::norm(dimension) / length.powi(dimension as i32);
         let factor = 2.0 * flow.mass / self.setting.density * norm;
+        let (lean, kernel) = (&self.shear, PhantomData::<K>);
         for axis in 0..3 {
             let facing = &self.facing[axis];
             self.sums.resize(facing.len(), 0.0);
-            let kernel = PhantomData::<K>;
-            sweep::runs(field, facing, &Sheared { axis, kernel }, &mut self.sums);
+            let pass = Sheared { axis, lean, kernel };
+            sweep::runs(field, facing, &pass, &mut self.sums);
             for (&j, sum) in facing.iter().zip(&self.sums) {
                 let beyond = (factor * *sum as f64 - 0.5) / self.edge;
                 let part = 0.5 + beyond / spacing;

@@ -1,23 +1,32 @@
 //! Pair sums of the wetting; numbers as in [`super`].
 
+use crate::effect::normal::Coloured;
 use crate::kernel::Kernel;
 use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
-/// SUM w with separations sheared along a wall normal to `axis`: (2). Own payload: the shear.
-pub struct Sheared<K> {
+/// SUM w with separations sheared along a wall normal to `axis`: (2).
+pub struct Sheared<'a, K> {
     pub axis: usize,
+    /// The shear of each target.
+    pub lean: &'a [Vec<f32>; 3],
     pub kernel: PhantomData<K>,
 }
 
-impl<K: Kernel> Pass<1> for Sheared<K> {
+impl<K: Kernel> Pass<1> for Sheared<'_, K> {
+    type Payload = ();
     type Out = f32;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn extra(&self, target: usize) -> [f32; 3] {
+        let [x, y, z] = self.lean;
+        [x[target], y[target], z[target]]
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 1]) {
         let height = pair.d[self.axis];
         let mut d = pair.d;
-        for (d, shear) in d.iter_mut().zip(pair.own) {
+        for (d, shear) in d.iter_mut().zip(pair.extra) {
             *d = shear.mul_add(height, *d);
         }
         let w = K::w_lanes(dot(d, d).sqrt());
@@ -33,15 +42,16 @@ impl<K: Kernel> Pass<1> for Sheared<K> {
 /// No pair is as far as this, in units of H^2.
 const NONE: f32 = 1e6;
 
-/// SUM c slope d and SUM slope d over the wall. Payload 0: c.
+/// SUM c slope d and SUM slope d over the wall, c the colour.
 pub struct Walls<K>(pub PhantomData<K>);
 
 impl<K: Kernel> Pass<6> for Walls<K> {
+    type Payload = Coloured;
     type Out = ([f32; 3], [f32; 3]);
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Coloured>, sum: &mut [F; 6]) {
         let slope = K::slope_lanes(pair.q2.sqrt());
-        let f = pair.other[0] * slope;
+        let f = pair.other.colour * slope;
         for a in 0..3 {
             sum[a] = f.mul_add(pair.d[a], sum[a]);
             sum[3 + a] = slope.mul_add(pair.d[a], sum[3 + a]);

@@ -6,6 +6,7 @@
 //! neighbours lie all around; at 0.4 H above a wall it would have 0.83 of the slope (integrals of
 //! w over the rest of the plane).
 
+use crate::effect::normal::Root;
 use crate::kernel::Kernel;
 use crate::space::lane::{Real, dot};
 use crate::space::sweep::{self, Field, Pair, Pass};
@@ -58,26 +59,26 @@ fn tangent(normal: [f32; 3], wall: [f32; 3]) -> [f32; 3] {
     t.map(|t| t / size)
 }
 
-/// Sums of (1). Payload: u, of any length.
+/// Sums of (1).
 struct Bent<'a, K> {
     tangent: &'a [[f32; 3]],
     kernel: PhantomData<K>,
 }
 
 impl<K: Kernel> Pass<2> for Bent<'_, K> {
+    type Payload = Root;
     type Out = f32;
     #[inline(always)]
-    fn own(&self, target: usize, u: [f32; 6]) -> [f32; 6] {
-        let size = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
-        let [x, y, z] = [u[0], u[1], u[2]].map(|u| u / size.max(f32::MIN_POSITIVE));
-        let [s, t, r] = self.tangent[target];
-        [x, y, z, s, t, r]
+    fn own(&self, _: usize, own: Root) -> Root {
+        own.unit()
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 2]) {
-        let normal = [pair.own[0], pair.own[1], pair.own[2]];
-        let tangent = [pair.own[3], pair.own[4], pair.own[5]];
-        let other = [pair.other[0], pair.other[1], pair.other[2]];
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.tangent[target]
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Root>, sum: &mut [F; 2]) {
+        let (normal, tangent, other) = (pair.own.u, pair.extra, pair.other.u);
         let size = dot(other, other)
             .sqrt()
             .max(pair.q2.splat(f32::MIN_POSITIVE));

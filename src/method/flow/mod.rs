@@ -16,11 +16,12 @@ use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Pairs, Side};
 use crate::space::column;
 use crate::space::grid::{Grid, TooSmall};
-use crate::space::lane::{Record, WIDTH};
+use crate::space::lane::WIDTH;
 use crate::space::mirror::{Mirror, Planes};
 use crate::space::parallel::{each_mut, larger, three};
 use crate::space::row::Rows;
 use crate::space::sort::Cells;
+use crate::space::sweep::Records;
 use rayon::prelude::*;
 
 /// Least and largest extra reach of the rows, in units of that where nothing is known of speeds.
@@ -73,7 +74,7 @@ pub struct Flow {
     /// Sorted along cells once, never moved.
     pub wall: Wall,
     /// What pair sums read: liquid, wall, images.
-    pub records: Vec<Record>,
+    pub records: Records,
     /// Fixed-point coordinates in that order, as of the last [`Flow::place`].
     pub at: [Vec<i32>; 3],
     /// Rows of the liquid: liquid and wall neighbours.
@@ -152,7 +153,7 @@ impl Flow {
             slack,
             particles,
             wall,
-            records: Vec::new(),
+            records: Records::default(),
             at: Default::default(),
             rows: Rows::default(),
             wall_rows: Rows::default(),

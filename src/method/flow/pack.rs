@@ -5,69 +5,54 @@ use crate::particle::{Particles, Wall};
 use crate::space::grid::Grid;
 use crate::space::lane::{Record, WIDTH};
 use crate::space::parallel::each_mut;
+use crate::space::sweep::{Payload, words_of};
 use rayon::prelude::*;
 
 impl Flow {
-    /// Writes all records: current positions, payloads by liquid index and by wall index. The
-    /// first three payloads are a vector: images turn it.
-    pub fn pack(
+    /// Writes all records: current positions, payloads by liquid index and by wall index.
+    pub fn pack<P: Payload>(
         &mut self,
-        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
-        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
-    ) {
-        self.write(liquid, wall, true);
-    }
-
-    /// The same for payloads without a vector.
-    pub fn pack_scalars(
-        &mut self,
-        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
-        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
-    ) {
-        self.write(liquid, wall, false);
-    }
-
-    fn write(
-        &mut self,
-        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
-        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
-        is_vector: bool,
+        liquid: impl Fn(&Particles, usize) -> P + Sync,
+        wall: impl Fn(&Wall, usize) -> P + Sync,
     ) {
         let (n, m) = (self.liquid(), self.walls());
         let count = n + m + self.images() + WIDTH;
-        self.records.resize(count, Record::default());
+        let records = self.records.carry::<P>();
+        records.resize(count, Record::default());
         let (p, w) = (&self.particles, &self.wall);
-        let (own, rest) = self.records.split_at_mut(n);
+        let (own, rest) = records.split_at_mut(n);
         write(&self.grid, &p.position, own, |i| liquid(p, i));
         write(&self.grid, &w.position, &mut rest[..m], |i| wall(w, i));
         if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records, is_vector);
+            mirror.copy(&mut self.records);
         }
     }
 
     /// [`Flow::pack`] when nothing has moved since.
-    pub fn repack(
+    pub fn repack<P: Payload>(
         &mut self,
-        liquid: impl Fn(&Particles, usize) -> [f32; 5] + Sync,
-        wall: impl Fn(&Wall, usize) -> [f32; 5] + Sync,
+        liquid: impl Fn(&Particles, usize) -> P + Sync,
+        wall: impl Fn(&Wall, usize) -> P + Sync,
     ) {
         let (n, p, w) = (self.liquid(), &self.particles, &self.wall);
-        let (of_liquid, others) = self.records.split_at_mut(n);
+        let (of_liquid, others) = self.records.carry::<P>().split_at_mut(n);
         let of_wall = &mut others[..w.position[0].len()];
-        each_mut(of_liquid, |i, record| record.carry(liquid(p, i)));
-        each_mut(of_wall, |i, record| record.carry(wall(w, i)));
+        each_mut(of_liquid, |i, record| record.carry(words_of(liquid(p, i))));
+        each_mut(of_wall, |i, record| record.carry(words_of(wall(w, i))));
         if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records, true);
+            mirror.copy(&mut self.records);
         }
     }
 
-    /// Rewrites the payloads of the wall records, vectors first.
-    pub fn pack_wall(&mut self, wall: impl Fn(usize) -> [f32; 5] + Sync) {
+    /// Rewrites the payloads of the wall records.
+    ///
+    /// # Panics
+    /// If the records were packed with another payload.
+    pub fn pack_wall<P: Payload>(&mut self, wall: impl Fn(usize) -> P + Sync) {
         let n = self.liquid();
         let of_wall = n..n + self.wall.position[0].len();
-        each_mut(&mut self.records[of_wall], |i, record| {
-            record.carry(wall(i))
-        });
+        let records = &mut self.records.carrying::<P>()[of_wall];
+        each_mut(records, |i, record| record.carry(words_of(wall(i))));
         if let Some(mirror) = &self.mirror {
             mirror.copy_wall(&mut self.records);
         }
@@ -75,11 +60,11 @@ impl Flow {
 }
 
 /// Writes records of the points at `position`, m.
-fn write(
+fn write<P: Payload>(
     grid: &Grid,
     position: &[Vec<f64>; 3],
     records: &mut [Record],
-    payload: impl Fn(usize) -> [f32; 5] + Sync,
+    payload: impl Fn(usize) -> P + Sync,
 ) {
     let parts = records.par_chunks_mut(PART).enumerate();
     parts.for_each(|(part, records)| {
@@ -91,7 +76,7 @@ fn write(
         }
         for (k, record) in records.iter_mut().enumerate() {
             let at = [at[0][k], at[1][k], at[2][k]];
-            *record = Record::new(at, payload(from + k));
+            *record = Record::new(at, words_of(payload(from + k)));
         }
     });
 }

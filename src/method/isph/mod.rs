@@ -35,7 +35,7 @@ use crate::scene::{Closure, Gradient, Isph as Settings, PoissonSource};
 use crate::space::grid::Scale;
 use crate::space::parallel::each_mut;
 use crate::space::sweep;
-use pass::{Around, Look, PressureSlope, Weights};
+use pass::{Around, Coupled, Look, Pressed, PressureSlope, Weights};
 use std::marker::PhantomData;
 
 /// A sweep of [`Around`] with the viscosity of the scene, which nothing else depends on.
@@ -195,9 +195,17 @@ impl<K: Kernel> Scheme for Isph<K> {
     /// The weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)).
     fn couple(p: &mut Projection<Self>) {
         let (local, walls) = (&p.own.local, &p.walls);
-        p.liquid.flow.pack_scalars(
-            |_, i| [local[i].kernel_sum, 1.0 / local[i].density, 0.0, 0.0, 0.0],
-            |_, j| [walls.density[j] as f32, 1.0, 0.0, walls.offset[j], 0.0],
+        p.liquid.flow.pack(
+            |_, i| Coupled {
+                density: local[i].kernel_sum,
+                volume: 1.0 / local[i].density,
+                offset: 0.0,
+            },
+            |_, j| Coupled {
+                density: walls.density[j] as f32,
+                volume: 1.0,
+                offset: walls.offset[j],
+            },
         );
         p.walls.number(p.liquid.len());
         let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
@@ -241,14 +249,15 @@ impl<K: Kernel> Scheme for Isph<K> {
         let printed = p.is_printed();
         let (x, walls, local) = (&p.unknown, &p.walls, &p.own.local);
         let thin = |dense: f64| if printed { 1.0 / (dense * dense) } else { 1.0 };
-        p.liquid.flow.pack_scalars(
+        p.liquid.flow.pack(
             |_, i| {
-                let p = x[i] * thin(local[i].kernel_sum as f64);
-                [p as f32, 0.0, 0.0, 0.0, 0.0]
+                let pressure = (x[i] * thin(local[i].kernel_sum as f64)) as f32;
+                Pressed { pressure }
             },
             |_, j| {
                 let p = x[n + walls.group[j] as usize] + walls.offset[j] as f64;
-                [(p * thin(walls.density[j])) as f32, 0.0, 0.0, 0.0, 0.0]
+                let pressure = (p * thin(walls.density[j])) as f32;
+                Pressed { pressure }
             },
         );
         p.own.push.resize(n, [0.0; 3]);

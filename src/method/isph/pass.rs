@@ -2,47 +2,61 @@
 
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::pass::Moving;
 use crate::method::projection::correction::{AXES, IDENTITY, inverse};
 use crate::method::projection::look::{Local, Sums, complete, divergence};
+use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
+payload! {
+    /// What [`Weights`] read.
+    pub struct Coupled<F> {
+        /// n, or rho / rho0.
+        density: F,
+        /// 1 / n.
+        volume: F,
+        /// c of a wall particle, Pa.
+        offset: F,
+    }
+}
+
 /// Weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)): -W'/q / (n_a n_b) with the densities
 /// n of `surface::Share`, and as printed -W'/q q^2 / (q^2 + 0.01) 4 rho0^2 / (rho_a + rho_b)^2
 /// (eta = 0.1 h). Where the liquid is thin, its volumes are larger: weights that do not know make
 /// the pressure too steep there, and a thin surface thinner.
-/// Payload: n or rho / rho0, 1 / n, unused, offset c of a wall particle, Pa, unused.
 ///
 /// Sums: w q^2; w c of the neighbours; w d (3); w c of the target.
 pub struct Weights<K, const PRINTED: bool>(pub PhantomData<K>);
 
 impl<K: Kernel, const PRINTED: bool> Couple<6> for Weights<K, PRINTED> {
+    type Payload = Coupled;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 6]) -> F {
+    fn pair<F: Real>(&self, pair: &Pair<F, Coupled>, sum: &mut [F; 6]) -> F {
         let slope = K::slope_lanes(pair.q2.sqrt());
         let zero = pair.q2.splat(0.0);
         let mut w = zero - slope;
         if PRINTED {
-            let rho = pair.own[0] + pair.other[0];
+            let rho = pair.own.density + pair.other.density;
             let below = (pair.q2 + 0.01) * (rho * rho);
             w = w * pair.q2 * 4.0 / below;
         } else {
-            w = w * (pair.own[1] * pair.other[1]);
+            w = w * (pair.own.volume * pair.other.volume);
         }
         w = w.if_less(zero, pair.q2);
         sum[0] = w.mul_add(pair.q2, sum[0]);
-        sum[1] = w.mul_add(pair.other[3], sum[1]);
+        sum[1] = w.mul_add(pair.other.offset, sum[1]);
         for a in 0..3 {
             sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
         }
-        sum[5] = w.mul_add(pair.own[3], sum[5]);
+        sum[5] = w.mul_add(pair.own.offset, sum[5]);
         w
     }
 }
 
-/// Fills [`Local`], its number with the kernel sum. Payload: v* (3), unused (2).
+/// Fills [`Local`], its number with the kernel sum.
 /// `CORRECTED`: divergence and L are those of corrected gradients, else L is the identity.
 pub struct Look<'a, K, const CORRECTED: bool> {
     /// V norm / h^d and that over h.
@@ -60,9 +74,10 @@ pub struct Look<'a, K, const CORRECTED: bool> {
 }
 
 impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
+    type Payload = Moving;
     type Out = Local;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 20]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 20]) {
         let q = pair.q2.sqrt();
         let w = K::w_apart(q, pair.q2);
         sum[0] += w;
@@ -71,7 +86,7 @@ impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
         for a in 0..3 {
             g[a] = slope * pair.d[a];
             sum[1 + a] += g[a];
-            v[a] = pair.other[a] - pair.own[a];
+            v[a] = pair.other.velocity[a] - pair.own.velocity[a];
         }
         sum[19] = w.mul_add(dot(v, v), sum[19]);
         for (k, [a, b]) in AXES.into_iter().enumerate() {
@@ -101,18 +116,27 @@ impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
     }
 }
 
-/// SUM slope (P_b +- P_a) d. Payload 0: P. `SYMMETRIC`: the sum, else the difference.
+payload! {
+    /// What [`PressureSlope`] reads.
+    pub struct Pressed<F> {
+        /// P, or P / rho^2 where Eq. 9 stands as printed.
+        pressure: F,
+    }
+}
+
+/// SUM slope (P_b +- P_a) d. `SYMMETRIC`: the sum, else the difference.
 pub struct PressureSlope<K, const SYMMETRIC: bool>(pub PhantomData<K>);
 
 impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
+    type Payload = Pressed;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Pressed>, sum: &mut [F; 3]) {
         let slope = K::slope_lanes(pair.q2.sqrt());
         let p = if SYMMETRIC {
-            pair.other[0] + pair.own[0]
+            pair.other.pressure + pair.own.pressure
         } else {
-            pair.other[0] - pair.own[0]
+            pair.other.pressure - pair.own.pressure
         };
         let f = slope * p;
         for a in 0..3 {
@@ -125,8 +149,7 @@ impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
     }
 }
 
-/// What the explicit half of a step needs at r^n, and the viscous acceleration, m/s^2. Payload:
-/// velocity, unused, 1 / rho^2.
+/// What the explicit half of a step needs at r^n, and the viscous acceleration, m/s^2.
 pub struct Around<K, V> {
     /// m norm / h^(d+1).
     pub factor: f64,
@@ -137,9 +160,10 @@ pub struct Around<K, V> {
 }
 
 impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
+    type Payload = Moving;
     type Out = Sums<[f32; 3]>;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 7]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 7]) {
         let q = pair.q2.sqrt();
         let w = K::w_apart(q, pair.q2);
         sum[3] += w;
@@ -147,11 +171,11 @@ impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
         let mut v = pair.d;
         for a in 0..3 {
             sum[4 + a] = slope.mul_add(pair.d[a], sum[4 + a]);
-            v[a] = pair.own[a] - pair.other[a];
+            v[a] = pair.own.velocity[a] - pair.other.velocity[a];
         }
         if V::PRESENT {
             let mut s = [sum[0], sum[1], sum[2]];
-            let weight = pair.own[4] + pair.other[4];
+            let weight = pair.own.weight + pair.other.weight;
             self.viscosity
                 .add(slope, pair.q2, pair.d, v, weight, &mut s);
             [sum[0], sum[1], sum[2]] = s;

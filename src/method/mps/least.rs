@@ -1,12 +1,13 @@
 //! What the gradients of MPS subtract from pressures.
 
 use super::Mps;
+use super::pass::Pressed;
 use crate::method::projection::Projection;
 use crate::scene::MpsGradient;
 use crate::space::parallel::each_mut;
 
 impl Projection<Mps> {
-    /// P and Q of `PressureSlope`: p (`symmetric`), p and the least about it (`minimum`), or p and
+    /// P and Q: p (`symmetric`), p and the least about it (`minimum`), or p and
     /// itself, near a surface with its sign turned.
     pub(super) fn pack_pressure(&mut self) {
         let n = self.liquid.len();
@@ -16,7 +17,7 @@ impl Projection<Mps> {
         }
         let (x, walls, marks) = (&self.unknown, &self.walls, &self.own.marks);
         let least = &self.scheme.least;
-        self.liquid.flow.pack_scalars(
+        self.liquid.flow.pack(
             |_, i| {
                 let q = match gradient {
                     MpsGradient::Symmetric => 0.0,
@@ -24,11 +25,17 @@ impl Projection<Mps> {
                     _ if marks[i] > 0.0 => -x[i],
                     _ => x[i],
                 };
-                [x[i] as f32, q as f32, 0.0, 0.0, 0.0]
+                Pressed {
+                    pressure: x[i] as f32,
+                    level: q as f32,
+                }
             },
             |_, j| {
                 let p = x[n + walls.group[j] as usize] + walls.offset[j] as f64;
-                [p as f32, 0.0, 0.0, 0.0, 0.0]
+                Pressed {
+                    pressure: p as f32,
+                    level: 0.0,
+                }
             },
         );
     }

@@ -42,7 +42,7 @@ use crate::kernel::WendlandC2;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
 use crate::space::parallel::each_mut;
 use crate::space::sweep;
-use pass::{Around, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
+use pass::{Around, Coupled, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
 
 /// The kernel of walls, of the free surface and of the shifting.
 pub type Smooth = WendlandC2;
@@ -287,11 +287,16 @@ impl Scheme for Mps {
         Self::flag(p);
         let (local, walls, inside) = (&p.own.local, &p.walls, &p.scheme.inside);
         let n = p.liquid.len();
-        p.liquid.flow.pack_scalars(
-            |_, i| [inside[i], 1.0 / local[i].density, 0.0, 0.0, 0.0],
-            |_, j| {
-                let inside = inside[n + walls.group[j] as usize];
-                [inside, 1.0, 0.0, walls.offset[j], 0.0]
+        p.liquid.flow.pack(
+            |_, i| Coupled {
+                inside: inside[i],
+                volume: 1.0 / local[i].density,
+                offset: 0.0,
+            },
+            |_, j| Coupled {
+                inside: inside[n + walls.group[j] as usize],
+                volume: 1.0,
+                offset: walls.offset[j],
             },
         );
         p.walls.number(n);

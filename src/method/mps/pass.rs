@@ -5,8 +5,10 @@
 
 use super::Smooth;
 use crate::kernel::Kernel;
+use crate::method::pass::Moving;
 use crate::method::projection::correction::{AXES, IDENTITY, inverse};
 use crate::method::projection::look::{Local, Sums, complete, divergence};
+use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
@@ -42,11 +44,10 @@ pub struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// The payload of `target`, and whether a surface is near, 0 or 1.
+    /// Whether a surface is near `target`, 0 or 1.
     #[inline(always)]
-    fn seen(&self, target: usize, payload: [f32; 6]) -> [f32; 6] {
-        let [a, b, c, d, e, _] = payload;
-        [a, b, c, d, e, f32::from(self.marks[target] > 0.0)]
+    fn near(&self, target: usize) -> [f32; 3] {
+        [f32::from(self.marks[target] > 0.0), 0.0, 0.0]
     }
 
     /// The weight of gradients, `f` inside and -W' / q near a surface; `slope`: W' / q.
@@ -57,8 +58,19 @@ impl Surface<'_> {
     }
 }
 
-/// Weights of the Laplacian (Eq. 6). Payload: 1 inside and 0 where p = 0 is given, 1 / n with the
-/// density n of `surface::Share`, unused, offset c of a wall particle, Pa, unused.
+payload! {
+    /// What [`Weights`] read.
+    pub struct Coupled<F> {
+        /// 1 inside, 0 where p = 0 is given.
+        inside: F,
+        /// 1 / n with the density n of `surface::Share`.
+        volume: F,
+        /// c of a wall particle, Pa.
+        offset: F,
+    }
+}
+
+/// Weights of the Laplacian (Eq. 6).
 ///
 /// `FLAGGED`: an unknown with p = 0 given is coupled to nothing and goes to the diagonal; else the
 /// weights are divided by both n.
@@ -70,27 +82,28 @@ pub struct Weights<const FLAGGED: bool> {
 }
 
 impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
+    type Payload = Coupled;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 7]) -> F {
+    fn pair<F: Real>(&self, pair: &Pair<F, Coupled>, sum: &mut [F; 7]) -> F {
         let mut w = weight(pair.q2, self.reach, NEAREST);
         if FLAGGED {
-            let whole = w * pair.own[0];
-            w = whole * pair.other[0];
+            let whole = w * pair.own.inside;
+            w = whole * pair.other.inside;
             sum[6] += whole - w;
         } else {
-            w = w * (pair.own[1] * pair.other[1]);
+            w = w * (pair.own.volume * pair.other.volume);
         }
         sum[0] = w.mul_add(pair.q2, sum[0]);
-        sum[1] = w.mul_add(pair.other[3], sum[1]);
+        sum[1] = w.mul_add(pair.other.offset, sum[1]);
         for a in 0..3 {
             sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
         }
-        sum[5] = w.mul_add(pair.own[3], sum[5]);
+        sum[5] = w.mul_add(pair.own.offset, sum[5]);
         w
     }
 }
 
-/// Fills [`Local`]. Payload: v* (3), unused (2).
+/// Fills [`Local`].
 /// `CORRECTED`: divergence and gradients are exact for linear fields but near a surface, else as in
 /// Eq. 5. `BLENDED`: near a surface they have the weight of the smooth kernel.
 pub struct Look<'a, const CORRECTED: bool, const BLENDED: bool> {
@@ -113,16 +126,17 @@ pub struct Look<'a, const CORRECTED: bool, const BLENDED: bool> {
 }
 
 impl<const CORRECTED: bool, const BLENDED: bool> Pass<21> for Look<'_, CORRECTED, BLENDED> {
+    type Payload = Moving;
     type Out = Local;
     #[inline(always)]
-    fn own(&self, target: usize, payload: [f32; 6]) -> [f32; 6] {
+    fn extra(&self, target: usize) -> [f32; 3] {
         match BLENDED {
-            true => self.surface.seen(target, payload),
-            false => payload,
+            true => self.surface.near(target),
+            false => [0.0; 3],
         }
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 21]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 21]) {
         let q = pair.q2.sqrt();
         sum[0] += weight(pair.q2, self.reach, NEAREST);
         let smooth = Smooth::w_apart(q, pair.q2);
@@ -130,13 +144,13 @@ impl<const CORRECTED: bool, const BLENDED: bool> Pass<21> for Look<'_, CORRECTED
         let slope = Smooth::slope_lanes(q);
         let mut f = steep(pair.q2, self.reach, self.core);
         if BLENDED {
-            f = self.surface.blend(pair.own[5], f, slope);
+            f = self.surface.blend(pair.extra[0], f, slope);
         }
         let (mut g, mut v) = (pair.d, pair.d);
         for a in 0..3 {
             sum[2 + a] = slope.mul_add(pair.d[a], sum[2 + a]);
             g[a] = f * pair.d[a];
-            v[a] = pair.own[a] - pair.other[a];
+            v[a] = pair.own.velocity[a] - pair.other.velocity[a];
         }
         sum[20] = smooth.mul_add(dot(v, v), sum[20]);
         for (k, [a, b]) in AXES.into_iter().enumerate() {
@@ -175,9 +189,10 @@ pub struct Number {
 }
 
 impl Pass<1> for Number {
+    type Payload = ();
     type Out = f64;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 1]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 1]) {
         sum[0] += weight(pair.q2, self.reach, NEAREST)
     }
     #[inline(always)]
@@ -186,7 +201,17 @@ impl Pass<1> for Number {
     }
 }
 
-/// SUM (P_b + P_a) d w / q^2 with `SYMMETRIC`, else SUM (P_b - Q_a) d w / q^2. Payload: P, Q.
+payload! {
+    /// What [`PressureSlope`] reads.
+    pub struct Pressed<F> {
+        /// P, Pa.
+        pressure: F,
+        /// Q, what is subtracted from the pressures about, Pa.
+        level: F,
+    }
+}
+
+/// SUM (P_b + P_a) d w / q^2 with `SYMMETRIC`, else SUM (P_b - Q_a) d w / q^2.
 /// `BLENDED`: as in [`Look`].
 pub struct PressureSlope<'a, const SYMMETRIC: bool, const BLENDED: bool> {
     /// r_e / h, and where the weight ends to grow, in h.
@@ -198,25 +223,26 @@ pub struct PressureSlope<'a, const SYMMETRIC: bool, const BLENDED: bool> {
 }
 
 impl<const SYMMETRIC: bool, const BLENDED: bool> Pass<3> for PressureSlope<'_, SYMMETRIC, BLENDED> {
+    type Payload = Pressed;
     type Out = [f32; 3];
     #[inline(always)]
-    fn own(&self, target: usize, payload: [f32; 6]) -> [f32; 6] {
+    fn extra(&self, target: usize) -> [f32; 3] {
         match BLENDED {
-            true => self.surface.seen(target, payload),
-            false => payload,
+            true => self.surface.near(target),
+            false => [0.0; 3],
         }
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Pressed>, sum: &mut [F; 3]) {
         let p = if SYMMETRIC {
-            pair.other[0] + pair.own[0]
+            pair.other.pressure + pair.own.pressure
         } else {
-            pair.other[0] - pair.own[1]
+            pair.other.pressure - pair.own.level
         };
         let mut f = steep(pair.q2, self.reach, self.core);
         if BLENDED {
             let slope = Smooth::slope_lanes(pair.q2.sqrt());
-            f = self.surface.blend(pair.own[5], f, slope);
+            f = self.surface.blend(pair.extra[0], f, slope);
         }
         f = f * p;
         for a in 0..3 {
@@ -229,7 +255,7 @@ impl<const SYMMETRIC: bool, const BLENDED: bool> Pass<3> for PressureSlope<'_, S
     }
 }
 
-/// SUM (u_b - u_a) w, the viscous Laplacian (Eq. 9). Payload: velocity.
+/// SUM (u_b - u_a) w, the viscous Laplacian (Eq. 9).
 pub struct Viscous {
     /// r_e / h.
     pub reach: f32,
@@ -238,12 +264,14 @@ pub struct Viscous {
 }
 
 impl Pass<3> for Viscous {
+    type Payload = Moving;
     type Out = [f32; 3];
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 3]) {
         let w = weight(pair.q2, self.reach, NEAREST);
         for a in 0..3 {
-            sum[a] = w.mul_add(pair.other[a] - pair.own[a], sum[a]);
+            let v = pair.other.velocity[a] - pair.own.velocity[a];
+            sum[a] = w.mul_add(v, sum[a]);
         }
     }
     #[inline(always)]
@@ -252,7 +280,7 @@ impl Pass<3> for Viscous {
     }
 }
 
-/// What shows the free surface at r^n, and n / n0. Payload: unused.
+/// What shows the free surface at r^n, and n / n0.
 pub struct Around {
     /// r_e / h and 1 / n0.
     pub reach: f32,
@@ -261,9 +289,10 @@ pub struct Around {
 }
 
 impl Pass<5> for Around {
+    type Payload = ();
     type Out = Sums<f32>;
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; 5]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 5]) {
         let q = pair.q2.sqrt();
         sum[0] += weight(pair.q2, self.reach, NEAREST);
         let w = Smooth::w_apart(q, pair.q2);

@@ -2,7 +2,7 @@
 
 use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
-use crate::method::pass::Extrapolation;
+use crate::method::pass::{Extrapolation, Moving};
 use crate::method::pressure::Outcome;
 use crate::method::pressure::multigrid::Domain;
 use crate::method::shifting::LOOSE;
@@ -38,11 +38,15 @@ impl<S: Scheme> Projection<S> {
     fn look_ahead(&mut self, dt: f64) {
         let pressure = &self.own.pressure;
         self.liquid.flow.pack(
-            |p, i| {
-                let [x, y, z] = [0, 1, 2].map(|a| p.velocity[a][i] as f32);
-                [x, y, z, pressure[i] as f32, 1.0]
+            |p, i| Moving {
+                velocity: [0, 1, 2].map(|a| p.velocity[a][i] as f32),
+                pressure: pressure[i] as f32,
+                weight: 1.0,
             },
-            |_, _| [0.0, 0.0, 0.0, 0.0, 1.0],
+            |_, _| Moving {
+                weight: 1.0,
+                ..Moving::default()
+            },
         );
         let scale = self.liquid.scale();
         let extrapolation = Extrapolation::<S::Kernel> {
@@ -55,9 +59,10 @@ impl<S: Scheme> Projection<S> {
         let halt = self.halt(dt);
         self.walls.set_offsets(&self.liquid.flow.wall, still, &halt);
         let walls = &self.walls;
-        self.liquid.flow.pack_wall(|j| {
-            let [x, y, z] = walls.velocity[walls.group[j] as usize];
-            [x, y, z, 0.0, 1.0]
+        self.liquid.flow.pack_wall(|j| Moving {
+            velocity: walls.velocity[walls.group[j] as usize],
+            pressure: 0.0,
+            weight: 1.0,
         });
         self.own.local.resize(self.liquid.len(), Default::default());
         S::look(self);

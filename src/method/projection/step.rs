@@ -1,7 +1,7 @@
 //! One step, as the algorithm box of Kuri et al. has it.
 
 use super::{Projection, Scheme};
-use crate::method::pass::{Extrapolation, Marked};
+use crate::method::pass::{Extrapolation, Mark, Marked, Moving};
 use crate::method::{Diverged, frame};
 use crate::space::parallel::{each_mut, max, sum_mut, three};
 use crate::space::sweep;
@@ -184,16 +184,18 @@ impl<S: Scheme> Projection<S> {
         self.liquid.now.max_acceleration = max(held.len(), square).max(0.0).sqrt();
     }
 
-    /// Records for viscosity: velocity, unused, `weight`.
+    /// Records for viscosity.
     pub(in crate::method) fn pack_velocity(&mut self, weight: f32) {
         self.liquid.flow.pack(
-            |p, i| {
-                let [x, y, z] = [0, 1, 2].map(|a| p.velocity[a][i] as f32);
-                [x, y, z, 0.0, weight]
+            |p, i| Moving {
+                velocity: [0, 1, 2].map(|a| p.velocity[a][i] as f32),
+                pressure: 0.0,
+                weight,
             },
-            |w, j| {
-                let [x, y, z] = [0, 1, 2].map(|a| w.velocity[a][j] as f32);
-                [x, y, z, 0.0, weight]
+            |w, j| Moving {
+                velocity: [0, 1, 2].map(|a| w.velocity[a][j] as f32),
+                pressure: 0.0,
+                weight,
             },
         );
     }
@@ -226,9 +228,11 @@ impl<S: Scheme> Projection<S> {
         seen.clear();
         seen.extend((0..sums.len()).map(viscous));
         let seen = &*seen;
-        self.liquid
-            .flow
-            .pack_wall(|j| [seen[j][0], seen[j][1], seen[j][2], 0.0, weight]);
+        self.liquid.flow.pack_wall(|j| Moving {
+            velocity: seen[j],
+            pressure: 0.0,
+            weight,
+        });
     }
 
     /// Counts the particles of the surface in every support.
@@ -239,7 +243,7 @@ impl<S: Scheme> Projection<S> {
         each_mut(&mut is_surface[..n], |i, out| *out = self.is_surface(i));
         let mark = |i: usize| f32::from(is_surface[i]);
         let flow = &mut self.liquid.flow;
-        flow.pack_scalars(|_, i| [mark(i), 0.0, 0.0, 0.0, 0.0], |_, _| [0.0; 5]);
+        flow.pack(|_, i| Mark { mark: mark(i) }, |_, _| Mark { mark: 0.0 });
         let (cells, support) = (&flow.liquid_cells, 2.0 * self.liquid.case.h);
         self.band.mark(cells, |i| is_surface[i]);
         self.band.grow(&flow.grid, support);

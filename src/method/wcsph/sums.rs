@@ -4,7 +4,8 @@ use super::{Wcsph, velocity};
 use crate::effect::tension::energy::LOAD;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::method::pass::{Continuity, Force, ForceAndGradient, Neighbourhood, Spared, Summation};
+use crate::method::pass::{Compressed, Continuity, Force, ForceAndGradient, Moving};
+use crate::method::pass::{Neighbourhood, Spared, Sparing, Summation};
 use crate::scene::Pressure;
 use crate::space::sweep;
 
@@ -34,7 +35,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if U::PRESENT {
             self.extrapolate_velocity();
         } else {
-            self.liquid.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+            let still = Moving::default();
+            self.liquid.flow.pack(|_, _| still, |_, _| still);
         }
         let factor = self.gradient_factor();
         let pass = Neighbourhood {
@@ -64,7 +66,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (1) for liquid, and for the wall if it carries its own density.
     pub(super) fn sum_density(&mut self) {
-        self.liquid.flow.pack(|_, _| [0.0; 5], |_, _| [0.0; 5]);
+        self.liquid.flow.pack(|_, _| (), |_, _| ());
         let d = self.liquid.case.dimension.count();
         let factor =
             self.liquid.flow.particles.mass * K::norm(d) / self.liquid.case.h.powi(d as i32);
@@ -105,14 +107,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
         let density = &self.walls.density;
         self.liquid.flow.pack(
-            |p, i| {
-                let [x, y, z] = ahead(velocity(p, i), held[i.min(held.len() - 1)]);
-                [x, y, z, excess(p.density[i]), 0.0]
+            |p, i| Compressed {
+                velocity: ahead(velocity(p, i), held[i.min(held.len() - 1)]),
+                excess: excess(p.density[i]),
             },
-            |w, i| {
-                let v = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
-                let [x, y, z] = ahead(v, gravity[0]);
-                [x, y, z, excess(density[i]), 0.0]
+            |w, i| Compressed {
+                velocity: ahead([0, 1, 2].map(|a| w.velocity[a][i] as f32), gravity[0]),
+                excess: excess(density[i]),
             },
         );
         let pass = Continuity {
@@ -143,14 +144,17 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let spared = (2.0 * diffusion * c * LOAD * load / (rho0 * c * c)) as f32;
         self.liquid.flow.pack(
             |p, i| {
-                let [x, y, z] = velocity(p, i);
                 let layer = around[i].vector != [0.0; 3];
-                let spared = if layer { spared } else { 0.0 };
-                [x, y, z, excess(p.density[i]), spared]
+                Sparing {
+                    velocity: velocity(p, i),
+                    excess: excess(p.density[i]),
+                    spared: if layer { spared } else { 0.0 },
+                }
             },
-            |w, i| {
-                let [x, y, z] = [0, 1, 2].map(|a| w.velocity[a][i] as f32);
-                [x, y, z, excess(density[i]), 0.0]
+            |w, i| Sparing {
+                velocity: [0, 1, 2].map(|a| w.velocity[a][i] as f32),
+                excess: excess(density[i]),
+                spared: 0.0,
             },
         );
         let pass = Spared {

@@ -4,7 +4,7 @@ use super::{SURFACE, Wcsph};
 use crate::columns;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::{self, Kernel};
-use crate::method::pass::{Extrapolation, WallSums};
+use crate::method::pass::{Extrapolation, Moving, WallSums};
 use crate::particle::column::{Entry, Role};
 use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
@@ -59,8 +59,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
     }
 
-    /// Packs records for a force pass: velocity, P/rho^2, 1/rho^2, with `ahead` s of the held
-    /// acceleration added to the velocity, and gives the walls their pressure.
+    /// Packs records for a force pass, with `ahead` s of the held acceleration added to the
+    /// velocity, and gives the walls their pressure.
     pub(super) fn pack_force(&mut self, ahead: f64) {
         self.write_force(ahead, true);
     }
@@ -79,17 +79,22 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let inverse = |rho: f64| 1.0 / (rho * rho);
         let liquid = |p: &Particles, i: usize| {
             let rho = p.density[i];
-            let v: [f32; 3] = if ahead == 0.0 {
+            let velocity: [f32; 3] = if ahead == 0.0 {
                 super::velocity(p, i)
             } else {
                 [0, 1, 2].map(|a| (p.velocity[a][i] + ahead * held[i][a] as f64) as f32)
             };
-            let pressure = (model.pressure(rho) * inverse(rho)) as f32;
             let inside = controlled && around[i].kernel_sum(sums) >= SURFACE;
-            let weight = inverse(rho) as f32 * if inside { -1.0 } else { 1.0 };
-            [v[0], v[1], v[2], pressure, weight]
+            Moving {
+                velocity,
+                pressure: (model.pressure(rho) * inverse(rho)) as f32,
+                weight: inverse(rho) as f32 * if inside { -1.0 } else { 1.0 },
+            }
         };
-        let wall = |_: &Wall, _: usize| [0.0, 0.0, 0.0, 0.0, inverse(rho0) as f32];
+        let wall = |_: &Wall, _: usize| Moving {
+            weight: inverse(rho0) as f32,
+            ..Moving::default()
+        };
         if moved {
             self.liquid.flow.pack(liquid, wall);
         } else {
@@ -106,9 +111,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.set_viscous_velocity();
         let (model, walls) = (&self.model, &self.walls);
         self.liquid.flow.pack_wall(|i| {
-            let (rho, v) = (walls.density[i], walls.viscous[i]);
-            let pressure = (model.pressure(rho) * inverse(rho)) as f32;
-            [v[0], v[1], v[2], pressure, inverse(rho) as f32]
+            let rho = walls.density[i];
+            Moving {
+                velocity: walls.viscous[i],
+                pressure: (model.pressure(rho) * inverse(rho)) as f32,
+                weight: inverse(rho) as f32,
+            }
         });
     }
 
@@ -216,17 +224,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn extrapolate_velocity(&mut self) {
         let w0 = (1.0 / (self.model.density * self.model.density)) as f32;
         self.liquid.flow.pack(
-            |p, i| {
-                let v = super::velocity(p, i);
-                [
-                    v[0],
-                    v[1],
-                    v[2],
-                    0.0,
-                    (1.0 / (p.density[i] * p.density[i])) as f32,
-                ]
+            |p, i| Moving {
+                velocity: super::velocity(p, i),
+                pressure: 0.0,
+                weight: (1.0 / (p.density[i] * p.density[i])) as f32,
             },
-            |_, _| [0.0, 0.0, 0.0, 0.0, w0],
+            |_, _| Moving {
+                weight: w0,
+                ..Moving::default()
+            },
         );
         if self.liquid.flow.walls() == 0 {
             return;
@@ -236,8 +242,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.set_viscous_velocity();
         let viscous = &self.walls.viscous;
-        self.liquid
-            .flow
-            .pack_wall(|i| [viscous[i][0], viscous[i][1], viscous[i][2], 0.0, w0]);
+        self.liquid.flow.pack_wall(|i| Moving {
+            velocity: viscous[i],
+            pressure: 0.0,
+            weight: w0,
+        });
     }
 }

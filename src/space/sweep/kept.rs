@@ -3,7 +3,7 @@
 //! candidates of a block into the nearest cache and gathers from there.
 
 use super::block::{Block, Bounds};
-use super::{FAR, Field, Pair, Pass, splat, total};
+use super::{FAR, Field, Fields, Own, Pair, Pass, Payload, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::WIDE;
 use crate::space::lane::{self, Half, Job, Lanes, WIDTH, dot};
@@ -101,6 +101,7 @@ impl Kept {
         out: &mut [P::Out],
     ) {
         const { assert!(W <= 1) };
+        Field::<W, O>::check::<P::Payload>();
         assert_eq!(out.len(), self.targets.len());
         let targets = self.targets.par_chunks(CHUNK);
         let chunks = self.chunks.par_iter_mut().zip(targets);
@@ -239,17 +240,18 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
                 let (row, rest) = places.split_at(count.next_multiple_of(WIDTH));
                 places = rest;
                 let [x, y, z, _] = points[i].0.map(|word| word as i32);
-                let own = ([x, y, z], splat(lanes, field.own_of(pass, i)), scale);
+                let own = splat(lanes, field.own_of(pass, i), pass.extra(i));
+                let at = [x, y, z];
                 let mut sum = [lanes.splat(0.0); N];
                 let (whole, left) = row.split_at(count - count % WIDTH);
                 for group in whole.chunks_exact(WIDTH) {
                     // SAFETY: a row holds places among the candidates of its block.
-                    let pair = unsafe { gathered(lanes, &chunk.copied, group, own) };
+                    let pair = unsafe { gathered(lanes, &chunk.copied, group, at, own, scale) };
                     pass.pair(&pair, &mut sum);
                 }
                 if !left.is_empty() {
                     // SAFETY: the same; rows are padded to eight.
-                    let mut pair = unsafe { gathered(lanes, &chunk.copied, left, own) };
+                    let mut pair = unsafe { gathered(lanes, &chunk.copied, left, at, own, scale) };
                     pair.q2 = lanes.first(count % WIDTH, pair.q2, lanes.splat(FAR));
                     pass.pair(&pair, &mut sum);
                 }
@@ -264,21 +266,23 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
 /// # Safety
 /// There are eight places, all below the number of candidates.
 #[inline(always)]
-unsafe fn gathered<L: Lanes>(
+unsafe fn gathered<L: Lanes, P: Payload>(
     lanes: L,
     candidates: &[Half],
     places: &[u16],
-    (at, own, scale): ([i32; 3], [L::F; 6], [L::F; 3]),
-) -> Pair<L::F> {
+    at: [i32; 3],
+    (own, extra): Own<L::F, P>,
+    scale: [L::F; 3],
+) -> Pair<L::F, P> {
     // SAFETY: there are eight places, all of candidates.
     let (other, word) = unsafe { lanes.gather_halves(candidates.as_ptr(), places.as_ptr()) };
     let d = separation(lanes, at, other, scale);
-    let mut other = [lanes.splat(0.0); 6];
-    other[0] = word;
+    let zero = lanes.splat(0.0);
     Pair {
         d,
         q2: dot(d, d),
         own,
-        other,
+        other: P::Of::from_words([word, zero, zero, zero, zero, zero]),
+        extra,
     }
 }

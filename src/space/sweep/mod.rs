@@ -6,14 +6,17 @@
 mod block;
 mod kept;
 mod near;
+mod payload;
 
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, Record, WIDTH, dot};
 use super::row::{CHUNK, Rows, separation};
+use payload::IN_RECORD;
 
 pub use super::row::Source;
 pub use kept::Kept;
 pub use near::{Field, runs};
+pub use payload::{Fields, Payload, PayloadField, Records, WORDS, words_of};
 use rayon::prelude::*;
 
 /// Rows name records that are not there.
@@ -22,31 +25,36 @@ pub(super) const TOO_FEW: &str = "rows of more points than there are records";
 /// A squared distance beyond every support, in units of h^2.
 const FAR: f32 = 1e12;
 
-/// Lanes of one pair: separation and the two records' payloads.
-pub struct Pair<F> {
+/// Lanes of one pair: separation and the payloads of both points.
+pub struct Pair<F: Copy, P: Payload> {
     /// Own minus other, in units of the smoothing length.
     pub d: [F; 3],
     /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
     pub q2: F,
     /// [`Pass::own`] of the target, splatted.
-    pub own: [F; 6],
-    /// Payload of the neighbours; what they do not have is zero.
-    pub other: [F; 6],
+    pub own: P::Of<F>,
+    /// Payload of the neighbours.
+    pub other: P::Of<F>,
+    /// [`Pass::extra`] of the target, splatted.
+    pub extra: [F; 3],
 }
+
+/// `own` and `extra` of a [`Pair`].
+pub(super) type Own<F, P> = (<P as Payload>::Of<F>, [F; 3]);
 
 /// The pairs of a target and the eight records of `group`.
 ///
 /// # Safety
 /// `group` has eight indices, all below `records.len()`.
 #[inline(always)]
-pub(super) unsafe fn gathered<L: Lanes>(
+pub(super) unsafe fn gathered<L: Lanes, P: Payload>(
     lanes: L,
     records: &[Record],
     group: &[u32],
     at: [i32; 3],
-    own: [L::F; 6],
+    (own, extra): Own<L::F, P>,
     scale: [L::F; 3],
-) -> Pair<L::F> {
+) -> Pair<L::F, P> {
     // SAFETY: there are eight indices, all of records.
     let (other, [a, b, c, d, e]) = unsafe { lanes.gather(records.as_ptr(), group.as_ptr()) };
     let separation = separation(lanes, at, other, scale);
@@ -54,12 +62,15 @@ pub(super) unsafe fn gathered<L: Lanes>(
         d: separation,
         q2: dot(separation, separation),
         own,
-        other: [a, b, c, d, e, lanes.splat(0.0)],
+        other: P::Of::from_words([a, b, c, d, e, lanes.splat(0.0)]),
+        extra,
     }
 }
 
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
+    /// What the points carry.
+    type Payload: Payload;
     /// What a target gets.
     type Out: Send;
     /// Whether nothing adds to this target, so that its row need not be read.
@@ -69,11 +80,16 @@ pub trait Pass<const N: usize>: Sync {
     }
     /// The payload of a target as its own pairs see it. `target`: record index.
     #[inline(always)]
-    fn own(&self, _target: usize, payload: [f32; 6]) -> [f32; 6] {
+    fn own(&self, _target: usize, payload: Self::Payload) -> Self::Payload {
         payload
     }
+    /// What the pass itself knows of a target.
+    #[inline(always)]
+    fn extra(&self, _target: usize) -> [f32; 3] {
+        [0.0; 3]
+    }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
-    fn pair<F: Real>(&self, pair: &Pair<F>, sum: &mut [F; N]);
+    fn pair<F: Real>(&self, pair: &Pair<F, Self::Payload>, sum: &mut [F; N]);
     /// Makes `out` of the sums of `target`, a record index.
     fn finish(&self, target: usize, sum: [f32; N], out: &mut Self::Out);
 }
@@ -82,9 +98,10 @@ pub trait Pass<const N: usize>: Sync {
 /// `scale`: fixed-point units to multiples of the smoothing length.
 ///
 /// # Panics
-/// If `rows` was built for more points than there are records.
+/// If `rows` was built for more points than there are records, or if they carry what the pass does
+/// not read.
 pub fn rows<const N: usize, P: Pass<N>>(
-    records: &[Record],
+    records: &Records,
     rows: &Rows,
     scale: Scale,
     pass: &P,
@@ -92,6 +109,7 @@ pub fn rows<const N: usize, P: Pass<N>>(
 ) {
     assert_eq!(out.len(), rows.len());
     assert!(rows.bound() <= records.len(), "{TOO_FEW}");
+    records.check::<P::Payload>();
     out.par_chunks_mut(CHUNK).enumerate().for_each(|(c, out)| {
         let from = c * CHUNK;
         let job = InRows {
@@ -129,8 +147,8 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
             }
             let record = &records[target];
             let at = [record.at(0), record.at(1), record.at(2)];
-            let own = [0, 1, 2, 3, 4, 5].map(|c| if c < 5 { record.payload(c) } else { 0.0 });
-            let own = splat(lanes, pass.own(target, own));
+            let own = pass.own(target, carried(record));
+            let own = splat(lanes, own, pass.extra(target));
             let mut sum = [lanes.splat(0.0); N];
             for group in rows.row(from + k).chunks_exact(WIDTH) {
                 // SAFETY: indices are below the bound of the rows, and there are so many records.
@@ -142,16 +160,22 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
     }
 }
 
+/// The payload of a record.
 #[inline(always)]
-fn splat<L: Lanes>(lanes: L, own: [f32; 6]) -> [L::F; 6] {
-    [
-        lanes.splat(own[0]),
-        lanes.splat(own[1]),
-        lanes.splat(own[2]),
-        lanes.splat(own[3]),
-        lanes.splat(own[4]),
-        lanes.splat(own[5]),
-    ]
+pub(super) fn carried<P: Payload>(record: &Record) -> P {
+    let mut words = [0.0; WORDS];
+    for (c, word) in words[..IN_RECORD].iter_mut().enumerate() {
+        *word = record.payload(c);
+    }
+    P::from_words(words)
+}
+
+/// What a target has of its own, in all lanes.
+#[inline(always)]
+pub(super) fn splat<L: Lanes, P: Payload>(lanes: L, own: P, extra: [f32; 3]) -> Own<L::F, P> {
+    let ([a, b, c, d, e, f], zero) = (own.to_words(), lanes.splat(0.0));
+    let ([a, b, c], [d, e, f]) = (zero.splat3([a, b, c]), zero.splat3([d, e, f]));
+    (P::Of::from_words([a, b, c, d, e, f]), zero.splat3(extra))
 }
 
 #[inline(always)]

@@ -2,7 +2,8 @@
 //! the same candidates, which are found and copied together once.
 
 use super::block::{Block, Bounds, MEMBERS};
-use super::{FAR, Pair, Pass, splat, total};
+use super::payload::count;
+use super::{FAR, Fields, Own, Pair, Pass, Payload, WORDS, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::{Grid, Scale, WIDE};
 use crate::space::lane::{self, Job, Lanes, WIDTH, dot};
@@ -19,13 +20,13 @@ pub struct Field<'a, const W: usize = 3, const O: usize = 3> {
     pub grid: &'a Grid,
     /// Fixed-point coordinates of all points, with at least eight spare at the end.
     pub at: &'a [Vec<i32>; 3],
-    /// Payloads of all points, as many as coordinates.
+    /// Payloads of all points, word by word, as many as coordinates.
     pub payload: &'a [Vec<f32>; W],
     /// Which of the points are looked at.
     pub sources: &'a [Source<'a>],
     /// Positions of the targets, m, indexed by target.
     pub position: &'a [Vec<f64>; 3],
-    /// Payloads of the targets, indexed by target.
+    /// The same of the targets, indexed by target; none if a pass does not ask for it.
     pub own: &'a [Vec<f32>; O],
     /// Search radius: support + what particles have moved since the sort, m.
     pub cutoff: f64,
@@ -55,11 +56,20 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
 
     /// What target `i` carries.
     #[inline(always)]
-    pub(super) fn own_of<const N: usize, P: Pass<N>>(&self, pass: &P, i: usize) -> [f32; 6] {
-        pass.own(
-            i,
-            std::array::from_fn(|c| self.own.get(c).map_or(0.0, |own| own[i])),
-        )
+    pub(super) fn own_of<const N: usize, P: Pass<N>>(&self, pass: &P, i: usize) -> P::Payload {
+        let mut words = [0.0; WORDS];
+        for (word, own) in words.iter_mut().zip(self.own) {
+            *word = own[i];
+        }
+        pass.own(i, P::Payload::from_words(words))
+    }
+
+    /// Whether there are the words that a pass reads, which are the first; as the code is built.
+    pub(super) const fn check<P: Payload>() {
+        const {
+            assert!(W >= count::<P>(), "points without a payload");
+            assert!(O == 0 || O >= count::<P>(), "targets without a payload");
+        }
     }
 
     /// The same with other payloads of the targets.
@@ -88,6 +98,7 @@ pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     pass: &P,
     out: &mut [P::Out],
 ) {
+    Field::<W, O>::check::<P::Payload>();
     assert_eq!(out.len(), targets.len());
     if targets.is_empty() {
         return;
@@ -156,29 +167,31 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
 }
 
 /// A block, and what its targets carry.
-struct Carrying {
+struct Carrying<C> {
     block: Block,
-    own: [[f32; 6]; MEMBERS],
+    own: [C; MEMBERS],
+    extra: [[f32; 3]; MEMBERS],
 }
 
-impl Carrying {
+impl<C: Payload> Carrying<C> {
     /// `targets`: from the first of the block on.
     #[inline(always)]
-    fn of<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+    fn of<const N: usize, const W: usize, const O: usize, P: Pass<N, Payload = C>>(
         block: Block,
         (field, pass): (&Field<W, O>, &P),
         targets: &[u32],
     ) -> Self {
-        let mut own = [[0.0; 6]; MEMBERS];
-        for (own, &i) in own.iter_mut().zip(&targets[..block.count]) {
-            *own = field.own_of(pass, i as usize);
+        let (mut own, mut extra) = ([C::default(); MEMBERS], [[0.0; 3]; MEMBERS]);
+        for (k, &i) in targets[..block.count].iter().enumerate() {
+            own[k] = field.own_of(pass, i as usize);
+            extra[k] = pass.extra(i as usize);
         }
-        Carrying { block, own }
+        Carrying { block, own, extra }
     }
 
     /// Adds what the candidates give each target, and forgets them.
     #[inline(always)]
-    fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N>>(
+    fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N, Payload = C>>(
         &self,
         near: &mut Near<L, W>,
         (centre, scale): ([i32; 3], [L::F; 3]),
@@ -199,7 +212,7 @@ impl Carrying {
                 ]
             };
             let away = separation(lanes, centre, at, scale);
-            let own = splat(lanes, self.own[k]);
+            let own = splat(lanes, self.own[k], self.extra[k]);
             let mut sum = *sums;
             for group in 0..whole {
                 let pair = near.pair(group, away, own);
@@ -293,13 +306,18 @@ impl<L: Lanes, const W: usize> Near<L, W> {
 
     /// A group of candidates and a target that is `away` from the centre.
     #[inline(always)]
-    fn pair(&self, group: usize, away: [L::F; 3], own: [L::F; 6]) -> Pair<L::F> {
+    fn pair<P: Payload>(
+        &self,
+        group: usize,
+        away: [L::F; 3],
+        (own, extra): Own<L::F, P>,
+    ) -> Pair<L::F, P> {
         let d = [
             self.away[0][group] - away[0],
             self.away[1][group] - away[1],
             self.away[2][group] - away[2],
         ];
-        let mut words = [self.lanes.splat(0.0); 6];
+        let mut words = [self.lanes.splat(0.0); WORDS];
         for (word, payload) in words.iter_mut().zip(&self.payload) {
             // SAFETY: the group is one of [`GROUPS`], or the line above had panicked; each has its
             // eight words.
@@ -309,7 +327,8 @@ impl<L: Lanes, const W: usize> Near<L, W> {
             d,
             q2: dot(d, d),
             own,
-            other: words,
+            other: P::Of::from_words(words),
+            extra,
         }
     }
 }

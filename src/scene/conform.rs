@@ -171,7 +171,7 @@ impl Check<'_> {
 
     fn list(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
         let Some(items) = value.get_ref().as_array() else {
-            return self.unfit(value, key, "an array");
+            return self.unfit(value, key, &wording(schema));
         };
         let bound = |word: &str| schema[word].as_u64();
         let count = items.len() as u64;

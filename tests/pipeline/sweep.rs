@@ -19,86 +19,73 @@ fn names(list: &[Value]) -> Vec<&str> {
         .collect()
 }
 
+/// Runs the loop's run of that speed; returns what it prints.
+fn run(program: &Program, speed: &str) -> Vec<Value> {
+    let speed = format!("body.drop.velocity={speed}");
+    let sets = [&speed[..], "post.panels=[]", "impact.end=2 ms"];
+    program.run(&sets.map(|set| ["--set", set]).concat())
+}
+
+fn list(program: &Program) -> Vec<Value> {
+    program.call(&["list", "--json"]).well().objects()
+}
+
 #[test]
 fn all_runs_of_a_loop_are_listed_compared_and_kept() {
     let program = Program::new();
-    let run = |speed: &str| {
-        let set = format!("body.drop.velocity={speed}");
-        program.run(&[
-            "--set",
-            &set,
-            "--set",
-            "post.panels=[]",
-            "--set",
-            "impact.end=2 ms",
-        ])
-    };
     let end = ",impact.end=2_ms,post.panels=";
     for (speed, name) in LOOP {
-        let told = run(speed).last().unwrap()["name"]
-            .as_str()
-            .unwrap()
-            .to_string();
+        let objects = run(&program, speed);
+        let told = objects.last().unwrap()["name"].as_str().unwrap();
         assert!(told.starts_with(&format!("{name}{end}")), "{told}");
     }
-    let list = program.call(&["list", "--json"]).well().objects();
-    let found = names(&list);
+    let runs = list(&program);
+    let found = names(&runs);
     for ((_, name), found) in LOOP.iter().rev().zip(&found) {
         assert!(found.starts_with(name), "the newest first: {found}");
     }
-    assert_eq!(
-        found.len(),
-        3,
-        "the name of the file is that of the newest: {found:?}"
-    );
-    for run in &list {
+    let why = "the name of the file is that of the newest";
+    assert_eq!(found.len(), 3, "{why}: {found:?}");
+    for run in &runs {
         assert_eq!(run["state"], "finished");
         let settings = run["settings"].as_object().unwrap();
         assert_eq!(settings.len(), 1, "{settings:?}");
     }
-    assert_eq!(list[0]["settings"]["body.drop.velocity"], "1.6 m/s");
+    assert_eq!(runs[0]["settings"]["body.drop.velocity"], "1.6 m/s");
     let text = program.call(&["list"]).well().out;
     assert_eq!(text.lines().count(), 4, "{text}");
 
     // The name of the file is that of the newest run, as before.
-    let link = program.latest("impact");
-    let own = program
-        .path("artifacts/latest")
-        .join(found[0])
-        .join("impact");
-    assert_eq!(link, own.canonicalize().unwrap());
-    let diff = program
-        .call(&["diff", found[2], found[0], "--json"])
-        .well()
-        .objects();
+    let own = format!("artifacts/latest/{}/impact", found[0]);
+    let own = program.path(&own).canonicalize().unwrap();
+    assert_eq!(program.latest("impact"), own);
+    let diff = ["diff", found[2], found[0], "--json"];
+    let diff = program.call(&diff).well().objects();
     assert_eq!(diff[0]["settings"][0]["first"], "1.2 m/s");
     assert_eq!(diff[0]["settings"][0]["second"], "1.6 m/s");
     let shown = program.call(&["show", &format!("artifacts/latest/{}/post", found[1])]);
     assert!(shown.well().out.contains("1.4 m/s"));
+    all_are_kept(&program);
+}
 
-    // Nothing is lost, whatever its age.
+/// Whatever their age, until a name is forgotten.
+fn all_are_kept(program: &Program) {
     program.call(&["gc", "--yes"]).well();
     program.call(&["gc", "--yes", "--older-than", "0s"]).well();
     for (speed, _) in LOOP {
-        let statuses = members(&run(speed), "status");
-        assert!(
-            statuses.values().all(|s| s == "fresh"),
-            "{speed}: {statuses:?}"
-        );
+        let statuses = members(&run(program, speed), "status");
+        let mut statuses = statuses.values();
+        assert!(statuses.all(|status| status == "fresh"), "{speed}");
     }
     // Equal settings have the equal name.
-    run("1200 mm/s");
-    let list = program.call(&["list", "--json"]).well().objects();
-    assert_eq!(list.len(), 3);
-
-    // A forgotten name loses what only it reaches.
-    let middle = list.iter().map(|run| run["name"].as_str().unwrap());
-    let middle = middle
-        .filter(|name| name.contains("1.4"))
-        .collect::<Vec<_>>();
-    program.call(&["gc", "--yes", "--forget", middle[0]]).well();
-    let list = program.call(&["list", "--json"]).well().objects();
-    assert_eq!(list.len(), 2, "{:?}", names(&list));
+    run(program, "1200 mm/s");
+    let runs = list(program);
+    let found = names(&runs);
+    assert_eq!(found.len(), 3, "{found:?}");
+    let middle = found.iter().find(|name| name.starts_with(LOOP[1].1));
+    let forget = ["gc", "--yes", "--forget", middle.unwrap()];
+    program.call(&forget).well();
+    assert_eq!(list(program).len(), 2);
 }
 
 #[test]

@@ -8,12 +8,18 @@ use std::marker::PhantomData;
 
 payload! {
     /// What sums over colours read.
-    pub struct Coloured<F> { colour: F }
+    pub struct Coloured<F> {
+        /// Colour of a particle.
+        colour: F,
+    }
 }
 
 payload! {
     /// What sums over stresses and normals read: a stress is |u|^2 I - u u, a normal is along u.
-    pub struct Root<F> { u: [F; 3] }
+    pub struct Root<F> {
+        /// u.
+        u: [F; 3],
+    }
 }
 
 impl Root {

@@ -28,9 +28,11 @@ pub enum Quantity {
 /// One figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
+    /// Its name for users.
     pub name: &'static str,
+    /// What the value is.
     pub quantity: Quantity,
-    /// SI.
+    /// The value in SI.
     pub value: f64,
     /// When, s from the start of the run; `None` for what belongs to the whole run.
     pub time: Option<f64>,

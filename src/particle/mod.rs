@@ -9,6 +9,7 @@ pub mod column;
 pub mod completion;
 pub mod crowd;
 pub mod ellipsoid;
+mod fault;
 pub mod lattice;
 pub mod optimise;
 pub mod pack;

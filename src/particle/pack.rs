@@ -9,6 +9,8 @@
 
 use super::completion::Completion;
 use super::crowd::{Crowd, wall_near};
+use super::fault::PAIRED;
+pub use super::fault::PackError;
 use super::optimise::{self, Measure, Work};
 use super::quality::{self, Nearest};
 use super::repulse;
@@ -25,59 +27,6 @@ use std::time::Instant;
 /// Largest number of steps of repulsion, and the root mean square step, in spacings, that ends it.
 const REPULSIONS: usize = 120;
 const QUIET: f64 = 0.0012;
-/// Least permitted distance of two particles, in spacings: closer ones would be a pair.
-const PAIRED: f64 = 0.7;
-
-/// A body that cannot be packed.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum PackError {
-    /// The spacing is too large; `count` is below 2^d.
-    #[error(
-        "body `{body}`: pack.spacing = {spacing:.4e} m leaves it {count} particles; \
-         make the spacing smaller than the body's least extent / 4"
-    )]
-    TooFew {
-        body: String,
-        spacing: f64,
-        count: usize,
-    },
-    /// The spacing is too small; `count` is above half the 32-bit numbers.
-    #[error(
-        "body `{body}`: pack.spacing = {spacing:.4e} m gives {count} particles, more than {}; \
-         make the spacing larger or the body smaller",
-        u32::MAX
-    )]
-    TooMany {
-        body: String,
-        spacing: f64,
-        count: usize,
-    },
-    /// The cells of the neighbour search do not fit into a periodic side.
-    #[error("body `{body}`: {source}")]
-    Box { body: String, source: TooSmall },
-    /// The optimisation did not converge.
-    #[error(
-        "body `{body}`: after pack.iterations = {iterations} density deviates by {spread:.3} \
-         kg/m^3 from rho0 and the closest particles are {closest:.3} spacings apart; required: \
-         at most pack.tolerance = {tolerance} kg/m^3 and at least {PAIRED}: allow more iterations \
-         or a larger tolerance, or change pack.seed"
-    )]
-    NotReached {
-        /// Name of the body.
-        body: String,
-        /// Standard deviation of the density from rho0, kg/m^3.
-        spread: f64,
-        /// Least distance of two particles, in spacings.
-        closest: f64,
-        /// Iterations done.
-        iterations: usize,
-        /// Largest permitted `spread`, kg/m^3.
-        tolerance: f64,
-    },
-    /// The watcher stopped it.
-    #[error("body `{body}`: packing was stopped")]
-    Stopped { body: String },
-}
 
 /// Called at each step; `Break` stops the packing.
 pub type Watch<'a> = dyn FnMut(&PackProgress) -> ControlFlow<()> + 'a;

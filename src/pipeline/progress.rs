@@ -31,10 +31,13 @@ const BETWEEN: Duration = Duration::from_secs(1);
 pub struct Told {
     /// Name under `latest/`.
     pub pipeline: String,
+    /// Name of the stage.
     pub stage: String,
+    /// What the stage is applied to, or empty.
     pub body: String,
-    /// Process and host that write it.
+    /// Process that writes it.
     pub process: u32,
+    /// Its host.
     pub host: String,
     /// UTC, when this attempt started.
     pub started: String,
@@ -46,6 +49,7 @@ pub struct Told {
     pub first: Option<f64>,
     /// In the unit of the stage, per second; 0 if unknown.
     pub speed: f64,
+    /// Unit of the work of the stage.
     pub unit: String,
     /// Where it is: `t = 3.1 of 40 ms`.
     pub text: String,
@@ -131,8 +135,9 @@ fn write(path: &Path, told: &Told) {
 /// A job that has begun and not ended.
 #[derive(Clone, Debug)]
 pub struct Unfinished {
-    /// Of its key.
+    /// Folder of its key.
     pub folder: PathBuf,
+    /// Name of the stage.
     pub stage: String,
     /// The process that works at it; `None` if it was stopped or killed.
     pub holder: Option<String>,

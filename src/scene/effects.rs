@@ -23,6 +23,7 @@ pub struct Effects {
     pub tension: Option<SurfaceTension>,
     /// Contact angle on the walls.
     pub wetting: Option<Wetting>,
+    /// Harmonic motion of the box.
     pub vibration: Option<Vibration>,
 }
 

@@ -35,15 +35,27 @@ pub enum PostError {
     /// The file `path` cannot be written.
     #[error("cannot write {path}: {source}")]
     Write {
+        /// The file.
         path: PathBuf,
+        /// Why.
         source: std::io::Error,
     },
     /// The plot or picture `what` cannot be drawn.
     #[error("cannot draw {what}: {problem}")]
-    Draw { what: String, problem: String },
+    Draw {
+        /// The plot or picture.
+        what: String,
+        /// Why.
+        problem: String,
+    },
     /// Times do not increase; both in s.
     #[error("frame at {now} s comes after the one at {before} s; give frames in their order")]
-    Order { before: f64, now: f64 },
+    Order {
+        /// Time of the frame before, s.
+        before: f64,
+        /// Time of this frame, s.
+        now: f64,
+    },
     /// There is no frame.
     #[error("no frame to measure; the log is empty")]
     Empty,

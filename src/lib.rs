@@ -20,15 +20,14 @@
 //!
 //! # Rooms
 //!
-//! A module names only modules of its own row or of rows above it, and no two files import each
-//! other (both are tests):
+//! A module names only modules of its own row or of rows above it (a test holds this):
 //!
 //! | row | modules |
 //! |---|---|
 //! | 1 | [`file`]: reading files |
 //! | 2 | [`scene`]: what is asked; [`space`]: cells, neighbours, sums over pairs; [`kernel`] |
 //! | 3 | [`particle`]: particles, packing, walls |
-//! | 4 | [`effect`]: gravity, viscosity, tension, wetting |
+//! | 4 | [`effect`]: gravity, viscosity, tension, wetting, vibration |
 //! | 5 | [`method`]: the solvers |
 //! | 6 | [`measure`]: numbers; [`record`]: log, checkpoints, exports |
 //! | 7 | [`draw`]: plots, pictures, the report |
@@ -37,11 +36,12 @@
 //! # What always holds
 //!
 //! * Equal settings give equal bits, for any number of threads and through any interruption.
-//!   Reductions run over fixed chunks in a fixed order ([`space::parallel`]); every target gathers
-//!   its own sum, no sum is scattered.
-//! * A stage gets nothing of a scene but its input, so that what it reads is in its key.
-//! * An effect that a scene does not have costs nothing: it is the type `()` or `None`
-//!   ([`effect::select`] is where a scene becomes types), has no array, and is in no key.
+//!   Reductions run over fixed chunks in a fixed order ([`space::parallel`]); each particle adds up
+//!   its own neighbours and never writes into the sum of another particle.
+//! * A stage is given only its input, never the whole scene. So everything that can change its
+//!   result is in its key.
+//! * An effect that is absent costs nothing: no array, no work in a step, no entry in a key.
+//!   [`effect::select`] builds only the effects of the scene.
 //! * A step allocates nothing once its arrays have grown.
 //! * Positions are f64; where pairs are formed they are fixed-point numbers relative to the box, so
 //!   that differences are exact. Pair sums are f32 unless `method.precision` is `double`.
@@ -49,20 +49,31 @@
 //!
 //! # Where to add what
 //!
-//! | to add | edit |
-//! |---|---|
-//! | a setting | its field in `scene/`; its value of each preset in `scene/preset/*.toml` |
-//! | a measure | a function in `measure/`, called in `measure/gauge.rs` |
-//! | an effect | `effect/NAME.rs`, its table in `scene/effects.rs`, a line in `effect/select.rs` |
-//! | a method | a folder in `method/`, its settings in `scene/method/`, a line in `method::build` |
-//! | what a method keeps of a particle | its `columns!`, with a [`particle::column::Role`] |
-//! | a format of export | a file in `record/export/`, a line in its `mod.rs` |
-//! | a plot | `draw/figure.rs` |
+//! * **A setting**: its field in `scene/`; if presets differ in it, its values in
+//!   `scene/preset/*.toml`.
+//! * **A measure**: a function in `measure/`, called in `measure/gauge.rs`; a figure of the end of
+//!   a run also in `measure/answer.rs`.
+//! * **An effect**: `effect/NAME.rs` and its `mod` in `effect/mod.rs`; its table, and what it does
+//!   at rest and to all particles alike, in `scene/effects.rs`; where it is built in
+//!   `effect/select.rs`.
+//! * **A method**: a folder in `method/` with a [`method::Solver`] (a projection is a `Scheme` of
+//!   [`method::projection`]), built in `method/mod.rs`; its settings in `scene/method/`; its
+//!   presets in `scene/preset/`; every `match` over [`scene::Method`], which the compiler finds;
+//!   the lists of methods in `scene/preset/mod.rs` and `tests/`.
+//! * **What a method keeps of a particle**: its `columns!`, with a [`particle::column::Role`].
+//! * **What a pair sum reads**: its [`payload!`].
+//! * **A format of export**: a file in `record/export/`, its arms in `record/export/mod.rs`, its
+//!   word in `stages/arguments.rs`.
+//! * **A plot**: `draw/figure.rs`.
+//!
+//! Then: if results change, raise the VERSION in `stages/jobs.rs`, or stored results stay in use;
+//! renew the golden digests, the schema and the page of settings (`CONTRIBUTING.md` has the
+//! commands); tests stand in `tests/engine/`.
 //!
 //! An effect is an [`effect::Effect`]: a uniform acceleration, accelerations of particles near a
 //! surface, a limit of the step, an energy. Every method calls it through
-//! [`method::liquid::Liquid`]. Pair forces as viscosity are types of the pair sums of a method
-//! ([`effect::viscosity::PairViscosity`]).
+//! [`method::liquid::Liquid`]. Forces between pairs, such as viscosity, are a type parameter
+//! of the pair sums of a method ([`effect::viscosity::PairViscosity`]).
 //!
 //! # Words
 //!
@@ -78,7 +89,7 @@
 //! | image | the copy of a particle behind a mirror plane |
 //! | kernel sum | SUM V W over the neighbours: 1 inside, 0.77 at a flat surface |
 //! | liquid | what every method moves: particles, rows, walls, effects, the budget |
-//! | ledger | the work of all that is no exchange between energies of the liquid |
+//! | ledger | the work by which the liquid gains or loses energy in total |
 //! | mist | single particles that leave the scene |
 //! | pass | what one pair of particles adds to the sums of a loop |
 //! | problem | liquid, box, effects and method: all that a solver reads |

@@ -154,11 +154,17 @@ pub fn net_momentum(frame: &Frame) -> f64 {
 /// One figure: what was measured and what it should be. Without theory the measured value is the
 /// error itself.
 pub struct Figure<'a> {
+    /// Name of the case.
     pub case: &'a str,
+    /// Preset of the method.
     pub preset: &'a str,
+    /// What is measured, with its unit.
     pub what: &'a str,
+    /// What the run gave.
     pub got: f64,
+    /// What it should be; `None` for zero.
     pub theory: Option<f64>,
+    /// Largest permitted deviation.
     pub target: f64,
 }
 

@@ -18,6 +18,7 @@ use crate::particle::column::{
 use crate::particle::{Frame, State};
 use crate::space::grid::Scale;
 use crate::space::parallel::{max, sum_in, sum_mut, three};
+use crate::space::sweep::{self, Pass};
 
 /// A particle with a kernel sum below this that crosses a periodic side is mist: it has no more
 /// neighbours than the tip of a chain of particles, which has 0.19 in 3-D and 0.37 in 2-D (Wendland
@@ -131,6 +132,17 @@ impl Liquid {
     /// Turns differences in fixed point into separations over h.
     pub fn scale(&self) -> Scale {
         self.flow.grid.scale(self.case.h)
+    }
+
+    /// Sums of `pass` over the neighbours of each particle.
+    pub fn sum<const N: usize, P: Pass<N>>(&self, pass: &P, out: &mut [P::Out]) {
+        sweep::rows(&self.flow.records, &self.flow.rows, self.scale(), pass, out);
+    }
+
+    /// Sums of `pass` over the liquid around each wall particle, and over walls if they see walls.
+    pub fn sum_at_walls<const N: usize, P: Pass<N>>(&self, pass: &P, out: &mut [P::Out]) {
+        let rows = &self.flow.wall_rows;
+        sweep::rows(&self.flow.records, rows, self.scale(), pass, out);
     }
 
     /// Whether the tension is the derivative of an energy.

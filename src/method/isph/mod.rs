@@ -92,12 +92,7 @@ impl<K: Kernel> Isph<K> {
             marks: &p.own.marks,
             kernel: PhantomData,
         };
-        let (records, rows, scale) = (
-            &p.liquid.flow.records,
-            &p.liquid.flow.rows,
-            p.liquid.scale(),
-        );
-        sweep::rows(records, rows, scale, &pass, &mut p.own.local);
+        p.liquid.sum(&pass, &mut p.own.local);
     }
 
     /// Flags of the first closure.
@@ -114,12 +109,7 @@ impl<K: Kernel> Isph<K> {
 
     fn slope_with<const SYMMETRIC: bool>(p: &mut Projection<Self>) {
         let pass = PressureSlope::<K, SYMMETRIC>(PhantomData);
-        let (records, rows, scale) = (
-            &p.liquid.flow.records,
-            &p.liquid.flow.rows,
-            p.liquid.scale(),
-        );
-        sweep::rows(records, rows, scale, &pass, &mut p.own.push);
+        p.liquid.sum(&pass, &mut p.own.push);
     }
 }
 
@@ -180,12 +170,7 @@ impl<K: Kernel> Scheme for Isph<K> {
             own: 0.0,
             kernel: PhantomData,
         };
-        let (records, rows, scale) = (
-            &p.liquid.flow.records,
-            &p.liquid.flow.wall_rows,
-            p.liquid.scale(),
-        );
-        sweep::rows(records, rows, scale, &pass, &mut p.walls.density);
+        p.liquid.sum_at_walls(&pass, &mut p.walls.density);
     }
 
     fn wall_to_wall(p: &Projection<Self>, q: f64) -> f64 {

@@ -41,7 +41,6 @@ use super::projection::{Projection, Scheme, surface};
 use crate::kernel::WendlandC2;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
 use crate::space::parallel::each_mut;
-use crate::space::sweep;
 use pass::{Around, Coupled, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
 
 /// The kernel of walls, of the free surface and of the shifting.
@@ -153,12 +152,7 @@ impl Mps {
                 even: p.factor(0) / p.scheme.gradient_factor(&p.liquid.case),
             },
         };
-        let (records, rows, scale) = (
-            &p.liquid.flow.records,
-            &p.liquid.flow.rows,
-            p.liquid.scale(),
-        );
-        sweep::rows(records, rows, scale, &pass, &mut p.own.local);
+        p.liquid.sum(&pass, &mut p.own.local);
     }
 
     fn slope_with<const SYMMETRIC: bool, const BLENDED: bool>(p: &mut Projection<Self>) {
@@ -170,12 +164,7 @@ impl Mps {
                 even: p.factor(0) / p.scheme.gradient_factor(&p.liquid.case),
             },
         };
-        let (records, rows, scale) = (
-            &p.liquid.flow.records,
-            &p.liquid.flow.rows,
-            p.liquid.scale(),
-        );
-        sweep::rows(records, rows, scale, &pass, &mut p.own.push);
+        p.liquid.sum(&pass, &mut p.own.push);
     }
 
     /// Unknowns whose p is zero because n < beta n0.
@@ -230,10 +219,8 @@ impl Scheme for Mps {
             reach: p.scheme.reach(&p.liquid.case),
             number: 1.0 / p.scheme.lattice.number,
         };
-        let scale = p.liquid.scale();
-        let (records, rows) = (&p.liquid.flow.records, &p.liquid.flow.rows);
         p.own.around.resize(n, Default::default());
-        sweep::rows(records, rows, scale, &pass, &mut p.own.around);
+        p.liquid.sum(&pass, &mut p.own.around);
         if let Some(viscosity) = p.liquid.case.effects.mu() {
             p.pack_no_slip(1.0);
             let pass = Viscous {
@@ -241,8 +228,7 @@ impl Scheme for Mps {
                 factor: viscosity / p.liquid.case.density
                     * p.scheme.laplacian_factor(&p.liquid.case),
             };
-            let (records, rows) = (&p.liquid.flow.records, &p.liquid.flow.rows);
-            sweep::rows(records, rows, scale, &pass, &mut p.own.held);
+            p.liquid.sum(&pass, &mut p.own.held);
         }
     }
 
@@ -264,12 +250,7 @@ impl Scheme for Mps {
             reach: p.scheme.reach(&p.liquid.case),
             factor: 1.0 / p.scheme.lattice.number,
         };
-        let (records, rows, scale) = (
-            &p.liquid.flow.records,
-            &p.liquid.flow.wall_rows,
-            p.liquid.scale(),
-        );
-        sweep::rows(records, rows, scale, &pass, &mut p.walls.density);
+        p.liquid.sum_at_walls(&pass, &mut p.walls.density);
     }
 
     fn wall_to_wall(p: &Projection<Self>, q: f64) -> f64 {

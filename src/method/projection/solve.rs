@@ -8,7 +8,6 @@ use crate::method::pressure::multigrid::Domain;
 use crate::method::shifting::LOOSE;
 use crate::scene::{PoissonSource, Preconditioner};
 use crate::space::parallel::each_mut;
-use crate::space::sweep;
 use std::marker::PhantomData;
 
 /// How many more iterations a safer preconditioner may take.
@@ -48,12 +47,11 @@ impl<S: Scheme> Projection<S> {
                 ..Moving::default()
             },
         );
-        let scale = self.liquid.scale();
         let extrapolation = Extrapolation::<S::Kernel> {
             kernel: PhantomData,
         };
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.wall_rows);
-        sweep::rows(records, rows, scale, &extrapolation, &mut self.walls.sums);
+        self.liquid
+            .sum_at_walls(&extrapolation, &mut self.walls.sums);
         self.walls.gather(&self.liquid.flow.wall);
         let still = self.is_printed();
         let halt = self.halt(dt);

@@ -4,7 +4,6 @@ use super::{Projection, Scheme};
 use crate::method::pass::{Extrapolation, Mark, Marked, Moving};
 use crate::method::{Diverged, frame};
 use crate::space::parallel::{each_mut, max, sum_mut, three};
-use crate::space::sweep;
 use std::marker::PhantomData;
 
 /// Halvings of a step whose pressure cannot be found, or that throws a particle.
@@ -205,12 +204,10 @@ impl<S: Scheme> Projection<S> {
         if self.is_printed() || self.walls.len() == 0 {
             return;
         }
-        let scale = self.liquid.scale();
         let pass = Extrapolation::<S::Kernel> {
             kernel: PhantomData,
         };
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.wall_rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
+        self.liquid.sum_at_walls(&pass, &mut self.walls.sums);
         let sums = &self.walls.sums;
         let still = self.liquid.flow.wall.velocity.each_ref();
         let viscous = |j: usize| {
@@ -250,15 +247,10 @@ impl<S: Scheme> Projection<S> {
         self.band.flags(cells, &mut self.own.near);
         self.own.is_surface = is_surface;
         self.own.marks.resize(n, 0.0);
-        let (records, rows, scale) = (
-            &self.liquid.flow.records,
-            &self.liquid.flow.rows,
-            self.liquid.scale(),
-        );
         let pass = Marked {
             near: &self.own.near,
         };
-        sweep::rows(records, rows, scale, &pass, &mut self.own.marks);
+        self.liquid.sum(&pass, &mut self.own.marks);
     }
 
     fn remember(&mut self) {

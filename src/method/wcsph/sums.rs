@@ -44,14 +44,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             viscosity,
             kernel: self.kernel,
         };
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
-        sweep::rows(
-            records,
-            rows,
-            self.liquid.scale(),
-            &pass,
-            &mut self.own.around,
-        );
+        self.liquid.sum(&pass, &mut self.own.around);
         if self.liquid.removes_mist {
             self.own.kernel_sum.clear();
             let factor = self.sum_factor();
@@ -85,8 +78,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             &mut self.liquid.flow.particles.density,
         );
         if self.liquid.flow.walls() > 0 && self.liquid.flow.wall_sees_wall {
-            let rows = &self.liquid.flow.wall_rows;
-            sweep::rows(records, rows, scale, &pass, &mut self.walls.density);
+            self.liquid.sum_at_walls(&pass, &mut self.walls.density);
         }
     }
 
@@ -123,9 +115,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             held,
             kernel: self.kernel,
         };
-        let scale = self.liquid.scale();
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.own.rate);
+        self.liquid.sum(&pass, &mut self.own.rate);
     }
 
     /// The same for the budget, sparing what holds the load of a tension that has an energy.
@@ -163,9 +153,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             held: gravity.map(|g| (2.0 * diffusion * self.liquid.case.h / c * g) as f32),
             kernel: self.kernel,
         };
-        let scale = self.liquid.scale();
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.own.force);
+        self.liquid.sum(&pass, &mut self.own.force);
     }
 
     /// (4) without a_s, g and viscosity, and the gradient of the kernel sum, into `driven`.
@@ -183,9 +171,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             viscosity: (),
             kernel: self.kernel,
         });
-        let scale = self.liquid.scale();
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.own.driven);
+        self.liquid.sum(&pass, &mut self.own.driven);
     }
 
     /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
@@ -203,8 +189,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             viscosity,
             kernel: self.kernel,
         };
-        let scale = self.liquid.scale();
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.own.force);
+        self.liquid.sum(&pass, &mut self.own.force);
     }
 }

@@ -9,7 +9,6 @@ use crate::particle::column::{Entry, Role};
 use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
 use crate::space::parallel::{each_mut, sum_mut};
-use crate::space::sweep;
 use std::collections::HashMap;
 
 /// Part of the liquid up to which a wall is dry, and all but which makes it wet. Under the edge of
@@ -51,12 +50,10 @@ impl WallState {
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn extrapolate(&mut self) {
-        let scale = self.liquid.scale();
         let pass = Extrapolation {
             kernel: self.kernel,
         };
-        let (records, rows) = (&self.liquid.flow.records, &self.liquid.flow.wall_rows);
-        sweep::rows(records, rows, scale, &pass, &mut self.walls.sums);
+        self.liquid.sum_at_walls(&pass, &mut self.walls.sums);
     }
 
     /// Packs records for a force pass, with `ahead` s of the held acceleration added to the

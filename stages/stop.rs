@@ -72,8 +72,7 @@ impl Stop {
         if self.is_met() {
             return;
         }
-        let whole = (!self.unfold.is_plain()).then(|| self.unfold.frame(frame));
-        let row = self.gauge.measure(whole.as_ref().unwrap_or(frame));
+        let row = self.gauge.measure(&self.unfold.whole(frame));
         self.ending.look(&row);
     }
 

@@ -90,10 +90,8 @@ impl<'a> Conservation<'a> {
 
     /// Takes the next frame into account.
     pub fn take(&mut self, frame: &Frame) {
-        match self.unfold.is_plain() {
-            true => self.take_whole(frame),
-            false => self.take_whole(&self.unfold.frame(frame)),
-        }
+        let whole = self.unfold.whole(frame);
+        self.take_whole(&whole);
     }
 
     fn take_whole(&mut self, frame: &Frame) {

@@ -1,6 +1,8 @@
 //! From the frames of a part of a symmetric scene to those of the whole, from which measures and
 //! pictures are made. See [`crate::scene`], `symmetry`.
 
+use std::borrow::Cow;
+
 use crate::particle::Frame;
 use crate::scene::Scene;
 
@@ -27,6 +29,14 @@ impl Unfold {
     /// Whether the whole was simulated.
     pub fn is_plain(&self) -> bool {
         self.axes.is_empty()
+    }
+
+    /// The frame of the whole: the same one if the whole was simulated.
+    pub fn whole<'a>(&self, frame: &'a Frame) -> Cow<'a, Frame> {
+        match self.is_plain() {
+            true => Cow::Borrowed(frame),
+            false => Cow::Owned(self.frame(frame)),
+        }
     }
 
     /// The frame of the whole. Images have new ids, after those of the particles. Masses, energies

@@ -228,8 +228,7 @@ impl Simulation {
         let mut take = |solver: &dyn Solver, ending: &mut Ending, goes_on: &mut bool| {
             if *goes_on && frames.takes(solver.time()) {
                 let frame = solver.frame();
-                let whole = (!unfold.is_plain()).then(|| unfold.frame(&frame));
-                let row = gauge.measure(whole.as_ref().unwrap_or(&frame));
+                let row = gauge.measure(&unfold.whole(&frame));
                 ending.look(&row);
                 measures.push(&row);
                 *goes_on = each(&frame, &row);

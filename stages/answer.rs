@@ -3,12 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use coronet::measure::answer::{self, Answer};
-use coronet::measure::gauge::{Kind, contact_time};
+use coronet::measure::answer::{Answer, Figures};
 use coronet::measure::series::Series;
 use coronet::pipeline::{Report, Stamp, Store, stamp};
 use coronet::record::log;
-use coronet::scene::{Scene, file};
 use serde_json::{Value, json};
 
 use crate::journal::FRAMES;
@@ -19,76 +17,47 @@ use crate::table;
 /// Part of the liquid that may leave the box without a word at the end of a run.
 const LOST: f64 = 1e-3;
 
-/// What a run comes down to.
-pub struct Figures {
-    pub answers: Vec<Answer>,
-    /// Time of contact, s from the start; 0 where nothing meets.
-    pub contact: f64,
-    pub measures: Series,
+/// The figures of a finished evaluation in `folder`; the scene is that of the log of its frames.
+pub fn read(folder: &Path, stamp: &Stamp) -> Result<Figures> {
+    let measures = Series::read(&folder.join(MEASURES))?;
+    let impact = stamp.inputs.iter().find(|input| input.stage == "impact");
+    let impact = impact.context("its stamp names no impact")?;
+    let log = store_of(folder)?.folder(&impact.stage, &impact.key);
+    let log = log.join(FRAMES);
+    let scene = log::info(&log)?.scene(&log)?;
+    Ok(Figures::new(&scene, measures))
 }
 
-impl Figures {
-    /// Of a run of `scene` with these measures.
-    pub fn new(scene: &Scene, measures: Series) -> Figures {
-        let whole = scene.whole();
-        let contact = contact_time(&whole);
-        Figures {
-            answers: answer::of(&whole, Kind::new(&whole), &measures, contact),
-            contact,
-            measures,
-        }
-    }
+/// SI, with times from the start and from contact.
+pub fn json(figures: &Figures) -> Value {
+    let object = |answer: &Answer| {
+        json!({
+            "name": answer.name,
+            "value": answer.value,
+            "unit": answer.quantity.si(),
+            "time_s": answer.time,
+            "time_after_contact_s": figures.after_contact(answer),
+        })
+    };
+    figures.answers.iter().map(object).collect()
+}
 
-    /// Of a finished evaluation in `folder`; the scene is that which the log of its frames holds.
-    pub fn read(folder: &Path, stamp: &Stamp) -> Result<Figures> {
-        let measures = Series::read(&folder.join(MEASURES))?;
-        let impact = stamp.inputs.iter().find(|input| input.stage == "impact");
-        let impact = impact.context("its stamp names no impact")?;
-        let log = store_of(folder)?.folder(&impact.stage, &impact.key);
-        let log = log.join(FRAMES);
-        let text = log::info(&log)?.scene_text;
-        // The curves of experiments lie elsewhere, and are not needed.
-        let sets = ["post.references=[]".to_string()];
-        let loaded = file::read(&text, &log.with_extension("toml"), &sets)?;
-        Ok(Figures::new(&loaded.scene, measures))
+/// Name, value and time, one a line.
+pub fn lines(figures: &Figures) -> Vec<String> {
+    let row = |answer: &Answer| {
+        let when = answer.when(figures.contact).unwrap_or_default();
+        vec![answer.name.to_string(), answer.text(), when]
+    };
+    let rows: Vec<_> = figures.answers.iter().map(row).collect();
+    let mut lines = table::lines(&rows, &[1]);
+    let timed = figures.answers.iter().any(|answer| answer.time.is_some());
+    if timed && figures.contact > 0.0 {
+        lines.push(format!(
+            "times count from contact, {:.3} ms after the start",
+            1e3 * figures.contact
+        ));
     }
-
-    /// The figure of that name.
-    pub fn find(&self, name: &str) -> Option<&Answer> {
-        self.answers.iter().find(|answer| answer.name == name)
-    }
-
-    /// SI, with times from the start and from contact.
-    pub fn json(&self) -> Value {
-        let object = |answer: &Answer| {
-            json!({
-                "name": answer.name,
-                "value": answer.value,
-                "unit": answer.quantity.si(),
-                "time_s": answer.time,
-                "time_after_contact_s": answer.time.map(|time| time - self.contact),
-            })
-        };
-        self.answers.iter().map(object).collect()
-    }
-
-    /// Name, value and time, one a line.
-    pub fn lines(&self) -> Vec<String> {
-        let row = |answer: &Answer| {
-            let when = answer.when(self.contact).unwrap_or_default();
-            vec![answer.name.to_string(), answer.text(), when]
-        };
-        let rows: Vec<_> = self.answers.iter().map(row).collect();
-        let mut lines = table::lines(&rows, &[1]);
-        let timed = self.answers.iter().any(|answer| answer.time.is_some());
-        if timed && self.contact > 0.0 {
-            lines.push(format!(
-                "times count from contact, {:.3} ms after the start",
-                1e3 * self.contact
-            ));
-        }
-        lines
-    }
+    lines
 }
 
 /// The store that a folder of a result is in.
@@ -103,7 +72,7 @@ pub fn store_of(folder: &Path) -> Result<Store> {
 /// An error says why there are none.
 pub fn of_result(folder: &Path, stamp: &Stamp) -> Result<Option<Figures>> {
     match stamp.stage.as_str() {
-        "post" => Figures::read(folder, stamp).map(Some),
+        "post" => read(folder, stamp).map(Some),
         "impact" => {
             let stamps = store_of(folder)?.stamps("post")?;
             let of_this = |post: &Stamp| post.inputs.iter().any(|input| input.key == stamp.key);
@@ -113,9 +82,7 @@ pub fn of_result(folder: &Path, stamp: &Stamp) -> Result<Option<Figures>> {
                 metadata.and_then(|metadata| metadata.modified()).ok()
             };
             let newest = mine.max_by_key(written);
-            newest
-                .map(|(folder, post)| Figures::read(folder, post))
-                .transpose()
+            newest.map(|(folder, post)| read(folder, post)).transpose()
         }
         _ => Ok(None),
     }

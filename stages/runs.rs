@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use anyhow::{Context as _, Result};
+use coronet::measure::answer::Figures;
 use coronet::pipeline::latest::{self, MANIFEST};
 use coronet::pipeline::name::is_name;
 use coronet::pipeline::progress::Unfinished;
 use coronet::pipeline::{Stamp, Store};
 
-use crate::answer::{self, Figures};
+use crate::answer;
 use crate::command::place::{Thing, thing};
 use crate::fault::Usage;
 
@@ -112,7 +113,7 @@ impl Run {
     /// If its files cannot be read.
     pub fn figures(&self) -> Result<Option<Figures>> {
         let post = self.result("post");
-        post.map(|(folder, stamp)| Figures::read(folder, stamp))
+        post.map(|(folder, stamp)| answer::read(folder, stamp))
             .transpose()
     }
 

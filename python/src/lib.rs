@@ -1,9 +1,9 @@
 //! `coronet._core`: what the Python package takes from the engine. Users import `coronet`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use coronet::measure::answer;
-use coronet::measure::gauge::{Kind, contact_time};
+use coronet::measure::answer::{Answer, Figures};
+use coronet::measure::gauge::contact_time;
 use coronet::measure::series::{Row, Series};
 use coronet::particle;
 use coronet::record::checkpoint::{self, Array};
@@ -199,35 +199,31 @@ fn read_checkpoint(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>>
 /// Name, value, unit, and times in s from the start and from contact, of what a run is about.
 type Figure = (String, f64, String, Option<f64>, Option<f64>);
 
-fn figures_of(scene: &Scene, measures: &Series) -> Vec<Figure> {
-    let whole = scene.whole();
-    let contact = contact_time(&whole);
-    let figure = |answer: answer::Answer| {
+fn figures_of(figures: &Figures) -> Vec<Figure> {
+    let figure = |answer: &Answer| {
         let (name, unit) = (answer.name.to_string(), answer.quantity.si().to_string());
-        let after = answer.time.map(|time| time - contact);
+        let after = figures.after_contact(answer);
         (name, answer.value, unit, answer.time, after)
     };
-    let answers = answer::of(&whole, Kind::new(&whole), measures, contact);
-    answers.into_iter().map(figure).collect()
+    figures.answers.iter().map(figure).collect()
+}
+
+/// The scene of a log.
+fn scene_of(log: &Path) -> PyResult<Scene> {
+    log::info(log).map_err(log_error)?.scene(log).map_err(wrong)
 }
 
 /// Figures of a run: of the scene in its log, from its table of measures.
 #[pyfunction]
 fn figures(log: PathBuf, measures: PathBuf) -> PyResult<Vec<Figure>> {
-    let text = log::info(&log).map_err(log_error)?.scene_text;
-    let sets = ["post.references=[]".to_string()];
-    let loaded = file::read(&text, &log.with_extension("toml"), &sets).map_err(wrong)?;
     let measures = Series::read(&measures).map_err(wrong)?;
-    Ok(figures_of(&loaded.scene, &measures))
+    Ok(figures_of(&Figures::new(&scene_of(&log)?, measures)))
 }
 
 /// Time at which the falling drop meets pool or wall, s from the start; 0 if it never does.
 #[pyfunction]
 fn contact(log: PathBuf) -> PyResult<f64> {
-    let text = log::info(&log).map_err(log_error)?.scene_text;
-    let sets = ["post.references=[]".to_string()];
-    let loaded = file::read(&text, &log.with_extension("toml"), &sets).map_err(wrong)?;
-    Ok(contact_time(&loaded.scene.whole()))
+    Ok(contact_time(&scene_of(&log)?.whole()))
 }
 
 /// Columns of measures by name, and figures.
@@ -248,7 +244,7 @@ fn simulate_scene(
         (Some(path), _) => file::load(path, &sets).map_err(wrong)?.scene,
         (None, text) => {
             let text = text.as_deref().unwrap_or_default();
-            let name = std::path::Path::new("scene");
+            let name = Path::new("scene");
             file::read(text, name, &sets).map_err(wrong)?.scene
         }
     };
@@ -269,12 +265,10 @@ fn simulate_scene(
     if let Some(fault) = fault {
         return Err(fault);
     }
-    let measures = ended.map_err(wrong)?;
-    let figures = figures_of(&scene, &measures);
-    Ok((
-        measures.names.into_iter().zip(measures.columns).collect(),
-        figures,
-    ))
+    let found = Figures::new(&scene, ended.map_err(wrong)?);
+    let figures = figures_of(&found);
+    let Series { names, columns } = found.measures;
+    Ok((names.into_iter().zip(columns).collect(), figures))
 }
 
 /// Calls `each`; whether the simulation goes on.

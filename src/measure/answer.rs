@@ -4,7 +4,7 @@
 //! Test: tests/pipeline/runs.rs.
 
 use super::conservation;
-use super::gauge::{Kind, strikes_wall};
+use super::gauge::{Kind, contact_time, strikes_wall};
 use super::series::Series;
 use super::summary::{digits, jet_crosses, leaves_wall, period};
 use crate::scene::Scene;
@@ -73,6 +73,51 @@ impl Answer {
         let time = self.time?;
         Some(format!("at {:.2} ms", 1e3 * (time - shift)).replace("-0.00", "0.00"))
     }
+}
+
+/// What a run comes down to.
+#[derive(Clone, Debug)]
+pub struct Figures {
+    /// The figures that the scene is about.
+    pub answers: Vec<Answer>,
+    /// Time of contact, s from the start; 0 where nothing meets.
+    pub contact: f64,
+    /// The measures that they are of.
+    pub measures: Series,
+}
+
+impl Figures {
+    /// Of a run of `scene` with these measures.
+    pub fn new(scene: &Scene, measures: Series) -> Figures {
+        let whole = scene.whole();
+        let contact = contact_time(&whole);
+        Figures {
+            answers: of(&whole, Kind::new(&whole), &measures, contact),
+            contact,
+            measures,
+        }
+    }
+
+    /// The figure of that name.
+    pub fn find(&self, name: &str) -> Option<&Answer> {
+        self.answers.iter().find(|answer| answer.name == name)
+    }
+
+    /// Time of an answer after contact, s.
+    pub fn after_contact(&self, answer: &Answer) -> Option<f64> {
+        answer.time.map(|time| time - self.contact)
+    }
+}
+
+/// The names of all figures of some runs, in the order in which they come first.
+pub fn names<'a>(figures: impl Iterator<Item = &'a Figures>) -> Vec<&'static str> {
+    let mut names = Vec::new();
+    for answer in figures.flat_map(|figures| &figures.answers) {
+        if !names.contains(&answer.name) {
+            names.push(answer.name);
+        }
+    }
+    names
 }
 
 /// Name and value of each, for a table; `shift`: time of contact, s.

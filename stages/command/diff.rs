@@ -1,13 +1,12 @@
 //! `coronet diff`: two runs beside each other: settings, figures, curves.
 
 use anyhow::Result;
-use coronet::measure::answer::Answer;
+use coronet::measure::answer::{self, Answer, Figures};
 use coronet::measure::series::Series;
 use coronet::measure::summary::digits;
 use coronet::pipeline::Store;
 use serde_json::{Value, json};
 
-use crate::answer::Figures;
 use crate::arguments::DiffArguments;
 use crate::print::out;
 use crate::runs::Run;
@@ -84,13 +83,7 @@ fn settings(first: &Run, second: &Run) -> Vec<Setting> {
 }
 
 fn pairs(figures: &[Option<Figures>; 2]) -> Vec<Pair> {
-    let all = figures.iter().flatten();
-    let mut names: Vec<&'static str> = Vec::new();
-    for answer in all.flat_map(|figures| &figures.answers) {
-        if !names.contains(&answer.name) {
-            names.push(answer.name);
-        }
-    }
+    let names = answer::names(figures.iter().flatten());
     let values = |name| {
         let find = |figures: &Option<Figures>| figures.as_ref()?.find(name).cloned();
         [find(&figures[0]), find(&figures[1])]

@@ -5,12 +5,13 @@ use std::collections::BTreeSet;
 use std::time::SystemTime;
 
 use anyhow::Result;
+use coronet::measure::answer::{Figures, names as names_of};
 use coronet::pipeline::name::is_name;
 use coronet::pipeline::progress::{Unfinished, unfinished};
 use coronet::pipeline::{Store, latest, sweep};
 use serde_json::{Map, Value, json};
 
-use crate::answer::Figures;
+use crate::answer;
 use crate::arguments::StoreArguments;
 use crate::print::{note, out, size};
 use crate::runs::{Run, State};
@@ -184,13 +185,7 @@ fn print(rows: &[Row], differing: &[(String, Vec<Option<String>>)]) {
 
 /// The figures that the first rows have, without those of all runs as long as there are others.
 fn names_of_figures(rows: &[Row]) -> Vec<&'static str> {
-    let mut names: Vec<&'static str> = Vec::new();
-    let all = rows.iter().filter_map(|row| row.figures.as_ref());
-    for answer in all.flat_map(|figures| &figures.answers) {
-        if !names.contains(&answer.name) {
-            names.push(answer.name);
-        }
-    }
+    let mut names = names_of(rows.iter().filter_map(|row| row.figures.as_ref()));
     let is_common = |name: &&str| ["mass lost", "energy unexplained"].contains(name);
     names.sort_by_key(is_common);
     names.truncate(FIGURES);
@@ -227,7 +222,7 @@ fn object(row: &Row, differing: &[(String, Vec<Option<String>>)]) -> Value {
         "age_s": row.age,
         "state": state,
         "job": job,
-        "figures": row.figures.as_ref().map(Figures::json),
+        "figures": row.figures.as_ref().map(answer::json),
         "bytes": row.bytes,
         "settings": settings,
     })

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
+use coronet::measure::answer::Figures;
 use coronet::measure::series::Series;
 use coronet::pipeline::name::is_name;
 use coronet::pipeline::{self, PipelineError, Report, Run, Status, Store, latest};
@@ -11,7 +12,7 @@ use serde_json::json;
 
 use super::plan;
 use super::rest::Rest;
-use crate::answer::{self, Figures};
+use crate::answer;
 use crate::arguments::RunArguments;
 use crate::print::{note, out};
 use crate::watch::Screen;
@@ -71,7 +72,10 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
     };
     let told = Told {
         figures: figures(&loaded.scene, &ended.reports)?,
-        rest: Rest::of(&store, &pipeline).filter(|_| arguments.until.is_some()),
+        rest: match arguments.until {
+            Some(_) => Rest::of(&store, &pipeline),
+            None => None,
+        },
         ended: self::ended(&ended.reports),
         also,
     };
@@ -153,7 +157,7 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             "frames": text("impact", journal::FRAMES),
             "layout": text("impact", impact::LAYOUT),
             "state": text("impact", impact::STATE),
-            "figures": told.figures.as_ref().map(Figures::json),
+            "figures": told.figures.as_ref().map(answer::json),
             "warnings": warnings,
             "ended": told.ended,
             "missing": told.rest.as_ref().map(|rest| &rest.missing),
@@ -166,7 +170,9 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
     }
     if let Some(figures) = &told.figures {
         out!("Figures");
-        figures.lines().iter().for_each(|line| out!("  {line}"));
+        answer::lines(figures)
+            .iter()
+            .for_each(|line| out!("  {line}"));
     }
     // An evaluation that ran has told them already.
     let told_before = |report: &Report| report.stage == "post" && report.status != Status::Fresh;

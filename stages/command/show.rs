@@ -132,8 +132,8 @@ fn result_facts(folder: &Path, json: bool) -> Result<Facts> {
         ("folder", json!(shown(folder))),
     ];
     facts.extend(figures.map(|figures| match json {
-        true => ("figures", figures.json()),
-        false => ("figures", json!(figures.lines())),
+        true => ("figures", answer::json(&figures)),
+        false => ("figures", json!(answer::lines(&figures))),
     }));
     facts.extend([
         ("key", json!(stamp.key)),

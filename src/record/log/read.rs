@@ -12,7 +12,8 @@ use super::records::Records;
 use super::{LogBody, LogError, cloud, measures};
 use crate::particle::Frame;
 use crate::record::digest::{Digest, Hasher};
-use crate::scene::Dimension;
+use crate::scene::error::SceneError;
+use crate::scene::{Dimension, Scene, file};
 
 pub enum Item {
     Message(Message),
@@ -291,6 +292,18 @@ pub struct Info {
     pub scene_text: String,
     /// Names and values: keys, versions, settings.
     pub provenance: BTreeMap<String, String>,
+}
+
+impl Info {
+    /// The scene, without its reference curves, which are in files beside the pipeline file.
+    ///
+    /// # Errors
+    /// If the text is not a scene of this version.
+    pub fn scene(&self, path: &Path) -> Result<Scene, SceneError> {
+        let sets = ["post.references=[]".to_string()];
+        let name = path.with_extension("toml");
+        Ok(file::read(&self.scene_text, &name, &sets)?.scene)
+    }
 }
 
 /// Reads the facts at the beginning of the log at `path`.

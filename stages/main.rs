@@ -88,6 +88,7 @@ fn obey(command: &Command) -> Result<()> {
         Command::Init(arguments) => command::init::init(arguments),
         Command::Show(arguments) => command::show::show(arguments),
         Command::Export(arguments) => command::export::export(arguments),
+        Command::Render(arguments) => command::render::render(arguments),
         Command::Recover(arguments) => command::recover::recover(arguments),
         Command::Schema(arguments) => command::schema::schema(arguments),
         Command::Completions(arguments) => command::completions::completions(arguments.shell),

@@ -43,6 +43,20 @@ impl Canvas {
         }
     }
 
+    /// A picture of rows of equal length.
+    pub fn from_rows(rows: &[Vec<Colour>]) -> Canvas {
+        Canvas {
+            width: rows.first().map_or(0, Vec::len),
+            height: rows.len(),
+            pixels: rows.concat(),
+        }
+    }
+
+    /// Colours of all pixels, row by row from the top.
+    pub fn pixels(&self) -> &[Colour] {
+        &self.pixels
+    }
+
     /// Colour of a pixel; `x < width`, `y < height`.
     pub fn get(&self, x: usize, y: usize) -> Colour {
         self.pixels[y * self.width + x]

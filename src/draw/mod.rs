@@ -5,10 +5,13 @@
 pub mod canvas;
 pub mod field;
 pub mod figure;
+pub mod film;
 pub mod letter;
 pub mod plot;
 pub mod post;
+pub mod render;
 pub mod report;
 pub mod scatter;
 pub mod section;
+pub mod surface;
 pub mod view;

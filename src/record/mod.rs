@@ -9,6 +9,7 @@
 //! | [`background`] | checkpoints that are written while the solver continues |
 //! | [`layout`] | a layout file for viewers of the log |
 //! | [`export`] | checkpoints and logs as VTK, CSV, PLY |
+//! | [`mesh`] | triangles as PLY, OBJ, glTF, VTP |
 
 pub mod atomic;
 pub mod background;
@@ -17,6 +18,7 @@ pub mod digest;
 pub mod export;
 pub mod layout;
 pub mod log;
+pub mod mesh;
 
 pub use checkpoint::{Array, Checkpoint, CheckpointError};
 pub use digest::Digest;

@@ -3,6 +3,7 @@
 pub mod completions;
 pub mod diff;
 pub mod export;
+mod footage;
 pub mod gc;
 pub mod init;
 pub mod list;
@@ -10,6 +11,7 @@ pub mod man;
 pub mod place;
 pub mod plan;
 pub mod recover;
+pub mod render;
 mod rest;
 pub mod run;
 pub mod schema;

@@ -200,8 +200,8 @@ fn message(
     .encode_to_vec()
 }
 
-/// Colour of `value`, clamped to 0 to 1. NaN is black.
-fn viridis(value: f32) -> [u8; 3] {
+/// Colour of `value` in the map viridis, clamped to 0 to 1. NaN is black.
+pub fn viridis(value: f32) -> [u8; 3] {
     if value.is_nan() {
         return [0; 3];
     }

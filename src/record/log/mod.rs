@@ -26,6 +26,7 @@ mod records;
 mod setup;
 
 pub use background::{Flush, LogWriter};
+pub use cloud::viridis;
 pub use merge::{Merged, Recovered, Segment, merge, recover, segments};
 pub use read::{Frames, Info, content_digest, info, read_frames};
 pub use setup::{LogBody, LogSetup};

@@ -1,0 +1,106 @@
+//! What stands over a picture: clock, scale bar, caption, the bar of a colour map.
+
+use super::lettering::write;
+use crate::draw::canvas::{Anchor, Canvas, Colour, INK};
+use crate::record::log::viridis;
+
+/// Texts on a dark background.
+const PALE: Colour = [240, 242, 245];
+/// Lengths of scale bars, over a power of ten.
+const STEPS: [f64; 3] = [1.0, 2.0, 5.0];
+
+/// A picture to write on.
+pub struct Overlay<'a> {
+    canvas: &'a mut Canvas,
+    ink: Colour,
+    /// Height of letters, pixels.
+    size: f32,
+}
+
+impl<'a> Overlay<'a> {
+    /// Over a picture with this background.
+    pub fn new(canvas: &'a mut Canvas, background: Colour) -> Overlay<'a> {
+        let [r, g, b] = background.map(u32::from);
+        let is_dark = 2 * r + 5 * g + b < 8 * 110;
+        let size = (canvas.height as f32 / 26.0).clamp(11.0, 64.0);
+        let ink = if is_dark { PALE } else { INK };
+        Overlay { canvas, ink, size }
+    }
+
+    /// The instant, in the upper left corner; `time` in s.
+    pub fn clock(&mut self, time: f64) {
+        let text = format!("{:.1} ms", 1e3 * time).replace("-0.0", "0.0");
+        let at = [self.size, 1.6 * self.size];
+        write(self.canvas, at, self.size, &text, (Anchor::Left, self.ink));
+    }
+
+    /// A text in the middle of the lower edge.
+    pub fn caption(&mut self, text: &str) {
+        let at = [
+            0.5 * self.canvas.width as f32,
+            self.canvas.height as f32 - self.size,
+        ];
+        write(self.canvas, at, self.size, text, (Anchor::Middle, self.ink));
+    }
+
+    /// A bar of a round length in the lower left corner; `pixel`: metres.
+    pub fn scale(&mut self, pixel: f64) {
+        let most = 0.2 * self.canvas.width as f64 * pixel;
+        let power = 10f64.powi(most.log10().floor() as i32);
+        let steps = STEPS.iter().rev().map(|step| step * power);
+        let length = steps
+            .into_iter()
+            .find(|length| *length <= most)
+            .unwrap_or(power);
+        let text = match length {
+            l if l < 0.999e-3 => format!("{:.0} µm", 1e6 * l),
+            l if l < 0.999 => format!("{:.0} mm", 1e3 * l),
+            l => format!("{l:.0} m"),
+        };
+        let (left, y) = (self.size, self.canvas.height as f32 - self.size);
+        let right = left + (length / pixel) as f32;
+        self.canvas
+            .line([left, y], [right, y], 0.16 * self.size, self.ink);
+        let at = [0.5 * (left + right), y - 0.4 * self.size];
+        write(
+            self.canvas,
+            at,
+            self.size,
+            &text,
+            (Anchor::Middle, self.ink),
+        );
+    }
+
+    /// The map viridis from 0 to `most`, along the right edge.
+    pub fn colours(&mut self, most: f64, unit: &str) {
+        let (width, height) = (self.canvas.width as f32, self.canvas.height as f32);
+        let (top, bottom) = (0.25 * height, 0.75 * height);
+        let [left, right] = [width - 1.6 * self.size, width - self.size];
+        for row in top as usize..bottom as usize {
+            let part = (bottom - row as f32) / (bottom - top);
+            let at = [left, row as f32];
+            self.canvas
+                .rectangle(at, [right, row as f32 + 1.0], viridis(part));
+        }
+        let text = |value: f64| match value {
+            v if v >= 100.0 => format!("{v:.0} {unit}"),
+            v => format!("{v:.2} {unit}"),
+        };
+        let look = (Anchor::Right, self.ink);
+        let size = 0.8 * self.size;
+        write(
+            self.canvas,
+            [right, top - 0.5 * size],
+            size,
+            &text(most),
+            look,
+        );
+        write(
+            self.canvas,
+            [right, bottom + 1.2 * size],
+            size,
+            &format!("0 {unit}"),
+            look,
+        );
+    }
+}

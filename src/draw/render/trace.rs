@@ -1,0 +1,237 @@
+//! Rays through the field of a surface: where they enter the liquid and where they leave it.
+
+use nalgebra::Vector3;
+
+use crate::draw::surface::{BLOCK, Field, LEVEL};
+
+/// A vector of a picture.
+pub type V = Vector3<f32>;
+
+/// A point at which a ray crosses the surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Distance along the ray, m.
+    pub distance: f32,
+    /// Where, m.
+    pub at: V,
+    /// Unit normal, out of the liquid.
+    pub normal: V,
+    /// Whether it is on a side of the box of the field: a wall, or a cut.
+    pub is_side: bool,
+}
+
+/// A field with what rays need of it.
+pub struct Tracer<'a> {
+    field: &'a Field,
+    low: V,
+    high: V,
+    inverse: V,
+    /// Length of a step, m.
+    step: f32,
+}
+
+impl<'a> Tracer<'a> {
+    /// Of a field in three dimensions.
+    pub fn new(field: &'a Field) -> Tracer<'a> {
+        Tracer {
+            field,
+            low: field.low,
+            high: field.high(),
+            inverse: field.step.map(|s| 1.0 / s),
+            step: 0.6 * field.step.min(),
+        }
+    }
+
+    /// Corners of the box of the field, m.
+    pub fn corners(&self) -> [V; 2] {
+        [self.low, self.high]
+    }
+
+    /// Distance by which rays start off a surface, m.
+    pub fn offset(&self) -> f32 {
+        0.05 * self.step
+    }
+
+    /// phi between nodes; at the sides if outside.
+    #[inline]
+    pub fn value(&self, p: &V) -> f32 {
+        let count = self.field.count;
+        let mut cell = [0; 3];
+        let mut part = [0.0; 3];
+        for a in 0..3 {
+            let place = ((p[a] - self.low[a]) * self.inverse[a]).max(0.0);
+            cell[a] = (place as usize).min(count[a].saturating_sub(2));
+            part[a] = (place - cell[a] as f32).min(1.0);
+        }
+        let (row, layer) = (count[2], count[1] * count[2]);
+        let start = self.field.index(cell);
+        let corner = self.field.values[start..].split_at(layer);
+        let (near, far) = (corner.0, corner.1);
+        let line = |values: &[f32], at: usize| values[at] + part[2] * (values[at + 1] - values[at]);
+        let face = |values: &[f32]| {
+            let (a, b) = (line(values, 0), line(values, row));
+            a + part[1] * (b - a)
+        };
+        let (a, b) = (face(near), face(far));
+        a + part[0] * (b - a)
+    }
+
+    /// Whether a point is in the box of the field.
+    pub fn is_within(&self, p: &V) -> bool {
+        (0..3).all(|a| p[a] >= self.low[a] && p[a] <= self.high[a])
+    }
+
+    /// Normal out of the liquid: minus the gradient over a step to each side.
+    pub fn normal(&self, p: &V) -> V {
+        let mut gradient = V::zeros();
+        for a in 0..3 {
+            let reach = self.field.step[a];
+            let (mut low, mut high) = (*p, *p);
+            low[a] = (p[a] - reach).max(self.low[a]);
+            high[a] = (p[a] + reach).min(self.high[a]);
+            gradient[a] = (self.value(&low) - self.value(&high)) / (high[a] - low[a]);
+        }
+        gradient.try_normalize(0.0).unwrap_or(V::z())
+    }
+
+    /// Colour of the liquid at a point of its surface.
+    pub fn colour(&self, p: &V) -> [f32; 3] {
+        let node = [0, 1, 2].map(|a| {
+            let place = ((p[a] - self.low[a]) * self.inverse[a]).max(0.0);
+            (place as usize).min(self.field.count[a].saturating_sub(2))
+        });
+        let (mut sum, mut total) = ([0.0; 3], 0.0);
+        for corner in 0..8 {
+            let n = [0, 1, 2].map(|a| node[a] + (corner >> a & 1));
+            let d = (self.field.node(n) - p).component_mul(&self.inverse);
+            let place = self.field.index(n);
+            let weight = d.map(|d| (1.0 - d.abs()).max(0.0)).product() * self.field.values[place];
+            let Some(colour) = self.field.colours.get(place) else {
+                return [0.5; 3];
+            };
+            sum.iter_mut()
+                .zip(colour)
+                .for_each(|(s, c)| *s += weight * c);
+            total += weight;
+        }
+        sum.map(|s| s / total.max(1e-9))
+    }
+
+    /// Distances at which a ray enters and leaves the box; the first is at least 0.
+    fn range(&self, from: &V, inverse: &V) -> Option<[f32; 2]> {
+        let (mut near, mut far) = (0.0f32, f32::MAX);
+        for a in 0..3 {
+            let (l, h) = (
+                (self.low[a] - from[a]) * inverse[a],
+                (self.high[a] - from[a]) * inverse[a],
+            );
+            if l.is_nan() || h.is_nan() {
+                continue;
+            }
+            near = near.max(l.min(h));
+            far = far.min(l.max(h));
+        }
+        (near < far).then_some([near, far])
+    }
+
+    /// The first point at which a ray enters the liquid, or, from inside, leaves it.
+    pub fn hit(&self, from: &V, along: &V, is_inside: bool) -> Option<Hit> {
+        let inverse = along.map(|c| 1.0 / c);
+        let [near, far] = self.range(from, &inverse)?;
+        let on_this_side = |value: f32| (value > LEVEL) == is_inside;
+        let start = near.max(self.offset());
+        if !is_inside && near > 0.0 && !on_this_side(self.value(&(from + near * along))) {
+            return Some(self.side(from, along, near));
+        }
+        let (mut before, mut last) = (start, self.value(&(from + start * along)));
+        let mut is_off = !on_this_side(last);
+        let mut t = start;
+        while t < far {
+            let (end, bounds) = self.block(from, along, &inverse, t);
+            let end = end.min(far);
+            let is_plain = if is_inside {
+                bounds[0] > LEVEL
+            } else {
+                bounds[1] <= LEVEL
+            };
+            if is_plain {
+                (before, last, is_off) = (t, if is_inside { 1.0 } else { 0.0 }, false);
+                t = end;
+                continue;
+            }
+            while t < end {
+                t = (t + self.step).min(end);
+                let value = self.value(&(from + t * along));
+                // A ray that starts just beyond the surface is on its side a step later.
+                if is_off && (on_this_side(value) || t - start < 1.5 * self.step) {
+                    is_off = !on_this_side(value);
+                } else if !on_this_side(value) {
+                    return Some(self.root(from, along, [(before, last), (t, value)]));
+                }
+                (before, last) = (t, value);
+            }
+            t += 1e-4 * self.step;
+        }
+        is_inside.then(|| self.side(from, along, far))
+    }
+
+    /// End of a ray in the block at `t`, and the bounds of that block.
+    fn block(&self, from: &V, along: &V, inverse: &V, t: f32) -> (f32, [f32; 2]) {
+        let p = from + (t + 1e-3 * self.step) * along;
+        let blocks = self.field.blocks();
+        let (mut index, mut end) = (0, f32::MAX);
+        for a in 0..3 {
+            let size = BLOCK as f32 * self.field.step[a];
+            let place = (((p[a] - self.low[a]) / size).max(0.0) as usize).min(blocks[a] - 1);
+            let side = place + usize::from(along[a] > 0.0);
+            let exit = (self.low[a] + side as f32 * size - from[a]) * inverse[a];
+            if exit > t {
+                end = end.min(exit);
+            }
+            index = index * blocks[a] + place;
+        }
+        (end.max(t + 1e-3 * self.step), self.field.bounds[index])
+    }
+
+    fn root(&self, from: &V, along: &V, [mut a, mut b]: [(f32, f32); 2]) -> Hit {
+        for _ in 0..4 {
+            let part = ((LEVEL - a.1) / (b.1 - a.1)).clamp(0.05, 0.95);
+            let t = a.0 + part * (b.0 - a.0);
+            let value = self.value(&(from + t * along));
+            if (value > LEVEL) == (a.1 > LEVEL) {
+                a = (t, value);
+            } else {
+                b = (t, value);
+            }
+        }
+        let part = ((LEVEL - a.1) / (b.1 - a.1)).clamp(0.0, 1.0);
+        let distance = a.0 + part * (b.0 - a.0);
+        let at = from + distance * along;
+        Hit {
+            distance,
+            at,
+            normal: self.normal(&at),
+            is_side: false,
+        }
+    }
+
+    /// A hit on the side of the box at distance `t`.
+    fn side(&self, from: &V, along: &V, t: f32) -> Hit {
+        let at = from + t * along;
+        let mut best = (f32::MAX, V::z());
+        for a in 0..3 {
+            for (plane, sign) in [(self.low[a], -1.0), (self.high[a], 1.0)] {
+                let away = (at[a] - plane).abs();
+                if away < best.0 {
+                    best = (away, V::ith(a, sign));
+                }
+            }
+        }
+        Hit {
+            distance: t,
+            at,
+            normal: best.1,
+            is_side: true,
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! A mesh of the surface: naive surface nets, one vertex in each cell that the surface crosses.
+//!
+//! Around the grid are nodes outside the liquid (two layers behind the last nodes, where the library
+//! needs them), and vertices that come to lie there are
+//! put on the sides of the box: so the mesh is closed, and flat at walls and cuts.
+
+use fast_surface_nets::ndshape::RuntimeShape;
+use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
+use rayon::prelude::*;
+
+use super::{Field, LEVEL};
+use crate::draw::render::encoded;
+use crate::draw::render::trace::{Tracer, V};
+use crate::record::mesh::Mesh;
+
+impl Field {
+    /// The surface at `time` s as triangles; with colours if the field has them.
+    pub fn mesh(&self, time: f64) -> Mesh {
+        let padded = self.count.map(|n| n as u32 + 3);
+        // The library's first axis is the one along which nodes follow each other.
+        let shape = RuntimeShape::<u32, 3>::new([padded[2], padded[1], padded[0]]);
+        let [_, rows, row] = padded.map(|n| n as usize);
+        let mut depth = vec![LEVEL; padded.iter().map(|n| *n as usize).product()];
+        for (n, values) in self.values.chunks(self.count[2]).enumerate() {
+            let (i, j) = (n / self.count[1] + 1, n % self.count[1] + 1);
+            let start = (i * rows + j) * row + 1;
+            let out = depth[start..start + values.len()].iter_mut();
+            out.zip(values)
+                .for_each(|(out, value)| *out = LEVEL - value);
+        }
+        let mut net = SurfaceNetsBuffer::default();
+        let last = [padded[2] - 1, padded[1] - 1, padded[0] - 1];
+        surface_nets(&depth, &shape, [0; 3], last, &mut net);
+        let tracer = Tracer::new(self);
+        let [low, high] = tracer.corners();
+        let place = |[z, y, x]: [f32; 3]| {
+            let at = V::new(x - 1.0, y - 1.0, z - 1.0).component_mul(&self.step);
+            (low + at).zip_zip_map(&low, &high, |c, low, high| c.clamp(low, high))
+        };
+        let points: Vec<V> = net.positions.par_iter().map(|p| place(*p)).collect();
+        let normal = |p: &V| tracer.normal(p).into();
+        let colour = |p: &V| encoded(&V::from(tracer.colour(p)));
+        Mesh {
+            time,
+            normals: points.par_iter().map(normal).collect(),
+            colours: match self.colours.is_empty() {
+                true => Vec::new(),
+                false => points.par_iter().map(colour).collect(),
+            },
+            points: points.into_iter().map(V::into).collect(),
+            triangles: triangles(&net.indices),
+        }
+    }
+}
+
+/// With the axes in reverse order, what was counter-clockwise is clockwise.
+fn triangles(indices: &[u32]) -> Vec<[u32; 3]> {
+    let corners = indices.chunks_exact(3);
+    corners.map(|c| [c[0], c[2], c[1]]).collect()
+}

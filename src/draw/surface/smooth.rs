@@ -1,0 +1,73 @@
+//! Takes the bumps of single particles off thick liquid, and leaves sheets, ligaments and drops.
+//!
+//! Where there is deep liquid within three spacings, the field is a mean over about a spacing: its
+//! level 1/2 is then a smooth surface at the same place. Elsewhere it stays.
+
+use rayon::prelude::*;
+
+use super::Field;
+
+/// Weights of a mean over five nodes, whose variance is one node squared.
+const BINOMIAL: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
+
+impl Field {
+    /// Smooths the field.
+    pub(super) fn smooth(&mut self) {
+        let cells = self.spacing / self.step.min();
+        let passes = (cells * cells).round() as usize;
+        let axes = [0, 1, 2].into_iter().filter(|&axis| self.count[axis] > 1);
+        let axes: Vec<usize> = axes.collect();
+        let mut mean: Vec<f32> = self.values.par_iter().map(|v| v.min(1.0)).collect();
+        let mut spare = vec![0.0; mean.len()];
+        let mut blur = |values: &mut Vec<f32>, passes: usize| {
+            for axis in axes.iter().cycle().take(passes * axes.len()) {
+                self.along(*axis, values, &mut spare, |near| {
+                    near.iter().zip(BINOMIAL).map(|(v, w)| v * w).sum()
+                });
+                std::mem::swap(values, &mut spare);
+            }
+        };
+        blur(&mut mean, passes);
+        let mut depth = mean.clone();
+        blur(&mut depth, passes);
+        let reach = (1.5 * cells).round() as usize;
+        for axis in axes.iter().cycle().take(reach * axes.len()) {
+            self.along(*axis, &depth, &mut spare, |near| {
+                near.iter().copied().fold(0.0, f32::max)
+            });
+            std::mem::swap(&mut depth, &mut spare);
+        }
+        let values = self.values.par_iter_mut().zip(mean).zip(depth);
+        values.for_each(|((value, mean), depth)| {
+            let t = ((depth - 0.80) / 0.16).clamp(0.0, 1.0);
+            let part = t * t * (3.0 - 2.0 * t);
+            *value += part * (mean - *value);
+        });
+    }
+
+    /// Calls `f` with five nodes in a line along an axis; beyond the sides the last node counts.
+    fn along(&self, axis: usize, old: &[f32], new: &mut [f32], f: impl Fn([f32; 5]) -> f32 + Sync) {
+        let (rows, row) = (self.count[1], self.count[2]);
+        let layer = rows * row;
+        new.par_chunks_mut(row).enumerate().for_each(|(n, out)| {
+            let start = n * row;
+            if axis == 2 {
+                for (k, value) in out.iter_mut().enumerate() {
+                    *value = f([0, 1, 2, 3, 4].map(|d| old[start + (k + d).clamp(2, row + 1) - 2]));
+                }
+                return;
+            }
+            let (place, count, stride) = match axis {
+                0 => (n / rows, self.count[0], layer),
+                _ => (n % rows, rows, row),
+            };
+            let lines = [0, 1, 2, 3, 4].map(|d| {
+                let other = (place + d).clamp(2, count + 1) - 2;
+                &old[start + other * stride - place * stride..][..row]
+            });
+            for (k, value) in out.iter_mut().enumerate() {
+                *value = f(lines.map(|line| line[k]));
+            }
+        });
+    }
+}

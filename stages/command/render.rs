@@ -1,0 +1,331 @@
+//! `coronet render`: pictures, films and meshes of the liquid surface.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result, bail};
+use coronet::draw::film::{self, Film};
+use coronet::draw::render::Material;
+use coronet::draw::render::artist::{Artist, Style, Survey};
+use coronet::draw::render::camera::View;
+use coronet::particle::Frame;
+use coronet::record::{atomic, mesh};
+use coronet::scene::quantity::{self, Unit};
+use coronet::scene::{Dimension, Scene};
+use serde_json::json;
+
+use super::footage::Footage;
+use crate::arguments::{self, RenderArguments};
+use crate::fault::Usage;
+use crate::print::{note, out, shown};
+
+pub const EXAMPLES: &str = "\
+Examples:
+  coronet render pipeline --at \"10 ms\"
+  coronet render pipeline --output splash.mp4 --clock
+  coronet render pipeline --output splash.gif --size 480x270 --until \"20 ms\"
+  coronet render pipeline --output frames/a.png --every \"2 ms\" --material milk
+  coronet render pipeline --at \"10 ms\" --output crater.glb
+
+The frames are those of the log: `frames.interval` of the scene decides which there are.";
+
+/// Time between two lines about the progress.
+const BETWEEN: Duration = Duration::from_secs(10);
+
+/// What a file ending means.
+#[derive(Clone, Copy, PartialEq)]
+enum Format {
+    Picture,
+    Film(film::Format),
+    Mesh(mesh::Format),
+}
+
+/// Parses a time, s.
+pub fn time(text: &str) -> Result<f64, String> {
+    quantity::parse(text, Unit::Time).map_err(|error| error.to_string())
+}
+
+/// Parses an angle, degrees.
+pub fn angle(text: &str) -> Result<f64, String> {
+    quantity::parse(text, Unit::Angle).map_err(|error| error.to_string())
+}
+
+/// Parses the size of a picture.
+pub fn size(text: &str) -> Result<[usize; 2], String> {
+    let numbers = text.split_once('x').and_then(|(width, height)| {
+        let number = |text: &str| text.parse::<usize>().ok();
+        Some([number(width)?, number(height)?])
+    });
+    let fits = |size: &[usize; 2]| size.iter().all(|length| (16..=8192).contains(length));
+    let problem = "give width and height from 16 to 8192 pixels, as 1280x720";
+    numbers.filter(fits).ok_or_else(|| problem.to_string())
+}
+
+/// Parses a colour.
+pub fn colour(text: &str) -> Result<[u8; 3], String> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6);
+    let code = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok());
+    let [_, rgb @ ..] = code.ok_or("write it as #rrggbb")?.to_be_bytes();
+    Ok(rgb)
+}
+
+/// Parses a point, m.
+pub fn point(text: &str) -> Result<[f64; 3], String> {
+    let length = |text: &str| quantity::parse(text, Unit::Length).map_err(|e| e.to_string());
+    let parts = text
+        .split(',')
+        .map(length)
+        .collect::<Result<Vec<f64>, String>>()?;
+    let wrong = |_| "give three lengths, as \"20 mm, 20 mm, 10 mm\"".to_string();
+    parts.try_into().map_err(wrong)
+}
+
+/// Parses a number in a range.
+fn number(text: &str, low: f64, high: f64) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|n| (low..=high).contains(n));
+    found.ok_or_else(|| format!("give a number from {low} to {high}"))
+}
+
+/// Parses the pictures a second.
+pub fn rate(text: &str) -> Result<f64, String> {
+    number(text, 0.1, 240.0)
+}
+
+/// Parses an enlargement.
+pub fn zoom(text: &str) -> Result<f64, String> {
+    number(text, 0.01, 100.0)
+}
+
+pub fn render(arguments: &RenderArguments) -> Result<()> {
+    let format = format(&arguments.output)?;
+    if let Format::Film(film::Format::Mp4) = format
+        && arguments.size.iter().any(|length| length % 2 == 1)
+    {
+        bail!(Usage(
+            "an MP4 film needs an even width and height; change --size".into()
+        ));
+    }
+    let threads = arguments.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = pool.build().context("cannot start the threads")?;
+    pool.install(|| {
+        let footage = Footage::find(arguments)?;
+        let scene = footage.scene()?;
+        if scene.dimension == Dimension::Two && matches!(format, Format::Mesh(_)) {
+            let text = "a scene in two dimensions has no surface of triangles; render a picture";
+            bail!(Usage(text.into()));
+        }
+        let is_one = !matches!(format, Format::Film(_)) && !is_series(arguments);
+        let made = if arguments.at.is_some() || is_one {
+            one(arguments, &footage, &scene, format)?
+        } else {
+            many(arguments, &footage, &scene, format)?
+        };
+        print(arguments, &made);
+        Ok(())
+    })
+}
+
+fn is_series(arguments: &RenderArguments) -> bool {
+    arguments.from.is_some() || arguments.until.is_some() || arguments.every.is_some()
+}
+
+fn format(path: &Path) -> Result<Format> {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let extension = extension.unwrap_or_default().to_lowercase();
+    let format = match extension.as_str() {
+        "png" => Some(Format::Picture),
+        "gif" => Some(Format::Film(film::Format::Gif)),
+        "mp4" => Some(Format::Film(film::Format::Mp4)),
+        other => mesh::Format::of(other).map(Format::Mesh),
+    };
+    format.ok_or_else(|| {
+        let endings = ".png, .gif, .mp4, .ply, .obj, .glb or .vtp";
+        let text = format!(
+            "{} has no known format; end it in {endings}",
+            path.display()
+        );
+        Usage(text).into()
+    })
+}
+
+fn style(arguments: &RenderArguments) -> Style {
+    Style {
+        material: match arguments.material {
+            arguments::Material::Water => Material::Water,
+            arguments::Material::Milk => Material::Milk,
+            arguments::Material::Body => Material::Body,
+            arguments::Material::Speed => Material::Speed,
+            arguments::Material::Pressure => Material::Pressure,
+        },
+        size: arguments.size,
+        view: View {
+            azimuth: arguments.azimuth.to_radians() as f32,
+            elevation: arguments.elevation.to_radians() as f32,
+            zoom: arguments.zoom as f32,
+        },
+        target: arguments.target,
+        background: arguments.background,
+        has_shadows: !arguments.no_shadows,
+        has_scale: arguments.scale_bar,
+        has_clock: arguments.clock,
+        caption: arguments.caption.clone(),
+        samples: usize::from(arguments.samples),
+    }
+}
+
+/// The new files, and the times of their frames, s.
+#[derive(Default)]
+struct Made {
+    files: Vec<PathBuf>,
+    times: Vec<f64>,
+}
+
+/// A file of one frame.
+fn one(
+    arguments: &RenderArguments,
+    footage: &Footage,
+    scene: &Scene,
+    format: Format,
+) -> Result<Made> {
+    let frame = footage.one(arguments.at, scene)?;
+    let mut survey = Survey::default();
+    survey.add(scene, &frame);
+    let artist = Artist::new(scene, &survey, style(arguments));
+    let path = &arguments.output;
+    make_folder(path)?;
+    match format {
+        Format::Film(kind) => {
+            let mut film = Film::new(kind, path, arguments.size, arguments.rate)?;
+            film.add(&artist.picture(&frame))?;
+            film.finish()?;
+        }
+        _ => still(&artist, &frame, format, path)?,
+    }
+    Ok(Made {
+        files: vec![path.clone()],
+        times: vec![frame.time],
+    })
+}
+
+fn still(artist: &Artist, frame: &Frame, format: Format, path: &Path) -> Result<()> {
+    if let Format::Mesh(format) = format {
+        let mesh = artist.mesh(frame).context("no surface in two dimensions")?;
+        return Ok(mesh.write(format, path)?);
+    }
+    Ok(atomic::write_file(path, &artist.picture(frame).png()?)?)
+}
+
+/// A film, or numbered files.
+fn many(
+    arguments: &RenderArguments,
+    footage: &Footage,
+    scene: &Scene,
+    format: Format,
+) -> Result<Made> {
+    let mut survey = Survey::default();
+    let mut count = 0;
+    for frame in footage.chosen()? {
+        survey.add(scene, &frame?);
+        count += 1;
+    }
+    if count == 0 {
+        bail!(Usage("no frame is between these times".into()));
+    }
+    let artist = Artist::new(scene, &survey, style(arguments));
+    let path = &arguments.output;
+    make_folder(path)?;
+    let mut film = match format {
+        Format::Film(kind) => Some(Film::new(kind, path, arguments.size, arguments.rate)?),
+        _ => None,
+    };
+    if film.is_none() {
+        clear(path)?;
+    }
+    let mut made = Made::default();
+    let mut told = Instant::now();
+    // A run under way may have gone on since.
+    for frame in footage.chosen()?.take(count) {
+        let frame = frame?;
+        if told.elapsed() >= BETWEEN {
+            told = Instant::now();
+            note!(
+                "frame {} of {count}, {:.2} ms",
+                made.times.len() + 1,
+                1e3 * frame.time
+            );
+        }
+        match &mut film {
+            Some(film) => film.add(&artist.picture(&frame))?,
+            None => {
+                let path = numbered(path, made.files.len());
+                still(&artist, &frame, format, &path)?;
+                made.files.push(path);
+            }
+        }
+        made.times.push(frame.time);
+    }
+    if let Some(film) = film {
+        film.finish()?;
+        made.files.push(path.clone());
+    }
+    Ok(made)
+}
+
+/// `a-00007.png` of `a.png`.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-{number:05}.{extension}"))
+}
+
+/// Removes the files of an earlier series of this name, so that none is left of a longer one.
+fn clear(path: &Path) -> Result<()> {
+    for number in 0.. {
+        match fs::remove_file(numbered(path, number)) {
+            Ok(()) => {}
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => break,
+            Err(error) => {
+                let path = numbered(path, number);
+                return Err(error).with_context(|| format!("cannot remove {}", path.display()));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn make_folder(path: &Path) -> Result<()> {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let Some(folder) = folder else {
+        return Ok(());
+    };
+    let cannot = || format!("cannot create the folder {}", folder.display());
+    fs::create_dir_all(folder).with_context(cannot)
+}
+
+fn print(arguments: &RenderArguments, made: &Made) {
+    if arguments.store.json {
+        let files: Vec<_> = made.files.iter().map(|file| shown(file)).collect();
+        out!("{}", json!({"files": files, "times_s": made.times}));
+        return;
+    }
+    let Some(first) = made.files.first() else {
+        return;
+    };
+    let (start, end) = (made.times.first(), made.times.last());
+    let [start, end] = [start, end].map(|time| 1e3 * time.copied().unwrap_or_default());
+    let more = match made.files.len() {
+        1 => String::new(),
+        count => format!(" and {} more", count - 1),
+    };
+    match made.times.len() {
+        1 => out!("{}{more}: t = {start:.3} ms", shown(first)),
+        count => out!(
+            "{}{more}: {count} frames, t = {start:.3} to {end:.3} ms",
+            shown(first)
+        ),
+    }
+}

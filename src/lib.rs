@@ -29,8 +29,8 @@
 //! | 3 | [`particle`]: particles, packing, walls |
 //! | 4 | [`effect`]: gravity, viscosity, tension, wetting, vibration |
 //! | 5 | [`method`]: the solvers |
-//! | 6 | [`measure`]: numbers; [`record`]: log, checkpoints, exports |
-//! | 7 | [`draw`]: plots, pictures, the report |
+//! | 6 | [`measure`]: numbers; [`record`]: log, checkpoints, exports, meshes |
+//! | 7 | [`draw`]: plots, pictures, the surface of the liquid, films, the report |
 //! | 8 | [`pipeline`]: keys, store, runs; [`simulate`] |
 //!
 //! # What always holds
@@ -81,6 +81,7 @@
 //! |---|---|
 //! | advective step, acoustic step | the outer and the inner step of dual-criteria stepping |
 //! | band | cells that hold or touch particles near a surface |
+//! | blob | what one particle adds to the field of a rendered surface |
 //! | body | connected liquid of a scene file: a pool, a drop |
 //! | case, model | constants that a method derives from a problem |
 //! | column | an array with one entry a particle, declared with its role |

@@ -332,8 +332,7 @@ pub struct RenderArguments {
     #[arg(long, value_enum, default_value_t)]
     pub material: Material,
     /// Colour behind the liquid and of the floor
-    #[arg(long, value_name = "#RRGGBB", default_value = "#e2e6ec",
-          value_parser = render::colour)]
+    #[arg(long, value_name = "#RRGGBB", default_value = "#e2e6ec", value_parser = render::colour)]
     pub background: [u8; 3],
     /// Direction of the camera about the vertical
     #[arg(long, value_name = "ANGLE", default_value = "28 deg", value_parser = render::angle,

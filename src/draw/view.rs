@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::canvas::{Canvas, Colour};
-use super::section::{self, body_colour};
+use super::section::body_colour;
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene};
 
@@ -58,18 +58,6 @@ impl Camera {
             azimuth: 0.42,
             size,
             aperture: 0.49,
-        }
-    }
-
-    /// View of the splash at `at`, `span` wide, m.
-    pub fn close(at: [f64; 3], span: f64, size: [usize; 2]) -> Camera {
-        Camera {
-            target: at,
-            distance: 3.0 * span,
-            elevation: 0.50,
-            azimuth: 0.42,
-            size,
-            aperture: 1.0 / 3.0,
         }
     }
 
@@ -314,17 +302,6 @@ fn unit(v: [f32; 3]) -> [f32; 3] {
 fn sky(part: f32) -> Colour {
     let (top, bottom) = ([226.0, 233.0, 241.0], [250.0, 251.0, 253.0]);
     std::array::from_fn(|c| (top[c] + part * (bottom[c] - top[c])) as u8)
-}
-
-/// One wide picture of a splash, for a title page: PNG.
-///
-/// # Errors
-/// If the PNG encoder fails.
-pub fn picture(scene: &Scene, frame: &Frame, at: [f64; 3]) -> Result<Vec<u8>, png::EncodingError> {
-    let width = section::width(scene) * 9 / 5;
-    let size = [width, width / 2].map(|s| 2 * s);
-    let camera = Camera::close(at, 1.3 * scene.domain.size[0], size);
-    draw(scene, frame, &camera).halved().png()
 }
 
 /// Rows of pixels in which any of the pictures shows more than background, with a margin.

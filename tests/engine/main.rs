@@ -2,6 +2,7 @@
 
 mod allocation;
 mod cloud;
+mod draw_surface;
 mod effect_absent;
 mod effect_cap;
 mod effect_counted;

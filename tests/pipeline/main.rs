@@ -14,6 +14,7 @@ mod laboratory;
 mod library;
 mod program;
 mod promise;
+mod render;
 mod resume;
 mod runs;
 mod schema;

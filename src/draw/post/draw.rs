@@ -4,10 +4,25 @@ use super::{Post, PostError, draw_error};
 use crate::draw::canvas::{Canvas, WHITE};
 use crate::draw::field::Field;
 use crate::draw::figure::Figures;
+use crate::draw::render::artist::{Artist, Style, Survey};
 use crate::draw::report::Report;
 use crate::draw::view;
 
 impl Post {
+    /// The title picture: the surface of the liquid.
+    pub(super) fn draw_title(&mut self, report: &mut Report) -> Result<(), PostError> {
+        let Some((_, frame)) = self.best.take() else {
+            return Ok(());
+        };
+        let mut survey = Survey::default();
+        survey.add(&self.scene, &frame);
+        let picture = Artist::new(&self.scene, &survey, Style::default()).picture(&frame);
+        let png = picture.png().map_err(|e| draw_error("picture", &e))?;
+        self.write("picture.png", &png)?;
+        report.picture = Some(png);
+        Ok(())
+    }
+
     pub(super) fn draw_plots(&mut self, report: &mut Report) -> Result<(), PostError> {
         let plots = Figures {
             scene: &self.scene,

@@ -1,6 +1,7 @@
 //! Evaluation: from the frames of a run, in their order, to measures, pictures and the report.
 //!
-//! Writes `measures.csv`, `plots/*.svg`, `panels/*.png`, `fields/*.png` and `report.html`.
+//! Writes `measures.csv`, `picture.png`, `plots/*.svg`, `panels/*.png`, `fields/*.png` and
+//! `report.html`.
 
 mod draw;
 mod instants;
@@ -263,17 +264,7 @@ impl Post {
             provenance: provenance.to_vec(),
             ..Report::default()
         };
-        if let Some((_, frame)) = self.best.take() {
-            let at = [
-                self.axis.at[0],
-                self.axis.at[1],
-                self.scene.pool_depth().unwrap_or(0.0),
-            ];
-            let png = view::picture(&self.scene, &frame, at);
-            let png = png.map_err(|e| draw_error("picture", &e))?;
-            self.write("picture.png", &png)?;
-            report.picture = Some(png);
-        }
+        self.draw_title(&mut report)?;
         self.draw_plots(&mut report)?;
         self.draw_panels(&mut report)?;
         self.draw_fields(&mut report)?;

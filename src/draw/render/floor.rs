@@ -10,7 +10,7 @@ use crate::draw::surface::LEVEL;
 /// Texels along an edge of the map.
 const TEXELS: usize = 640;
 /// Rays along an edge of the beam.
-const RAYS: usize = 800;
+const RAYS: usize = 640;
 /// Part of the light that a block of clear liquid takes from the floor beside it.
 const SHADE: f32 = 0.35;
 

@@ -1,0 +1,148 @@
+//! `coronet render` from outside.
+
+use std::fs;
+
+use coronet::record::log;
+use serde_json::json;
+
+use crate::program::Program;
+
+/// Width and height of a PNG file.
+fn size(program: &Program, name: &str) -> [u32; 2] {
+    let bytes = fs::read(program.path(name)).unwrap();
+    assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n", "{name}");
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
+}
+
+#[test]
+fn a_run_becomes_a_picture_a_series_and_a_film() {
+    let program = Program::new();
+    program.run(&[]);
+    let small = ["--size", "96x64", "--samples", "1"];
+    let render = |more: &[&str]| {
+        let arguments = [&["render", "tiny"], more, &small].concat();
+        program.call(&arguments).well()
+    };
+    let last = render(&[]);
+    assert!(
+        last.out.contains("render.png: t = 4.000 ms"),
+        "{}",
+        last.out
+    );
+    assert_eq!(size(&program, "render.png"), [96, 64]);
+
+    render(&[
+        "--at",
+        "2 ms",
+        "--output",
+        "new/two.png",
+        "--clock",
+        "--caption",
+        "ä",
+    ]);
+    assert_eq!(size(&program, "new/two.png"), [96, 64]);
+    let first = fs::read(program.path("new/two.png")).unwrap();
+    assert_ne!(first, fs::read(program.path("render.png")).unwrap());
+    render(&[
+        "--at",
+        "2 ms",
+        "--output",
+        "b.png",
+        "--clock",
+        "--caption",
+        "ä",
+        "--threads",
+        "3",
+    ]);
+    assert_eq!(
+        first,
+        fs::read(program.path("b.png")).unwrap(),
+        "for any number of threads"
+    );
+
+    // A shorter series leaves nothing of a longer one.
+    render(&["--output", "s.png", "--every", "1 ms"]);
+    assert!(program.path("s-00004.png").exists());
+    let series = render(&[
+        "--output", "s.png", "--from", "1 ms", "--until", "2 ms", "--json",
+    ]);
+    let object = &series.objects()[0];
+    let files = ["s-00000.png", "s-00001.png", "s-00002.png"];
+    assert_eq!(object["files"], json!(files));
+    let times = object["times_s"].as_array().unwrap();
+    assert!((times[2].as_f64().unwrap() - 2e-3).abs() < 1e-9, "{object}");
+    assert!(!program.path("s-00003.png").exists());
+
+    let film = render(&["--output", "a.gif", "--material", "speed"]);
+    assert!(film.out.contains("a.gif: 9 frames"), "{}", film.out);
+    assert_eq!(fs::read(program.path("a.gif")).unwrap()[..6], *b"GIF89a");
+    // The log itself, and the folder of a result.
+    let log = "artifacts/latest/tiny/impact/frames.mcap";
+    for run in [log, "artifacts/latest/tiny/impact", "artifacts/latest/tiny"] {
+        let arguments = [
+            &["render", run, "--output", "c.png", "--at", "2 ms"],
+            &small[..],
+        ];
+        program.call(&arguments.concat()).well();
+    }
+}
+
+#[test]
+fn mistakes_are_explained() {
+    let program = Program::new();
+    program.run(&[]);
+    let render = |more: &[&str]| program.call(&[&["render", "tiny"], more].concat());
+    render(&["--at", "1 s"]).badly(2, &["1000 ms", "nearest one is at 4.000 ms"]);
+    render(&["--from", "1 s", "--output", "a.gif"]).badly(2, &["no frame is between"]);
+    render(&["--output", "a.bmp"]).badly(2, &["a.bmp", ".png, .gif, .mp4"]);
+    render(&["--output", "a"]).badly(2, &["no known format"]);
+    render(&["--output", "a.ply"]).badly(2, &["two dimensions", "render a picture"]);
+    render(&["--at", "5 mm"]).badly(2, &["--at", "mm"]);
+    render(&["--size", "7x7"]).badly(2, &["--size", "16 to 8192"]);
+    render(&["--size", "99x64", "--output", "a.mp4"]).badly(2, &["even", "--size"]);
+    render(&["--background", "red"]).badly(2, &["--background", "#rrggbb"]);
+    render(&["--target", "1 mm, 2 mm"]).badly(2, &["--target", "three lengths"]);
+    render(&["--material", "oil"]).badly(2, &["--material", "milk"]);
+    render(&["--at", "1 ms", "--until", "2 ms"]).badly(2, &["--until"]);
+    let missing = program.call(&["render", "nothing"]);
+    missing.badly(2, &["nothing", "tiny"]);
+    assert!(
+        fs::read_dir(program.folder.path()).unwrap().count() == 2,
+        "nothing is written"
+    );
+
+    let log = program.latest("impact").join("frames.mcap");
+    let bytes = fs::read(log).unwrap();
+    fs::write(program.path("cut.mcap"), &bytes[..bytes.len() / 2]).unwrap();
+    let cut = program.call(&["render", "cut.mcap", "--size", "32x32"]);
+    cut.badly(4, &["cut.mcap", "cut off"]);
+}
+
+#[test]
+fn a_run_under_way_is_shown_as_far_as_it_is() {
+    let program = Program::new();
+    let sets = [
+        "--set",
+        "impact.end=400 ms",
+        "--set",
+        "impact.checkpoint_every=5 ms",
+    ];
+    let mut child = program.start(&[&["run", "tiny.toml", "--name", "long"], &sets[..]].concat());
+    let work = program.in_flight(&mut child);
+    let has_frames = || {
+        let segments = log::segments(&work).unwrap();
+        let frames = segments.first().map(|first| log::read_frames(&first.path));
+        frames.is_some_and(|frames| frames.unwrap().next().is_some_and(|frame| frame.is_ok()))
+    };
+    while !has_frames() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let ended = program.call(&["render", "long", "--size", "64x48", "--samples", "1"]);
+    let is_running = child.try_wait().unwrap().is_none();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(is_running, "the run ended too early for this test");
+    ended.well();
+    assert_eq!(size(&program, "render.png"), [64, 48]);
+}

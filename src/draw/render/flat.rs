@@ -75,6 +75,9 @@ impl Sheet {
         };
         let edge = (1.0 - (depth - 1.5).abs() / 1.5).clamp(0.0, 1.0);
         let part = (depth + 0.5).clamp(0.0, 1.0);
+        if part == 0.0 {
+            return background;
+        }
         encoded(&(linear(background) * (1.0 - part) + own * (1.0 - 0.55 * edge) * part))
     }
 }

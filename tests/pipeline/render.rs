@@ -127,12 +127,13 @@ fn a_run_under_way_is_shown_as_far_as_it_is() {
     ];
     let mut child = program.start(&[&["run", "tiny.toml", "--name", "long"], &sets[..]].concat());
     let work = program.in_flight(&mut child);
+    // The name of the run stands in its file of progress, a little later than its first checkpoint.
     let has_frames = || {
         let segments = log::segments(&work).unwrap();
         let frames = segments.first().map(|first| log::read_frames(&first.path));
         frames.is_some_and(|frames| frames.unwrap().next().is_some_and(|frame| frame.is_ok()))
     };
-    while !has_frames() {
+    while !has_frames() || !work.join("progress.json").exists() {
         assert!(child.try_wait().unwrap().is_none(), "it ended");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }

@@ -64,7 +64,10 @@ impl Footage {
         let frames = frames.collect::<Result<Vec<_>, LogError>>()?;
         let is_open = self.is_open;
         let mut last = f64::NEG_INFINITY;
-        let ends = move |frame: &Result<Frame, LogError>| !matches!(frame, Err(error) if is_open && error.is_damage());
+        let ends = move |frame: &Result<Frame, LogError>| {
+            let error = frame.as_ref().err();
+            !error.is_some_and(|error| is_open && error.is_damage())
+        };
         // A log that was resumed begins before the end of the one before, with the same frames.
         let is_new = move |frame: &Result<Frame, LogError>| {
             let Ok(frame) = frame else { return true };

@@ -29,9 +29,9 @@ pub fn refract(along: &V, normal: &V, ratio: f32) -> Option<(V, f32)> {
     Some((refracted.normalize(), part))
 }
 
-/// Where light of the beam that has met the liquid reaches the floor, and how much of it. The colour
-/// of the liquid is left to the rays of the camera. At the sides, where the box cuts the liquid,
-/// light goes on as if the liquid were repeated: what leaves on one side enters on the other.
+/// Where light of the beam that has met the liquid reaches the floor, and how much of it. The
+/// colour of the liquid is left to the rays of the camera. At the sides, where the box cuts the
+/// liquid, light goes on as if it were repeated: what leaves on one side enters on the other.
 pub(super) fn arrival(tracer: &Tracer, along: V, hit: Hit, floor: f32) -> Option<(V, f32)> {
     let size = tracer.corners()[1] - tracer.corners()[0];
     let (mut along, mut hit, mut light) = (along, hit, 1.0);

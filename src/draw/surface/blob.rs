@@ -5,9 +5,9 @@
 //! (1) `C = sum w (x_j - m)(x_j - m)^T / sum w`, `m = sum w x_j / sum w`, `w = 1 - (r/R)^3`
 //! (2) `V(x) = s0^3 W(|G (x - x_i)|) det G`, `G = Q diag(1 / (h s_k)) Q^T`, `C = Q diag(l_k) Q^T`
 //!
-//! with s_k proportional to sqrt(l_k), at least a quarter of the largest, `s_1 s_2 s_3 = 1`, so that
-//! each particle adds its volume whatever its form. Particles with few neighbours have narrower and
-//! stronger kernels, so that a single one is a ball of its volume.
+//! with s_k proportional to sqrt(l_k), at least a quarter of the largest, `s_1 s_2 s_3 = 1`, so
+//! that each particle adds its volume whatever its form. Particles with few neighbours have
+//! narrower and stronger kernels, so that a single one has a surface, about that of its volume.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
@@ -85,7 +85,7 @@ impl Blob {
         }
         let part = step(0.03, 0.30, fullness);
         let smoothing = SMOOTHING * (0.62 + 0.38 * part);
-        let boost = 1.0 + 0.7 * (1.0 - step(0.03, 0.12, fullness));
+        let boost = 1.0 + 1.6 * (1.0 - step(0.03, 0.12, fullness));
         let eigen = SymmetricEigen::new(second / weight - mean * mean.transpose());
         let axes = eigen.eigenvalues.map(|l| l.max(0.0).sqrt());
         // Too few neighbours have no shape.

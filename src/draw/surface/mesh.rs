@@ -1,8 +1,8 @@
 //! A mesh of the surface: naive surface nets, one vertex in each cell that the surface crosses.
 //!
-//! Around the grid are nodes outside the liquid (two layers behind the last nodes, where the library
-//! needs them), and vertices that come to lie there are
-//! put on the sides of the box: so the mesh is closed, and flat at walls and cuts.
+//! Around the grid are nodes outside the liquid (two layers behind the last nodes, where the
+//! library needs them), and vertices that come to lie there are put on the sides of the box: so the
+//! mesh is closed, and flat at walls and cuts.
 
 use fast_surface_nets::ndshape::RuntimeShape;
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};

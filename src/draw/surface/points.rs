@@ -17,7 +17,7 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Images reach `margin` m beyond the sides; cells are `cell` m wide. Points that are not finite
+    /// Images reach `margin` m beyond the sides; cells are `cell` m wide. Points that are NaN
     /// or far outside the box are left out.
     pub fn new(domain: &Domain, position: &[Vec<f32>; 3], margin: f32, cell: f32) -> Points {
         let all = with_images(domain, position, margin);

@@ -10,7 +10,7 @@ mod machine;
 mod meter;
 
 use coronet::method::pressure::multigrid::Domain;
-use coronet::method::pressure::{Equation, Outcome, Solver as PressureSolver};
+use coronet::method::pressure::{Equation, Outcome, Rows, Solver as PressureSolver};
 use coronet::method::{Phase, Solver, build, calibrate, initial};
 use coronet::particle::Particles;
 use coronet::particle::pack::pack;
@@ -116,7 +116,13 @@ fn solve(equation: &mut Equation, domain: &Domain, n: usize) {
         for _ in 0..3 {
             let (mut x, mut solver) = (vec![0.0; equation.len()], PressureSolver::default());
             let from = cpu_seconds();
-            last = solver.solve(equation, domain, with, (TOLERANCE, MOST), &mut x);
+            last = solver.solve(
+                (equation, domain),
+                &mut Rows,
+                with,
+                (TOLERANCE, MOST),
+                &mut x,
+            );
             times.push(cpu_seconds() - from);
         }
         assert!(last.converged, "{name}: residual {:.2e}", last.residual);

@@ -309,10 +309,13 @@ fn an_interruption_changes_no_bit() {
 #[test]
 fn what_would_feed_it_is_refused_with_the_key() {
     let ways = [
-        ("[method]\nname = 'mps'\n", "method `mps`"),
+        (
+            "[method]\nname = 'mps'\n[method.mps]\ngradient = 'blended'\n",
+            "transposed",
+        ),
         (
             "[method]\nname = 'isph'\n[method.isph]\ngradient = 'corrected'\n",
-            "symmetric",
+            "transposed",
         ),
         (
             "[method]\nname = 'wcsph'\n[method.wcsph]\n\

@@ -212,10 +212,14 @@ fn presets_are_complete() {
             "corrected",
             ["cubic-spline", "cleary", "cahn-hilliard"],
         ),
-        ("isph", "modern", ["wendland-c2", "morris", "raw-colour"]),
+        (
+            "isph",
+            "modern",
+            ["wendland-c2", "morris", "surface-energy"],
+        ),
         ("mps", "paper", ["", "", "number-density"]),
         ("mps", "corrected", ["", "", "number-density-exact"]),
-        ("mps", "modern", ["", "", "raw-colour"]),
+        ("mps", "modern", ["", "", "surface-energy"]),
     ] {
         let sets = [
             format!("method.name={method}"),
@@ -230,28 +234,6 @@ fn presets_are_complete() {
         let found = [&kernel, "effects.viscosity.form", "effects.tension.form"].map(value);
         assert_eq!(found, expected, "{method} {preset}");
     }
-}
-
-/// Where the energy of the surface is not served, `modern` has the stress; angles of MPS too.
-#[test]
-fn presets_follow_what_the_scene_says() {
-    let form = |sets: &[&str]| small(sets).scene.effects.tension.unwrap().form;
-    assert_eq!(form(&[]), TensionForm::SurfaceEnergy);
-    for set in [
-        "method.wcsph.kernel=cubic-spline",
-        "method.wcsph.time_stepping={ adaptive = {} }",
-    ] {
-        assert_eq!(form(&[set]), TensionForm::RawColour, "{set}");
-    }
-    let energy = "effects.tension.form=surface-energy";
-    let Method::Isph(isph) = small(&["method.name=isph", energy]).scene.problem.method else {
-        panic!("not ISPH");
-    };
-    assert_eq!(isph.gradient, coronet::scene::Gradient::Symmetric);
-    let corrected = ["method.name=mps", "method.preset=corrected"];
-    let wets = [&corrected[..], &["effects.wetting.angle=60 deg"]].concat();
-    assert_eq!(form(&corrected), TensionForm::NumberDensityExact);
-    assert_eq!(form(&wets), TensionForm::RawColour);
 }
 
 /// h of MPS is half the largest radius.

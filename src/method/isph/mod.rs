@@ -13,7 +13,8 @@
 //!
 //! `gradient.symmetric` is Eq. 9 as printed, which keeps momentum; `corrected` is
 //! SUM V (p_b - p_a) L grad W with the matrix L of Bonet & Lok 1999, exact for linear p, but Eq. 9
-//! where a surface is in the support: differences do not hold a surface together.
+//! where a surface is in the support: differences do not hold a surface together. `transposed` is
+//! Eq. 9 in the pressure equation too, as `projection::transposed` has it.
 //!
 //! The step, its limits, walls and shifting: [`super::projection`]. The paper gives steps of 5 to
 //! 20 us "by the largest speed" and no law.
@@ -28,6 +29,7 @@ use super::model::Case;
 use super::pass::Summation;
 use super::projection::correction::times;
 use super::projection::look::Sums;
+use super::projection::transposed::OfKernel;
 use super::projection::{Projection, Scheme, surface};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
@@ -119,6 +121,7 @@ impl<K: Kernel> Scheme for Isph<K> {
     type Kernel = K;
     /// Viscous acceleration, m/s^2.
     type Own = [f32; 3];
+    type Weight = OfKernel<K>;
     type Row = [f32; 6];
 
     fn completion(&self, case: &Case) -> surface::Completion {
@@ -127,7 +130,11 @@ impl<K: Kernel> Scheme for Isph<K> {
     }
 
     fn is_symmetric(&self) -> bool {
-        self.gradient == Gradient::Symmetric
+        self.gradient != Gradient::Corrected
+    }
+
+    fn is_transposed(&self) -> bool {
+        self.gradient == Gradient::Transposed
     }
 
     fn is_corrected(&self) -> bool {
@@ -160,7 +167,7 @@ impl<K: Kernel> Scheme for Isph<K> {
     fn look(p: &mut Projection<Self>) {
         match p.scheme.gradient {
             Gradient::Corrected => Self::look_with::<true>(p),
-            Gradient::Symmetric => Self::look_with::<false>(p),
+            _ => Self::look_with::<false>(p),
         }
     }
 
@@ -266,6 +273,10 @@ impl<K: Kernel> Scheme for Isph<K> {
             };
             *push = corrected.map(|a| a as f32);
         });
+    }
+
+    fn weight(p: &Projection<Self>) -> (OfKernel<K>, f64) {
+        (OfKernel(PhantomData), p.factor(1))
     }
 
     fn memory(&self) -> usize {

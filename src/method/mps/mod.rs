@@ -16,6 +16,7 @@
 //! it (Khayyer & Gotoh 2008) would leave nothing of a linear p on a lattice.
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
+//! `transposed` is (3) with p_j + p_i in the pressure equation too: `projection::transposed`.
 //! `blended` is `corrected` with the gradient of the smooth kernel in place of w / r^2 where a
 //! surface is in the support: spurious currents in a drop at rest are 0.4 of those, a splash is
 //! coarser.
@@ -41,7 +42,9 @@ use super::projection::{Projection, Scheme, surface};
 use crate::kernel::WendlandC2;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
 use crate::space::parallel::each_mut;
-use pass::{Around, Coupled, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
+use pass::{
+    Around, Coupled, Look, NEAREST, Number, PressureSlope, Steep, Surface, Viscous, Weights,
+};
 
 /// The kernel of walls, of the free surface and of the shifting.
 pub type Smooth = WendlandC2;
@@ -191,6 +194,7 @@ impl Scheme for Mps {
     /// n / n0.
     type Own = f32;
     /// The last: w of neighbours with p = 0.
+    type Weight = Steep;
     type Row = [f32; 7];
 
     fn completion(&self, case: &Case) -> surface::Completion {
@@ -200,7 +204,14 @@ impl Scheme for Mps {
     }
 
     fn is_symmetric(&self) -> bool {
-        self.gradient == MpsGradient::Symmetric
+        matches!(
+            self.gradient,
+            MpsGradient::Symmetric | MpsGradient::Transposed
+        )
+    }
+
+    fn is_transposed(&self) -> bool {
+        self.gradient == MpsGradient::Transposed
     }
 
     fn is_corrected(&self) -> bool {
@@ -340,6 +351,15 @@ impl Scheme for Mps {
             }
             *push = sum.map(|a| a as f32);
         });
+    }
+
+    fn weight(p: &Projection<Self>) -> (Steep, f64) {
+        let case = &p.liquid.case;
+        let weight = Steep {
+            reach: p.scheme.reach(case),
+            core: p.scheme.core(case),
+        };
+        (weight, p.scheme.gradient_factor(case) / case.h)
     }
 
     fn memory(&self) -> usize {

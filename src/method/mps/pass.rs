@@ -34,6 +34,22 @@ fn steep<F: Real>(q2: F, reach: f32, core: f32) -> F {
     weight(q2, reach, core) / q2.max(near)
 }
 
+/// [`steep`] as the weight of gradients.
+#[derive(Clone, Copy)]
+pub struct Steep {
+    /// r_e / h.
+    pub reach: f32,
+    /// Where the weight stops growing, in h.
+    pub core: f32,
+}
+
+impl super::super::projection::transposed::Weight for Steep {
+    #[inline(always)]
+    fn at<F: Real>(&self, q2: F) -> F {
+        steep(q2, self.reach, self.core)
+    }
+}
+
 /// What a pass over gradients knows of free surfaces.
 #[derive(Clone, Copy)]
 pub struct Surface<'a> {

@@ -74,9 +74,28 @@ pub struct Outcome {
     pub converged: bool,
 }
 
+/// What (1) has on its left.
+pub trait Matrix {
+    /// `out` = A x.
+    fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]);
+    /// Makes zero what belongs to unknowns whose value is given.
+    fn clear_given(&self, _: &mut [f64]) {}
+}
+
+/// The rows of the equation.
+pub struct Rows;
+
+impl Matrix for Rows {
+    fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]) {
+        each_mut(out, |i, out| *out = equation.row(i, x));
+    }
+}
+
 /// Conjugate gradients with their memory.
 #[derive(Default)]
 pub struct Solver {
+    /// Whether multigrid knows the equation, of which only b has changed.
+    pub is_prepared: bool,
     multigrid: Multigrid,
     residual: Vec<f64>,
     direction: Vec<f64>,
@@ -91,12 +110,12 @@ impl Solver {
         8 * 4 * self.residual.capacity() + self.multigrid.memory()
     }
 
-    /// Solves `equation` for `x`, which comes with a first guess. `domain`: where multigrid lays
-    /// its grids.
+    /// Solves A x = b for `x`, which comes with a first guess. b and preconditioners are those of
+    /// `equation`; `domain`: where multigrid lays its grids.
     pub fn solve(
         &mut self,
-        equation: &mut Equation,
-        domain: &Domain,
+        (equation, domain): (&mut Equation, &Domain),
+        matrix: &mut impl Matrix,
         preconditioner: Preconditioner,
         (tolerance, most): (f64, usize),
         x: &mut [f64],
@@ -115,10 +134,10 @@ impl Solver {
         ] {
             v.resize(n, 0.0);
         }
-        if preconditioner == Preconditioner::Multigrid {
+        if preconditioner == Preconditioner::Multigrid && !self.is_prepared {
             self.multigrid.prepare(equation, domain, enclosed);
         }
-        let outcome = self.iterate(equation, preconditioner, (tolerance, most), x);
+        let outcome = self.iterate(equation, matrix, preconditioner, (tolerance, most), x);
         if enclosed {
             self.centre(x);
         }
@@ -128,6 +147,7 @@ impl Solver {
     fn iterate(
         &mut self,
         equation: &Equation,
+        matrix: &mut impl Matrix,
         preconditioner: Preconditioner,
         (tolerance, most): (f64, usize),
         x: &mut [f64],
@@ -142,8 +162,10 @@ impl Solver {
                 ..Outcome::default()
             };
         }
+        self.product(equation, matrix, x);
+        let image = &self.image;
         let [mut rr] = sum_mut(&mut self.one, &mut self.residual[..n], |i, slots| {
-            let r = right[i] - equation.row(i, x);
+            let r = right[i] - image[i];
             *slots = r;
             [r * r]
         });
@@ -158,6 +180,7 @@ impl Solver {
                 };
             }
             self.precondition(equation, preconditioner);
+            matrix.clear_given(&mut self.better[..n]);
             let (r, z) = (&self.residual, &self.better);
             let last = rz;
             [rz] = sum_in(&mut self.one, n, |i| [r[i] * z[i]]);
@@ -165,12 +188,11 @@ impl Solver {
             each_mut(&mut self.direction[..n], |i, p| {
                 *p = z[i] + beta * *p;
             });
-            let p = &self.direction;
-            let [pq] = sum_mut(&mut self.one, &mut self.image[..n], |i, image| {
-                let q = equation.row(i, p);
-                *image = q;
-                [p[i] * q]
-            });
+            let direction = std::mem::take(&mut self.direction);
+            self.product(equation, matrix, &direction[..n]);
+            self.direction = direction;
+            let (p, q) = (&self.direction, &self.image);
+            let [pq] = sum_in(&mut self.one, n, |i| [p[i] * q[i]]);
             let alpha = rz / pq;
             if !(alpha > 0.0 && alpha.is_finite()) {
                 return Outcome {
@@ -179,7 +201,6 @@ impl Solver {
                     converged: false,
                 };
             }
-            let q = &self.image;
             [rr] = sum_mut(
                 &mut self.one,
                 (&mut self.residual[..n], &mut x[..n]),
@@ -191,6 +212,17 @@ impl Solver {
             );
         }
         unreachable!("the last iteration returns")
+    }
+
+    /// `image` = A x, free of constants where they are in the null space of the equation.
+    fn product(&mut self, equation: &Equation, matrix: &mut impl Matrix, x: &[f64]) {
+        let mut image = std::mem::take(&mut self.image);
+        matrix.apply(equation, x, &mut image[..x.len()]);
+        matrix.clear_given(&mut image[..x.len()]);
+        if equation.is_enclosed() {
+            self.centre(&mut image[..x.len()]);
+        }
+        self.image = image;
     }
 
     /// `better` = M^-1 `residual`.

@@ -25,7 +25,8 @@
 //! unstable beyond omega dt = 2: dt <= s0 / (4 sqrt(p / rho)) with the largest p. A solution that
 //! does not converge is tried again with the diagonal preconditioner, then over half the step, as
 //! is a step that throws a particle two spacings, five times; then the run has diverged.
-//! Fails where: (2) and (3) are not the same operator, so that v^(n+1) keeps some divergence.
+//! Fails where: (2) and (3) are not the same operator, so that v^(n+1) keeps some divergence;
+//! [`transposed`] is the form in which they are.
 //! Tests: tests/engine/{projection,pressure}_*.rs, tests/validation.
 
 mod closed;
@@ -36,6 +37,7 @@ mod shift;
 mod solve;
 mod step;
 pub mod surface;
+pub mod transposed;
 pub(super) mod walls;
 
 use super::liquid::Liquid;
@@ -55,6 +57,7 @@ use look::{Local, Sums};
 use std::mem::size_of;
 use std::ops::Index;
 use surface::Completion;
+use transposed::{Transposed, Weight};
 use walls::Walls;
 
 /// Less of the support than this is liquid at the free surface: 0.75 or so in the top layer of a
@@ -71,6 +74,8 @@ pub(super) trait Scheme: Sized + Send + Sync {
     type Kernel: Kernel;
     /// What the explicit half sums beside the kernel.
     type Own: Entry;
+    /// The weight of gradients.
+    type Weight: Weight;
     /// Sums along a row of the equation: w q^2; w c of the neighbours; w d (3); w c of the target;
     /// the method's own.
     type Row: Copy + Default + Send + Sync + Index<usize, Output = f32>;
@@ -79,6 +84,8 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn completion(&self, case: &Case) -> Completion;
     /// Whether the gradient has p_a + p_b, so that pressure alone pushes particles apart.
     fn is_symmetric(&self) -> bool;
+    /// Whether the gradient is the transpose of the divergence, in the equation too.
+    fn is_transposed(&self) -> bool;
     /// Whether the gradient is exact for a linear p and keeps no momentum by itself.
     fn is_corrected(&self) -> bool;
     /// Whether wall particles have a density.
@@ -105,6 +112,8 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn unit(p: &Projection<Self>) -> f64;
     /// Fills `push` with -grad p / rho.
     fn slope(p: &mut Projection<Self>);
+    /// The weight of gradients, and its factor c, 1/m.
+    fn weight(p: &Projection<Self>) -> (Self::Weight, f64);
     /// Bytes held.
     fn memory(&self) -> usize;
 }
@@ -157,6 +166,7 @@ pub(super) struct Projection<S: Scheme> {
     band: Band,
     /// Velocity of the walls that viscosity sees, m/s.
     viscous: Vec<[f32; 3]>,
+    transposed: Transposed,
 }
 
 /// How the pressure was found.
@@ -223,6 +233,7 @@ impl<S: Scheme> Projection<S> {
             solution,
             band: Band::default(),
             viscous: Vec::new(),
+            transposed: Transposed::default(),
         };
         solver.peak = solver.peak();
         solver.find_surface_energy();
@@ -322,6 +333,7 @@ impl<S: Scheme> Solver for Projection<S> {
             + self.scheme.memory()
             + self.closed.memory()
             + self.band.memory()
+            + self.transposed.memory()
             + self.solver.memory();
         let (bare, whole) = self.liquid.memory(&self.own, more);
         let n = self.liquid.len().max(1) as f64;

@@ -1,10 +1,11 @@
 //! The second half of a step: from predicted positions and velocities to the pressure.
 
+use super::transposed::Product;
 use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
 use crate::method::pass::{Extrapolation, Moving};
-use crate::method::pressure::Outcome;
 use crate::method::pressure::multigrid::Domain;
+use crate::method::pressure::{Outcome, Rows};
 use crate::method::shifting::LOOSE;
 use crate::scene::{PoissonSource, Preconditioner};
 use crate::space::parallel::each_mut;
@@ -19,13 +20,24 @@ impl<S: Scheme> Projection<S> {
         self.look_ahead(dt);
         S::couple(self);
         self.close();
-        self.set_right(dt);
+        match self.settings.source {
+            PoissonSource::Divergence { density } if self.scheme.is_transposed() => {
+                self.set_right_transposed(dt, density)
+            }
+            _ => self.set_right(dt),
+        }
         self.guess();
-        let outcome = self.solve();
+        let outcome = match self.scheme.is_transposed() {
+            true => self.solve_torn(),
+            false => self.solve(self.settings.tolerance),
+        };
         if outcome.converged {
             let n = self.liquid.len();
             self.own.pressure.copy_from_slice(&self.unknown[..n]);
-            S::slope(self);
+            match self.scheme.is_transposed() {
+                true => self.press_all(),
+                false => S::slope(self),
+            }
             if self.scheme.is_corrected() {
                 self.keep_momentum();
             }
@@ -160,13 +172,10 @@ impl<S: Scheme> Projection<S> {
                     (dense - 1.0) / (dt * dt * unit)
                 }
                 PoissonSource::Divergence { density } if i < n => {
-                    // Rows count as much as their volume, 1 / n. Spray is not too thin.
-                    let [n, seen] = S::dense(this, i);
-                    let mut dense = seen - 1.0;
-                    if this.own.local[i].kernel_sum < LOOSE {
-                        dense = dense.max(0.0);
-                    }
-                    let rate = density * dense / span - this.own.local[i].divergence as f64;
+                    // Rows count as much as their volume, 1 / n.
+                    let [n, _] = S::dense(this, i);
+                    let rate =
+                        density * this.excess(i) / span - this.own.local[i].divergence as f64;
                     let right = rate / (n * dt * unit) + this.sums[i][1] as f64;
                     // What is stretched at a surface tears: a sheet of one or two particles cannot
                     // get thinner, and to hold it together would take its energy.
@@ -182,15 +191,24 @@ impl<S: Scheme> Projection<S> {
         self.equation.right = values;
     }
 
+    /// How much too dense particle `i` is, over rho0. Spray is not too thin.
+    pub(super) fn excess(&self, i: usize) -> f64 {
+        let [_, seen] = S::dense(self, i);
+        match self.own.local[i].kernel_sum < LOOSE {
+            true => (seen - 1.0).max(0.0),
+            false => seen - 1.0,
+        }
+    }
+
     /// In which time a part of the deviation of density goes, s: a step of the scene's own speed at
     /// least, else the steps that a few fast particles shorten would ask for ever more pressure.
-    fn span(&self, dt: f64) -> f64 {
+    pub(super) fn span(&self, dt: f64) -> f64 {
         let usual = self.settings.courant * self.liquid.case.spacing / self.liquid.case.speed;
         if usual.is_finite() { dt.max(usual) } else { dt }
     }
 
     /// What a surface holds before it tears, Pa: the tension of a particle of radius h.
-    fn cohesion(&self) -> f64 {
+    pub(super) fn cohesion(&self) -> f64 {
         let case = &self.liquid.case;
         let sides = case.dimension.count() as f64 - 1.0;
         let sigma = case.effects.sigma().unwrap_or(0.0);
@@ -209,7 +227,7 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// The right-hand side of the group of wall particles `i`: what its offsets move.
-    fn wall_flux(&self, i: usize, dt: f64) -> f64 {
+    pub(super) fn wall_flux(&self, i: usize, dt: f64) -> f64 {
         let (h, sums) = (self.liquid.case.h, &self.sums[i]);
         let group = i - self.liquid.len();
         let slope = self
@@ -225,6 +243,12 @@ impl<S: Scheme> Projection<S> {
         self.unknown.resize(self.equation.len(), 0.0);
         self.unknown[..n].copy_from_slice(&self.own.pressure);
         self.unknown[n..].copy_from_slice(&self.walls.guess);
+        if self.transposed.given.len() == self.unknown.len() {
+            let (given, held) = (&self.transposed.given, self.cohesion());
+            each_mut(&mut self.unknown[..], |i, p| {
+                *p = if given[i] { -held } else { *p }
+            });
+        }
     }
 
     /// Where multigrid lays its grids.
@@ -238,24 +262,32 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// With the preconditioner of the settings, then with the safest.
-    fn solve(&mut self) -> Outcome {
-        let domain = self.domain();
-        let wanted = (self.settings.tolerance, self.settings.iterations);
-        let (equation, x) = (&mut self.equation, &mut self.unknown);
-        let first = self.settings.preconditioner;
-        let outcome = self.solver.solve(equation, &domain, first, wanted, x);
+    pub(super) fn solve(&mut self, tolerance: f64) -> Outcome {
+        let wanted = (tolerance, self.settings.iterations);
+        let outcome = self.solve_with(self.settings.preconditioner, wanted);
         if outcome.converged {
             return outcome;
         }
         self.solution.repeated += 1;
         self.guess();
-        let (equation, x) = (&mut self.equation, &mut self.unknown);
-        let wanted = (wanted.0, PATIENCE * wanted.1);
-        let second = Preconditioner::Diagonal;
-        let again = self.solver.solve(equation, &domain, second, wanted, x);
+        let again = self.solve_with(Preconditioner::Diagonal, (wanted.0, PATIENCE * wanted.1));
         Outcome {
             iterations: outcome.iterations + again.iterations,
             ..again
         }
+    }
+
+    fn solve_with(&mut self, by: Preconditioner, wanted: (f64, usize)) -> Outcome {
+        let domain = self.domain();
+        let mut solver = std::mem::take(&mut self.solver);
+        let mut equation = std::mem::take(&mut self.equation);
+        let mut x = std::mem::take(&mut self.unknown);
+        let (e, d) = (&mut equation, &domain);
+        let outcome = match self.scheme.is_transposed() {
+            true => solver.solve((e, d), &mut Product(self), by, wanted, &mut x),
+            false => solver.solve((e, d), &mut Rows, by, wanted, &mut x),
+        };
+        (self.solver, self.equation, self.unknown) = (solver, equation, x);
+        outcome
     }
 }

@@ -24,6 +24,8 @@ pub enum Gradient {
     Symmetric,
     /// Difference of pressures, corrected kernel gradient: exact for linear pressure.
     Corrected,
+    /// The transpose of the divergence, in the pressure equation too: pressure feeds in no energy.
+    Transposed,
 }
 
 /// Settings of ISPH.

@@ -28,6 +28,8 @@ pub enum MpsGradient {
     Corrected,
     /// Corrected, near a surface with the gradient of the smooth kernel.
     Blended,
+    /// The transpose of the divergence, in the pressure equation too: pressure feeds in no energy.
+    Transposed,
 }
 
 impl MpsGradient {

@@ -14,7 +14,6 @@ use super::tree::{Tree, Value, child};
 
 /// Replacements where a preset's own choice is not possible.
 const RAW_COLOUR: &str = "effects.tension.form = \"raw-colour\"";
-const SYMMETRIC: &str = "method.isph.gradient = \"symmetric\"";
 const STRESS: &str = include_str!("mps-stress.toml");
 
 /// The fragments of a preset, the first one on top.
@@ -82,25 +81,54 @@ fn is_other(key: &str, name: MethodName) -> bool {
 
 /// Changes of a preset that the user's settings require.
 fn adapted(tree: &Tree<'_>, name: MethodName, preset: Preset) -> Option<&'static str> {
-    let word = |key: &str| tree.text_at(key);
-    match name {
-        // The surface energy needs dual stepping and Wendland's kernel.
-        MethodName::Wcsph => {
-            let stepping = tree.get("method.wcsph.time_stepping").is_some();
-            let dual = tree.get("method.wcsph.time_stepping.dual").is_some();
-            let kernel = word("method.wcsph.kernel").unwrap_or("wendland-c2");
-            let is_served = (dual || !stepping) && kernel == "wendland-c2";
-            (preset == Preset::Modern && !is_served).then_some(RAW_COLOUR)
-        }
-        // The pressure gradient must be the adjoint of the divergence.
-        MethodName::Isph => {
-            let form = word("effects.tension.form");
-            (form == Some("surface-energy")).then_some(SYMMETRIC)
-        }
-        // Young's force requires the stress of `modern`.
-        MethodName::Mps => {
+    let form = tree.text_at("effects.tension.form");
+    let is_modern = preset == Preset::Modern;
+    match form {
+        Some("surface-energy") => transposed(name),
+        None if is_modern && !bears_energy(tree, name) => Some(RAW_COLOUR),
+        None if is_modern && tree.get("effects.tension").is_some() => transposed(name),
+        _ => {
+            // Young's force requires the stress.
             let wets = tree.get("effects.wetting").is_some();
-            (wets && preset != Preset::Paper).then_some(STRESS)
+            let is_counted = name == MethodName::Mps && preset == Preset::Corrected;
+            (wets && is_counted).then_some(STRESS)
+        }
+    }
+}
+
+/// The gradient of the pressure that derives from an energy too.
+fn transposed(name: MethodName) -> Option<&'static str> {
+    match name {
+        MethodName::Wcsph => None,
+        MethodName::Isph => Some("method.isph.gradient = \"transposed\""),
+        MethodName::Mps => Some("method.mps.gradient = \"transposed\""),
+    }
+}
+
+/// Whether `modern` has a tension that is the derivative of an energy with the user's settings:
+/// Wendland's kernel and dual stepping, or the pressure equation of a transposed gradient. With
+/// contact angles the projections have the stress, whose angles are nearer (docs/validation.md).
+fn bears_energy(tree: &Tree<'_>, name: MethodName) -> bool {
+    let is = |key: &str, value: &str| {
+        let key = format!("method.{}.{key}", name.word());
+        tree.get(&key).is_none() || tree.text_at(&key) == Some(value)
+    };
+    let has = |table: &str, key: &str| {
+        let table = format!("method.{}.{table}", name.word());
+        tree.get(&table).is_none() || tree.get(&format!("{table}.{key}")).is_some()
+    };
+    match name {
+        MethodName::Wcsph => is("kernel", "wendland-c2") && has("time_stepping", "dual"),
+        MethodName::Isph | MethodName::Mps => {
+            let words = [
+                ("kernel", "wendland-c2"),
+                ("gradient", "transposed"),
+                ("closure", "completed"),
+                ("pressure", "signed"),
+            ];
+            let wets = tree.get("effects.wetting").is_some();
+            let fits = words.into_iter().all(|(key, value)| is(key, value));
+            !wets && fits && has("source", "divergence")
         }
     }
 }

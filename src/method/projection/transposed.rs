@@ -1,0 +1,285 @@
+//! The pressure whose gradient is the transpose of the divergence.
+//!
+//! (1) (D v)_a = c SUM (v_a - v_b) . r_ab g_ab,  a liquid particle or a group of wall particles
+//! (2) (G p)_a = c / rho0 SUM (p_a + p_b) r_ab g_ab
+//! (3) v^(n+1) = v* + dt G p,  [(1 - beta) D G + beta A / rho0] p = (s - D v*) / dt
+//! g: the weight of the method's gradients ([`Weight`]), c its factor; A: the Laplacian that
+//! [`Scheme::couple`] has, which is also what multigrid makes smooth; s: what brings density back.
+//!
+//! The work of (2), SUM m v . G p = m / rho0 SUM p D v, is that of the volumes and of nothing else.
+//! With A alone (beta = 1) (2) does not take away what (1) finds: where particles are in disorder
+//! G of a constant p is not zero, A of it is, and what G adds grows with p. A pool of 40 layers
+//! burst. With D G alone that is gone, but fields that G does not see (every second particle up,
+//! every second down) have no pressure. A mixture keeps both: over a step of which theta is
+//! implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence, which
+//! is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
+//! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]).
+
+use super::{Projection, SURFACE, Scheme};
+use crate::kernel::Kernel;
+use crate::method::pressure::{Equation, Matrix, Outcome};
+use crate::payload;
+use crate::space::lane::{Real, dot};
+use crate::space::parallel::each_mut;
+use crate::space::sweep::{Pair, Pass};
+use std::marker::PhantomData;
+
+/// Part of the largest stable share of A in (3).
+const PART: f64 = 0.6;
+
+/// The solution that shows where liquid tears needs no more than so many times the tolerance, and
+/// no more than so much.
+const ROUGH: f64 = 10.0;
+const ROUGHEST: f64 = 1e-2;
+
+/// beta of (3).
+fn share(theta: f64) -> f64 {
+    PART * (1.0 - 0.5 / theta)
+}
+
+/// The weight of gradients: grad f_a = -c SUM (f_b - f_a) d g with d = (r_a - r_b) / h.
+pub trait Weight: Copy + Send + Sync {
+    /// g from the squared distance over h.
+    fn at<F: Real>(&self, q2: F) -> F;
+}
+
+/// -W'(q) / q.
+#[derive(Clone, Copy)]
+pub struct OfKernel<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Weight for OfKernel<K> {
+    #[inline(always)]
+    fn at<F: Real>(&self, q2: F) -> F {
+        q2.splat(0.0) - K::slope_lanes(q2.sqrt())
+    }
+}
+
+payload! {
+    /// What [`Divergence`] reads.
+    pub struct Flowing<F> {
+        /// m/s, or m/s^2.
+        velocity: [F; 3],
+    }
+}
+
+payload! {
+    /// What [`PressureForce`] reads.
+    pub struct Pressing<F> {
+        /// Pa.
+        pressure: F,
+    }
+}
+
+/// (1); for a wall particle its part of the group's.
+pub struct Divergence<W> {
+    /// g.
+    pub weight: W,
+    /// c, 1/m.
+    pub factor: f64,
+}
+
+impl<W: Weight> Pass<1> for Divergence<W> {
+    type Payload = Flowing;
+    type Out = f64;
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Flowing>, sum: &mut [F; 1]) {
+        let v = [0, 1, 2].map(|a| pair.own.velocity[a] - pair.other.velocity[a]);
+        sum[0] = self.weight.at(pair.q2).mul_add(dot(v, pair.d), sum[0]);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
+        *out = self.factor * sum[0] as f64;
+    }
+}
+
+/// (2).
+pub struct PressureForce<W> {
+    /// g.
+    pub weight: W,
+    /// c / rho0, m^2/kg.
+    pub factor: f64,
+}
+
+impl<W: Weight> Pass<3> for PressureForce<W> {
+    type Payload = Pressing;
+    type Out = [f32; 3];
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Pressing>, sum: &mut [F; 3]) {
+        let f = self.weight.at(pair.q2) * (pair.own.pressure + pair.other.pressure);
+        for a in 0..3 {
+            sum[a] = f.mul_add(pair.d[a], sum[a]);
+        }
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
+    }
+}
+
+/// Memory of the products.
+#[derive(Default)]
+pub(super) struct Transposed {
+    /// D v* + dt D G c, and that of a product, by unknown.
+    flux: Vec<f64>,
+    /// Whether the pressure of an unknown is given.
+    pub given: Vec<bool>,
+    /// By wall particle.
+    at_walls: Vec<f64>,
+}
+
+impl Transposed {
+    pub fn memory(&self) -> usize {
+        8 * (self.flux.capacity() + self.at_walls.capacity()) + self.given.capacity()
+    }
+}
+
+impl<S: Scheme> Projection<S> {
+    /// D of v* or, without `moving`, of `push`, by unknown.
+    fn find_divergence(&mut self, moving: bool, out: &mut [f64]) {
+        let n = self.liquid.len();
+        let still = Flowing::default();
+        let push = &self.own.push;
+        if moving {
+            self.liquid.flow.repack(
+                |p, i| Flowing {
+                    velocity: [0, 1, 2].map(|a| p.velocity[a][i] as f32),
+                },
+                |w, j| Flowing {
+                    velocity: [0, 1, 2].map(|a| w.velocity[a][j] as f32),
+                },
+            );
+        } else {
+            let velocity = |i: usize| push[i];
+            self.liquid.flow.repack(
+                |_, i| Flowing {
+                    velocity: velocity(i),
+                },
+                |_, _| still,
+            );
+        }
+        let (weight, factor) = S::weight(self);
+        let pass = Divergence { weight, factor };
+        self.liquid.sum(&pass, &mut out[..n]);
+        if self.walls.len() == 0 {
+            return;
+        }
+        let at_walls = &mut self.transposed.at_walls;
+        at_walls.resize(self.liquid.flow.walls(), 0.0);
+        self.liquid.sum_at_walls(&pass, at_walls);
+        for g in 0..self.walls.len() {
+            let members = self.walls.members(g).iter();
+            out[n + g] = members.map(|&j| at_walls[j as usize]).sum();
+        }
+    }
+
+    /// `push` = G of `x` and, with `lifted`, of the offsets of wall particles.
+    fn press(&mut self, x: Option<&[f64]>, lifted: bool) {
+        let n = self.liquid.len();
+        let walls = &self.walls;
+        let value = |i: usize| x.map_or(0.0, |x| x[i] as f32);
+        let offset = |j: usize| if lifted { walls.offset[j] } else { 0.0 };
+        self.liquid.flow.repack(
+            |_, i| Pressing { pressure: value(i) },
+            |_, j| Pressing {
+                pressure: value(n + walls.group[j] as usize) + offset(j),
+            },
+        );
+        self.own.push.resize(n, [0.0; 3]);
+        let (weight, factor) = S::weight(self);
+        let factor = factor / self.liquid.case.density;
+        self.liquid
+            .sum(&PressureForce { weight, factor }, &mut self.own.push);
+    }
+
+    /// Solves (3) where liquid at a surface holds no more than its cohesion: it has that pressure and
+    /// is let go where the solution has a lower one.
+    pub(super) fn solve_torn(&mut self) -> Outcome {
+        let tolerance = self.settings.tolerance;
+        let rough = self.solve((ROUGH * tolerance).min(ROUGHEST));
+        if !rough.converged {
+            return rough;
+        }
+        let (n, held) = (self.liquid.len(), self.cohesion());
+        let local = &self.own.local;
+        each_mut(
+            (
+                &mut self.transposed.given[..n],
+                &mut self.unknown[..n],
+                &mut self.equation.right[..n],
+            ),
+            |i, (given, p, right)| {
+                let is_surface = (local[i].kernel_sum as f64) < SURFACE;
+                if is_surface && *p < -held {
+                    (*given, *p, *right) = (true, -held, 0.0);
+                }
+            },
+        );
+        self.solver.is_prepared = true;
+        let outcome = self.solve(tolerance);
+        self.solver.is_prepared = false;
+        Outcome {
+            iterations: rough.iterations + outcome.iterations,
+            ..outcome
+        }
+    }
+
+    /// `push` = G of the solution.
+    pub(super) fn press_all(&mut self) {
+        let x = std::mem::take(&mut self.unknown);
+        self.press(Some(&x), true);
+        self.unknown = x;
+    }
+
+    /// The right-hand side of (3) over the unit of the rows, `dt` s.
+    pub(super) fn set_right_transposed(&mut self, dt: f64, density: f64) {
+        let mut flux = std::mem::take(&mut self.transposed.flux);
+        let count = self.equation.len();
+        self.transposed.given.clear();
+        self.transposed.given.resize(count, false);
+        flux.resize(count, 0.0);
+        let beta = share(self.settings.theta);
+        let mut lift = std::mem::take(&mut self.equation.right);
+        lift.resize(count, 0.0);
+        self.press(None, true);
+        self.find_divergence(false, &mut lift);
+        self.find_divergence(true, &mut flux);
+        let (this, n, unit) = (&*self, self.liquid.len(), S::unit(self));
+        let span = this.span(dt);
+        each_mut(&mut lift[..count], |i, right| {
+            let flux = flux[i] + (1.0 - beta) * dt * *right;
+            if i >= n {
+                *right = beta * this.wall_flux(i, dt) - flux / (dt * unit);
+                return;
+            }
+            let rate = density * this.excess(i) / span - flux;
+            *right = rate / (dt * unit) + beta * this.sums[i][1] as f64;
+        });
+        self.equation.right = lift;
+        self.transposed.flux = flux;
+    }
+}
+
+/// The matrix of (3) over the unit of the rows.
+pub(super) struct Product<'a, S: Scheme>(pub &'a mut Projection<S>);
+
+impl<S: Scheme> Matrix for Product<'_, S> {
+    fn clear_given(&self, v: &mut [f64]) {
+        let given = &self.0.transposed.given;
+        each_mut(v, |i, v| {
+            if given.get(i) == Some(&true) {
+                *v = 0.0
+            }
+        });
+    }
+
+    fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]) {
+        let this = &mut *self.0;
+        let beta = share(this.settings.theta);
+        this.press(Some(x), false);
+        this.find_divergence(false, out);
+        let scale = (1.0 - beta) / S::unit(this);
+        each_mut(out, |i, out| {
+            *out = scale * *out + beta * equation.row(i, x)
+        });
+    }
+}

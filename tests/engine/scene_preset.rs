@@ -1,0 +1,43 @@
+//! What presets supply where the scene asks for something else.
+
+use super::scene_file::small;
+use coronet::scene::{Gradient, Method, TensionForm};
+
+/// Where the energy of the surface is not served, `modern` has the stress; angles of MPS too.
+#[test]
+fn presets_follow_what_the_scene_says() {
+    let form = |sets: &[&str]| small(sets).scene.effects.tension.unwrap().form;
+    assert_eq!(form(&[]), TensionForm::SurfaceEnergy);
+    for set in [
+        "method.wcsph.kernel=cubic-spline",
+        "method.wcsph.time_stepping={ adaptive = {} }",
+    ] {
+        assert_eq!(form(&[set]), TensionForm::RawColour, "{set}");
+    }
+    let gradient = |sets: &[&str]| match small(sets).scene.problem.method {
+        Method::Isph(isph) => isph.gradient,
+        _ => panic!("not ISPH"),
+    };
+    let isph = "method.name=isph";
+    assert_eq!(form(&[isph]), TensionForm::SurfaceEnergy);
+    assert_eq!(gradient(&[isph]), Gradient::Transposed);
+    for set in [
+        "method.isph.gradient=corrected",
+        "method.isph.closure=mirrored",
+    ] {
+        assert_eq!(form(&[isph, set]), TensionForm::RawColour, "{set}");
+        assert_eq!(gradient(&[isph, set]), Gradient::Corrected, "{set}");
+    }
+    assert_eq!(
+        gradient(&[isph, "effects.tension.form=raw-colour"]),
+        Gradient::Corrected
+    );
+    assert_eq!(
+        form(&[isph, "effects.wetting.angle=60 deg"]),
+        TensionForm::RawColour
+    );
+    let corrected = ["method.name=mps", "method.preset=corrected"];
+    let wets = [&corrected[..], &["effects.wetting.angle=60 deg"]].concat();
+    assert_eq!(form(&corrected), TensionForm::NumberDensityExact);
+    assert_eq!(form(&wets), TensionForm::RawColour);
+}

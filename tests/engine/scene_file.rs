@@ -2,8 +2,8 @@
 
 use coronet::scene::file::{self, Loaded};
 use coronet::scene::{
-    Arrangement, Dimension, Effects, Method, Motion, Shape, Side, Sph, TensionForm, TensionIn,
-    TimeStepping, Wcsph, key, numbers, schema,
+    Arrangement, Dimension, Effects, Method, Motion, Shape, Side, Sph, TensionIn, TimeStepping,
+    Wcsph, key, numbers, schema,
 };
 use std::path::{Path, PathBuf};
 

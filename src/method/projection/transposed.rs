@@ -191,8 +191,8 @@ impl<S: Scheme> Projection<S> {
             .sum(&PressureForce { weight, factor }, &mut self.own.push);
     }
 
-    /// Solves (3) where liquid at a surface holds no more than its cohesion: it has that pressure and
-    /// is let go where the solution has a lower one.
+    /// Solves (3) where liquid at a surface holds no more than its cohesion: it has that pressure
+    /// where the solution has a lower one, and is let go.
     pub(super) fn solve_torn(&mut self) -> Outcome {
         let tolerance = self.settings.tolerance;
         let rough = self.solve((ROUGH * tolerance).min(ROUGHEST));

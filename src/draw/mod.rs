@@ -15,3 +15,9 @@ pub mod scatter;
 pub mod section;
 pub mod surface;
 pub mod view;
+
+/// 0 below `low`, 1 above `high`, smooth between.
+fn smooth_step(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

@@ -3,7 +3,7 @@
 //! [`is_temporary`]).
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -105,6 +105,23 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let mut file = AtomicFile::create(path)?;
     file.write_all(bytes)
         .map_err(FileError::new(path, "write"))?;
+    file.commit()
+}
+
+/// Replaces `path` by what `fill` writes, atomically and durably.
+///
+/// # Errors
+/// If the file cannot be written or renamed.
+pub fn write_with(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&mut AtomicFile>) -> io::Result<()>,
+) -> Result<(), FileError> {
+    let mut file = AtomicFile::create(path)?;
+    let mut out = BufWriter::with_capacity(1 << 20, &mut file);
+    let flushed = fill(&mut out).and_then(|()| out.flush());
+    // Dropping the buffer would try again to write its rest.
+    drop(out.into_parts());
+    flushed.map_err(FileError::new(path, "write"))?;
     file.commit()
 }
 

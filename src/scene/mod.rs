@@ -56,6 +56,7 @@ pub use stage::{
     Relax, StopWhen,
 };
 use tree::Tree;
+pub use unit::Rgb;
 pub use wetting::Wetting;
 
 /// Number of space dimensions.

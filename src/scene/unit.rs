@@ -275,6 +275,13 @@ impl<U: Dimension> JsonSchema for Unlimited<U> {
 pub struct Rgb;
 
 impl Rgb {
+    /// The colour that a text is, if it is one.
+    pub fn parse(text: &str) -> Option<[u8; 3]> {
+        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+        let [_, rgb @ ..] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
+        Some(rgb)
+    }
+
     /// # Errors
     /// Those of the format.
     pub fn serialize<S: Serializer>(rgb: &[u8; 3], to: S) -> Result<S::Ok, S::Error> {
@@ -286,12 +293,7 @@ impl Rgb {
     /// A text that is not a colour.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[u8; 3], D::Error> {
         let text = String::deserialize(from)?;
-        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6);
-        let code = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok());
-        let [_, rgb @ ..] = code
-            .ok_or_else(|| D::Error::custom("not #rrggbb"))?
-            .to_be_bytes();
-        Ok(rgb)
+        Rgb::parse(&text).ok_or_else(|| D::Error::custom("not #rrggbb"))
     }
 }
 

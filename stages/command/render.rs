@@ -12,7 +12,7 @@ use coronet::draw::render::camera::View;
 use coronet::particle::Frame;
 use coronet::record::{atomic, mesh};
 use coronet::scene::quantity::{self, Unit};
-use coronet::scene::{Dimension, Scene};
+use coronet::scene::{Dimension, Rgb, Scene};
 use serde_json::json;
 
 use super::footage::Footage;
@@ -64,10 +64,7 @@ pub fn size(text: &str) -> Result<[usize; 2], String> {
 
 /// Parses a colour.
 pub fn colour(text: &str) -> Result<[u8; 3], String> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6);
-    let code = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok());
-    let [_, rgb @ ..] = code.ok_or("write it as #rrggbb")?.to_be_bytes();
-    Ok(rgb)
+    Rgb::parse(text).ok_or_else(|| "write it as #rrggbb".to_string())
 }
 
 /// Parses a point, m.
@@ -194,7 +191,7 @@ fn one(
     survey.add(scene, &frame);
     let artist = Artist::new(scene, &survey, style(arguments));
     let path = &arguments.output;
-    make_folder(path)?;
+    path.parent().map_or(Ok(()), atomic::create_folder)?;
     match format {
         Format::Film(kind) => {
             let mut film = Film::new(kind, path, arguments.size, arguments.rate)?;
@@ -235,7 +232,7 @@ fn many(
     }
     let artist = Artist::new(scene, &survey, style(arguments));
     let path = &arguments.output;
-    make_folder(path)?;
+    path.parent().map_or(Ok(()), atomic::create_folder)?;
     let mut film = match format {
         Format::Film(kind) => Some(Film::new(kind, path, arguments.size, arguments.rate)?),
         _ => None,
@@ -293,17 +290,6 @@ fn clear(path: &Path) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn make_folder(path: &Path) -> Result<()> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let Some(folder) = folder else {
-        return Ok(());
-    };
-    let cannot = || format!("cannot create the folder {}", folder.display());
-    fs::create_dir_all(folder).with_context(cannot)
 }
 
 fn print(arguments: &RenderArguments, made: &Made) {

@@ -71,9 +71,16 @@ fn equation(dimension: Dimension, side: f64, periodic: bool) -> (Equation, Domai
     (e, domain)
 }
 
+/// A solver that knows the equation.
+fn prepared(e: &Equation, domain: &Domain) -> Solver {
+    let mut solver = Solver::default();
+    solver.prepare(e, domain);
+    solver
+}
+
 fn solve(e: &mut Equation, domain: &Domain, with: Preconditioner) -> (Vec<f64>, Outcome) {
     let mut x = vec![0.0; e.len()];
-    let outcome = Solver::default().solve((e, domain), &mut Rows, with, (1e-8, 2000), &mut x);
+    let outcome = prepared(e, domain).solve(e, &mut Rows, with, (1e-8, 2000), &mut x);
     (x, outcome)
 }
 
@@ -148,7 +155,7 @@ fn a_smooth_solution_is_found_again() {
     // From the solution itself there is nothing to do.
     let mut x = known.clone();
     let with = Preconditioner::Multigrid;
-    let again = Solver::default().solve((&mut e, &domain), &mut Rows, with, (1e-8, 10), &mut x);
+    let again = prepared(&e, &domain).solve(&mut e, &mut Rows, with, (1e-8, 10), &mut x);
     assert_eq!(again.iterations, 0);
 }
 
@@ -159,7 +166,7 @@ fn multigrid_takes_as_many_iterations_at_every_size() {
             let (mut e, domain) = equation(Dimension::Three, side, periodic);
             let mut x = vec![0.0; e.len()];
             let outcome =
-                Solver::default().solve((&mut e, &domain), &mut Rows, with, (1e-6, 2000), &mut x);
+                prepared(&e, &domain).solve(&mut e, &mut Rows, with, (1e-6, 2000), &mut x);
             assert!(outcome.converged);
             outcome.iterations
         };
@@ -209,10 +216,10 @@ fn too_few_iterations_are_told() {
     let (mut e, domain) = equation(Dimension::Three, 12.0, false);
     let mut x = vec![0.0; e.len()];
     let with = Preconditioner::Diagonal;
-    let outcome = Solver::default().solve((&mut e, &domain), &mut Rows, with, (1e-10, 3), &mut x);
+    let outcome = prepared(&e, &domain).solve(&mut e, &mut Rows, with, (1e-10, 3), &mut x);
     assert!(!outcome.converged && outcome.iterations == 3 && outcome.residual > 1e-10);
     let nothing = vec![0.0; e.len()];
     e.right.copy_from_slice(&nothing);
-    let outcome = Solver::default().solve((&mut e, &domain), &mut Rows, with, (1e-10, 3), &mut x);
+    let outcome = prepared(&e, &domain).solve(&mut e, &mut Rows, with, (1e-10, 3), &mut x);
     assert!(outcome.converged && x == nothing);
 }

@@ -3,6 +3,7 @@
 use super::floor::Lit;
 use super::trace::{Tracer, V};
 use super::{Look, linear};
+use crate::draw::smooth_step;
 
 /// Linear red, green, blue.
 pub type Light = V;
@@ -20,11 +21,6 @@ pub struct Studio {
     radius: f32,
     /// The key light on the floor.
     lit: Option<Lit>,
-}
-
-fn smooth(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 impl Studio {
@@ -61,25 +57,26 @@ impl Studio {
         let up = along.z;
         let low = Light::new(0.16, 0.20, 0.26);
         let high = Light::new(0.60, 0.70, 0.84);
-        let mut light = low + (high - low) * smooth(-0.1, 0.9, up);
+        let mut light = low + (high - low) * smooth_step(-0.1, 0.9, up);
         // A soft box along the key light, a strip on the other side, and a weak one in front.
         let turn = V::z().cross(&self.key).normalize();
         let over = self.key.cross(&turn);
         let across = along.dot(&turn) / along.dot(&self.key).max(1e-3);
         let along_box = along.dot(&over) / along.dot(&self.key).max(1e-3);
         if along.dot(&self.key) > 0.0 {
-            let inside = smooth(0.42, 0.30, across.abs()) * smooth(0.34, 0.24, along_box.abs());
+            let inside =
+                smooth_step(0.42, 0.30, across.abs()) * smooth_step(0.34, 0.24, along_box.abs());
             light += Light::repeat(5.0) * inside;
         }
         let strip = V::new(0.85, 0.15, 0.42).normalize();
         let near = along.dot(&strip);
-        light += Light::new(1.5, 1.6, 1.75) * smooth(0.90, 0.97, near);
+        light += Light::new(1.5, 1.6, 1.75) * smooth_step(0.90, 0.97, near);
         light
     }
 
     /// What the camera sees behind everything, for a ray that goes up or meets the far floor.
     pub fn backdrop(&self, along: &V) -> Light {
-        let shade = 1.0 - 0.35 * smooth(0.0, 0.7, along.z.abs());
+        let shade = 1.0 - 0.35 * smooth_step(0.0, 0.7, along.z.abs());
         self.background * shade
     }
 
@@ -90,6 +87,6 @@ impl Studio {
         let back = self.backdrop(&V::new(along.x, along.y, 0.0));
         let received = self.lit.as_ref().map_or(1.0, |lit| lit.at(at));
         let lit = self.background * ((0.30 + 0.78 * received) * (0.87 + 0.13 * near));
-        back + (lit - back) * smooth(0.02, 0.5, near)
+        back + (lit - back) * smooth_step(0.02, 0.5, near)
     }
 }

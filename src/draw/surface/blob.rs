@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
 use super::points::Points;
+use crate::draw::smooth_step;
 
 /// Smoothing length of a particle inside, spacings.
 const SMOOTHING: f32 = 1.3;
@@ -83,13 +84,13 @@ impl Blob {
         if fullness > 0.85 && mean.norm() < 0.03 {
             return Blob::round(own, SMOOTHING * spacing, strength(SMOOTHING));
         }
-        let part = step(0.03, 0.30, fullness);
+        let part = smooth_step(0.03, 0.30, fullness);
         let smoothing = SMOOTHING * (0.62 + 0.38 * part);
-        let boost = 1.0 + 1.6 * (1.0 - step(0.03, 0.12, fullness));
+        let boost = 1.0 + 1.6 * (1.0 - smooth_step(0.03, 0.12, fullness));
         let eigen = SymmetricEigen::new(second / weight - mean * mean.transpose());
         let axes = eigen.eigenvalues.map(|l| l.max(0.0).sqrt());
         // Too few neighbours have no shape.
-        let round = 0.6 * (1.0 - step(0.03, 0.10, fullness)) + 1e-3;
+        let round = 0.6 * (1.0 - smooth_step(0.03, 0.10, fullness)) + 1e-3;
         let longest = axes.max() + round;
         let axes = axes.map(|a| ((a + round) / longest).max(1.0 / RATIO));
         let axes = axes / axes.product().cbrt();
@@ -108,10 +109,4 @@ impl Blob {
             extent: extent.into(),
         }
     }
-}
-
-/// 0 below `low`, 1 above `high`, smooth between.
-fn step(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

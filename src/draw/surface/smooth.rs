@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use super::Field;
+use crate::draw::smooth_step;
 
 /// Weights of a mean over five nodes, whose variance is one node squared.
 const BINOMIAL: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
@@ -39,9 +40,7 @@ impl Field {
         }
         let values = self.values.par_iter_mut().zip(mean).zip(depth);
         values.for_each(|((value, mean), depth)| {
-            let t = ((depth - 0.80) / 0.16).clamp(0.0, 1.0);
-            let part = t * t * (3.0 - 2.0 * t);
-            *value += part * (mean - *value);
+            *value += smooth_step(0.80, 0.96, depth) * (mean - *value);
         });
     }
 

@@ -193,8 +193,8 @@ impl Scheme for Mps {
     type Kernel = Smooth;
     /// n / n0.
     type Own = f32;
-    /// The last: w of neighbours with p = 0.
     type Weight = Steep;
+    /// The last: w of neighbours with p = 0.
     type Row = [f32; 7];
 
     fn completion(&self, case: &Case) -> surface::Completion {

@@ -8,6 +8,7 @@ use crate::kernel::Kernel;
 use crate::method::pass::Moving;
 use crate::method::projection::correction::{AXES, IDENTITY, inverse};
 use crate::method::projection::look::{Local, Sums, complete, divergence};
+use crate::method::projection::transposed::Weight;
 use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::sparse::Couple;
@@ -43,7 +44,7 @@ pub struct Steep {
     pub core: f32,
 }
 
-impl super::super::projection::transposed::Weight for Steep {
+impl Weight for Steep {
     #[inline(always)]
     fn at<F: Real>(&self, q2: F) -> F {
         steep(q2, self.reach, self.core)

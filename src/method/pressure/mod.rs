@@ -94,8 +94,6 @@ impl Matrix for Rows {
 /// Conjugate gradients with their memory.
 #[derive(Default)]
 pub struct Solver {
-    /// Whether multigrid knows the equation, of which only b has changed.
-    pub is_prepared: bool,
     multigrid: Multigrid,
     residual: Vec<f64>,
     direction: Vec<f64>,
@@ -110,11 +108,17 @@ impl Solver {
         8 * 4 * self.residual.capacity() + self.multigrid.memory()
     }
 
+    /// Makes multigrid ready for `equation`, whatever its b. `domain`: where it lays its grids.
+    pub fn prepare(&mut self, equation: &Equation, domain: &Domain) {
+        self.multigrid
+            .prepare(equation, domain, equation.is_enclosed());
+    }
+
     /// Solves A x = b for `x`, which comes with a first guess. b and preconditioners are those of
-    /// `equation`; `domain`: where multigrid lays its grids.
+    /// `equation`, for which [`Solver::prepare`] must have been called if multigrid is to serve.
     pub fn solve(
         &mut self,
-        (equation, domain): (&mut Equation, &Domain),
+        equation: &mut Equation,
         matrix: &mut impl Matrix,
         preconditioner: Preconditioner,
         (tolerance, most): (f64, usize),
@@ -133,9 +137,6 @@ impl Solver {
             &mut self.better,
         ] {
             v.resize(n, 0.0);
-        }
-        if preconditioner == Preconditioner::Multigrid && !self.is_prepared {
-            self.multigrid.prepare(equation, domain, enclosed);
         }
         let outcome = self.iterate(equation, matrix, preconditioner, (tolerance, most), x);
         if enclosed {

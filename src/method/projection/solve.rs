@@ -20,21 +20,24 @@ impl<S: Scheme> Projection<S> {
         self.look_ahead(dt);
         S::couple(self);
         self.close();
-        match self.settings.source {
-            PoissonSource::Divergence { density } if self.scheme.is_transposed() => {
-                self.set_right_transposed(dt, density)
-            }
-            _ => self.set_right(dt),
+        if self.settings.preconditioner == Preconditioner::Multigrid {
+            let domain = self.domain();
+            self.solver.prepare(&self.equation, &domain);
         }
-        self.guess();
-        let outcome = match self.scheme.is_transposed() {
-            true => self.solve_torn(),
-            false => self.solve(self.settings.tolerance),
+        let is_transposed = self.scheme.is_transposed();
+        let outcome = match self.settings.source {
+            PoissonSource::Divergence { density } if is_transposed => {
+                self.solve_transposed(dt, density)
+            }
+            _ => {
+                self.set_right(dt);
+                self.solve(self.settings.tolerance)
+            }
         };
         if outcome.converged {
             let n = self.liquid.len();
             self.own.pressure.copy_from_slice(&self.unknown[..n]);
-            match self.scheme.is_transposed() {
+            match is_transposed {
                 true => self.press_all(),
                 false => S::slope(self),
             }
@@ -238,17 +241,11 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// First guess: the last pressure, and before walls that of the liquid.
-    fn guess(&mut self) {
+    pub(super) fn guess(&mut self) {
         let n = self.liquid.len();
         self.unknown.resize(self.equation.len(), 0.0);
         self.unknown[..n].copy_from_slice(&self.own.pressure);
         self.unknown[n..].copy_from_slice(&self.walls.guess);
-        if self.transposed.given.len() == self.unknown.len() {
-            let (given, held) = (&self.transposed.given, self.cohesion());
-            each_mut(&mut self.unknown[..], |i, p| {
-                *p = if given[i] { -held } else { *p }
-            });
-        }
     }
 
     /// Where multigrid lays its grids.
@@ -261,8 +258,14 @@ impl<S: Scheme> Projection<S> {
         }
     }
 
-    /// With the preconditioner of the settings, then with the safest.
-    pub(super) fn solve(&mut self, tolerance: f64) -> Outcome {
+    /// From a first guess, with the preconditioner of the settings, then with the safest.
+    fn solve(&mut self, tolerance: f64) -> Outcome {
+        self.guess();
+        self.go_on(tolerance)
+    }
+
+    /// The same from the pressure that `unknown` has.
+    pub(super) fn go_on(&mut self, tolerance: f64) -> Outcome {
         let wanted = (tolerance, self.settings.iterations);
         let outcome = self.solve_with(self.settings.preconditioner, wanted);
         if outcome.converged {
@@ -278,14 +281,15 @@ impl<S: Scheme> Projection<S> {
     }
 
     fn solve_with(&mut self, by: Preconditioner, wanted: (f64, usize)) -> Outcome {
-        let domain = self.domain();
         let mut solver = std::mem::take(&mut self.solver);
         let mut equation = std::mem::take(&mut self.equation);
         let mut x = std::mem::take(&mut self.unknown);
-        let (e, d) = (&mut equation, &domain);
         let outcome = match self.scheme.is_transposed() {
-            true => solver.solve((e, d), &mut Product(self), by, wanted, &mut x),
-            false => solver.solve((e, d), &mut Rows, by, wanted, &mut x),
+            true => {
+                self.hold_given(&mut x);
+                solver.solve(&mut equation, &mut Product(self), by, wanted, &mut x)
+            }
+            false => solver.solve(&mut equation, &mut Rows, by, wanted, &mut x),
         };
         (self.solver, self.equation, self.unknown) = (solver, equation, x);
         outcome

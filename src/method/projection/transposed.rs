@@ -1,16 +1,16 @@
 //! The pressure whose gradient is the transpose of the divergence.
 //!
-//! (1) (D v)_a = c SUM (v_a - v_b) . r_ab g_ab,  a liquid particle or a group of wall particles
-//! (2) (G p)_a = c / rho0 SUM (p_a + p_b) r_ab g_ab
+//! (1) (D v)_a = c SUM (v_a - v_b) . d_ab g_ab,  a: a liquid particle or a group of wall particles
+//! (2) (G p)_a = c / rho0 SUM (p_a + p_b) d_ab g_ab,  d_ab = (r_a - r_b) / h
 //! (3) v^(n+1) = v* + dt G p,  [(1 - beta) D G + beta A / rho0] p = (s - D v*) / dt
 //! g: the weight of the method's gradients ([`Weight`]), c its factor; A: the Laplacian that
 //! [`Scheme::couple`] has, which is also what multigrid makes smooth; s: what brings density back.
 //!
 //! The work of (2), SUM m v . G p = m / rho0 SUM p D v, is that of the volumes and of nothing else.
 //! With A alone (beta = 1) (2) does not take away what (1) finds: where particles are in disorder
-//! G of a constant p is not zero, A of it is, and what G adds grows with p. A pool of 40 layers
-//! burst. With D G alone that is gone, but fields that G does not see (every second particle up,
-//! every second down) have no pressure. A mixture keeps both: over a step of which theta is
+//! G p of a constant p is not zero, but A p is, so that an error stays which grows with p. A pool
+//! of 40 layers burst. With D G alone that is gone, but fields that G does not see (every second
+//! particle up, every second down) have no pressure. A mixture keeps both: over a step of which theta is
 //! implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence, which
 //! is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
 //! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]).
@@ -119,10 +119,10 @@ impl<W: Weight> Pass<3> for PressureForce<W> {
 /// Memory of the products.
 #[derive(Default)]
 pub(super) struct Transposed {
-    /// D v* + dt D G c, and that of a product, by unknown.
+    /// D v*, by unknown.
     flux: Vec<f64>,
     /// Whether the pressure of an unknown is given.
-    pub given: Vec<bool>,
+    given: Vec<bool>,
     /// By wall particle.
     at_walls: Vec<f64>,
 }
@@ -191,36 +191,45 @@ impl<S: Scheme> Projection<S> {
             .sum(&PressureForce { weight, factor }, &mut self.own.push);
     }
 
-    /// Solves (3) where liquid at a surface holds no more than its cohesion: it has that pressure
-    /// where the solution has a lower one, and is let go.
-    pub(super) fn solve_torn(&mut self) -> Outcome {
+    /// Solves (3), `dt` s; `density`: the part of its deviation that goes. Liquid at a surface
+    /// holds no more than its cohesion: where the first solution has a lower pressure, that one is
+    /// given, and the rest solved again.
+    pub(super) fn solve_transposed(&mut self, dt: f64, density: f64) -> Outcome {
+        self.transposed.given.clear();
+        self.transposed.given.resize(self.equation.len(), false);
+        self.set_right_transposed(dt, density);
+        self.guess();
         let tolerance = self.settings.tolerance;
-        let rough = self.solve((ROUGH * tolerance).min(ROUGHEST));
+        let rough = self.go_on((ROUGH * tolerance).min(ROUGHEST));
         if !rough.converged {
             return rough;
         }
         let (n, held) = (self.liquid.len(), self.cohesion());
-        let local = &self.own.local;
+        let (local, p) = (&self.own.local, &self.unknown);
+        let given = &mut self.transposed.given[..n];
         each_mut(
-            (
-                &mut self.transposed.given[..n],
-                &mut self.unknown[..n],
-                &mut self.equation.right[..n],
-            ),
-            |i, (given, p, right)| {
-                let is_surface = (local[i].kernel_sum as f64) < SURFACE;
-                if is_surface && *p < -held {
-                    (*given, *p, *right) = (true, -held, 0.0);
+            (given, &mut self.equation.right[..n]),
+            |i, (given, right)| {
+                if (local[i].kernel_sum as f64) < SURFACE && p[i] < -held {
+                    (*given, *right) = (true, 0.0);
                 }
             },
         );
-        self.solver.is_prepared = true;
-        let outcome = self.solve(tolerance);
-        self.solver.is_prepared = false;
+        let outcome = self.go_on(tolerance);
         Outcome {
             iterations: rough.iterations + outcome.iterations,
             ..outcome
         }
+    }
+
+    /// Gives `x` the pressures that are given.
+    pub(super) fn hold_given(&self, x: &mut [f64]) {
+        let (given, held) = (&self.transposed.given, self.cohesion());
+        each_mut(x, |i, p| {
+            if given[i] {
+                *p = -held
+            }
+        });
     }
 
     /// `push` = G of the solution.
@@ -231,17 +240,19 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// The right-hand side of (3) over the unit of the rows, `dt` s.
-    pub(super) fn set_right_transposed(&mut self, dt: f64, density: f64) {
+    fn set_right_transposed(&mut self, dt: f64, density: f64) {
         let mut flux = std::mem::take(&mut self.transposed.flux);
         let count = self.equation.len();
-        self.transposed.given.clear();
-        self.transposed.given.resize(count, false);
         flux.resize(count, 0.0);
         let beta = share(self.settings.theta);
         let mut lift = std::mem::take(&mut self.equation.right);
         lift.resize(count, 0.0);
-        self.press(None, true);
-        self.find_divergence(false, &mut lift);
+        if self.walls.len() == 0 {
+            lift.fill(0.0);
+        } else {
+            self.press(None, true);
+            self.find_divergence(false, &mut lift);
+        }
         self.find_divergence(true, &mut flux);
         let (this, n, unit) = (&*self, self.liquid.len(), S::unit(self));
         let span = this.span(dt);
@@ -266,7 +277,7 @@ impl<S: Scheme> Matrix for Product<'_, S> {
     fn clear_given(&self, v: &mut [f64]) {
         let given = &self.0.transposed.given;
         each_mut(v, |i, v| {
-            if given.get(i) == Some(&true) {
+            if given[i] {
                 *v = 0.0
             }
         });

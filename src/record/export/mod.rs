@@ -11,11 +11,10 @@ pub use self::csv::cell;
 pub use table::{Column, Table};
 
 use std::fs;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use super::atomic::{self, AtomicFile};
+use super::atomic;
 use super::checkpoint::{self, CheckpointError};
 use super::log::{self, LogError};
 use crate::file::FileError;
@@ -151,18 +150,11 @@ impl Format {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(self, table: &Table, path: &Path) -> Result<(), ExportError> {
-        let mut file = AtomicFile::create(path)?;
-        let mut out = BufWriter::with_capacity(1 << 20, &mut file);
-        let written = match self {
-            Format::Vtk => vtp::write(table, &mut out),
-            Format::Csv => csv::write(table, &mut out),
-            Format::Ply => ply::write(table, &mut out),
-        };
-        let flushed = written.and_then(|()| out.flush());
-        // Dropping the buffer would try again to write its rest.
-        drop(out.into_parts());
-        flushed.map_err(FileError::new(path, "write"))?;
-        Ok(file.commit()?)
+        Ok(atomic::write_with(path, |out| match self {
+            Format::Vtk => vtp::write(table, out),
+            Format::Csv => csv::write(table, out),
+            Format::Ply => ply::write(table, out),
+        })?)
     }
 }
 

@@ -5,10 +5,9 @@ mod obj;
 mod ply;
 mod vtp;
 
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use super::atomic::{AtomicFile, FileError};
+use super::atomic::{self, FileError};
 
 /// A surface of triangles, counter-clockwise as seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,19 +56,12 @@ impl Mesh {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, format: Format, path: &Path) -> Result<(), FileError> {
-        let mut file = AtomicFile::create(path)?;
-        let mut out = BufWriter::with_capacity(1 << 20, file.file());
-        let written = match format {
-            Format::Ply => ply::write(self, &mut out),
-            Format::Obj => obj::write(self, &mut out),
-            Format::Glb => gltf::write(self, &mut out),
-            Format::Vtp => vtp::write(self, &mut out),
-        };
-        let flushed = written.and_then(|()| out.flush());
-        // Dropping the buffer would try again to write its rest.
-        drop(out.into_parts());
-        flushed.map_err(FileError::new(path, "write"))?;
-        file.commit()
+        atomic::write_with(path, |out| match format {
+            Format::Ply => ply::write(self, out),
+            Format::Obj => obj::write(self, out),
+            Format::Glb => gltf::write(self, out),
+            Format::Vtp => vtp::write(self, out),
+        })
     }
 
     /// The enclosed volume, m^3.

@@ -27,6 +27,8 @@ pub struct Surface<'a> {
     pub density: &'a [f64],
     /// Mass of a particle, kg.
     pub mass: f64,
+    /// Masses of liquid and of wall particles over that, where they are rings; else none.
+    pub weights: Option<[&'a [f64]; 2]>,
     /// What two particles may have approached since the sort, m.
     pub slack: f64,
     /// How often particles were sorted.

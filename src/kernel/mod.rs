@@ -3,6 +3,8 @@
 //! `slope(q)` is w'(q) / q, so that grad W = norm / h^(d+2) slope(q) r_ab: finite at q = 0 and
 //! without a division for Wendland C2.
 
+pub mod ring;
+
 use crate::scene::KernelName;
 use crate::space::lane::Real;
 

@@ -88,6 +88,7 @@ pub fn budget(flow: &Flow, gravity: Option<[f64; 3]>) -> [f64; 5] {
         let v = [p.velocity[0][i], p.velocity[1][i], p.velocity[2][i]];
         let x = flow.position(i);
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let m = m * p.weight(i);
         [
             0.5 * m * dot(v, v),
             -m * dot(g, x),
@@ -108,7 +109,7 @@ pub fn gained(before: [f64; 3], after: [f64; 3]) -> f64 {
 pub fn power(p: &Particles, acceleration: &[[f32; 3]], parts: &mut Vec<[f64; 2]>) -> [f64; 2] {
     let of = |i: usize| {
         let pairs = [0, 1, 2].map(|a| [p.velocity[a][i], acceleration[i][a] as f64]);
-        let sums = |f: fn(&[f64; 2]) -> f64| pairs.iter().map(f).sum();
+        let sums = |f: fn(&[f64; 2]) -> f64| p.weight(i) * pairs.iter().map(f).sum::<f64>();
         [sums(|[v, a]| v * a), sums(|[_, a]| a * a)]
     };
     sum_in(parts, p.len(), of).map(|sum| p.mass * sum)
@@ -124,7 +125,7 @@ pub fn stored(
     let g = gravity.unwrap_or_default();
     let [energy] = sum_in(parts, p.len(), |i| {
         let part = |a: usize| 0.5 * p.velocity[a][i].powi(2) - g[a] * p.position[a][i];
-        [(0..3).map(part).sum::<f64>() + own(i)]
+        [p.weight(i) * ((0..3).map(part).sum::<f64>() + own(i))]
     });
     p.mass * energy
 }

@@ -200,11 +200,14 @@ impl Liquid {
             self.ledger.removes = false;
             return;
         };
-        let gone = self.len() - kept.len();
+        let (gone, before) = (self.len() - kept.len(), self.flow.particles.total_mass());
         self.flow.particles.visit(&mut Retain(&kept));
         own.visit(&mut Retain(&kept));
         self.now.removed_particles += gone as u64;
-        self.now.removed_mass += gone as f64 * self.flow.particles.mass;
+        self.now.removed_mass += match self.flow.particles.weight.is_empty() {
+            true => gone as f64 * self.flow.particles.mass,
+            false => before - self.flow.particles.total_mass(),
+        };
         self.ledger.removes = gone > 0;
     }
 
@@ -307,7 +310,8 @@ impl Liquid {
         };
         let p = &self.flow.particles;
         let [sum] = sum_in(&mut self.parts, p.len(), |i| {
-            [(0..3).map(|a| driven[a] * p.position[a][i]).sum()]
+            let along: f64 = (0..3).map(|a| driven[a] * p.position[a][i]).sum();
+            [p.weight(i) * along]
         });
         p.mass * sum
     }
@@ -348,7 +352,7 @@ impl Liquid {
     pub fn progress(&self, [x, y, z]: [f64; 3]) -> [(&'static str, f64); 8] {
         let (p, now) = (&self.flow.particles, &self.now);
         [
-            ("mass_kg", p.mass * p.len() as f64),
+            ("mass_kg", p.total_mass()),
             ("mass_removed_kg", now.removed_mass),
             ("momentum_x_kg_m_s", x),
             ("momentum_y_kg_m_s", y),

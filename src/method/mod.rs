@@ -13,6 +13,7 @@ pub mod pass;
 pub mod pressure;
 pub mod projection;
 pub mod rest;
+pub mod ring;
 pub mod shifting;
 pub mod start;
 pub mod wcsph;
@@ -148,7 +149,7 @@ pub fn build(
     let tension = tension_of(&case, strength, problem.method.shifting() > 0.0)
         .or_else(|| normals_of(&case, &problem.method));
     let effects = select::active(&case.effects, tension);
-    let (settings, d, h) = (case.sph, case.dimension.count(), case.h);
+    let (settings, d, h) = (case.sph, case.space, case.h);
     let asked = case.effects.clone();
     let parts = Parts {
         problem,
@@ -174,7 +175,7 @@ fn strength_of(
     Ok(match (given.or(stored), tension.strength) {
         (Some(alpha), _) | (None, TensionStrength::Fixed(alpha)) => alpha,
         (None, TensionStrength::Flat) if case.follows_energy() => 1.0,
-        (None, TensionStrength::Flat) => select::flat_strength(&case.sph, case.dimension.count()),
+        (None, TensionStrength::Flat) => select::flat_strength(&case.sph, case.space),
         (None, TensionStrength::Virial) => {
             let first = state.particles.body.first().copied().unwrap_or(0);
             let problems = [problem.calm(first as usize)];
@@ -185,7 +186,7 @@ fn strength_of(
 
 /// The tension of a case, with strength `alpha`; `shifts`: for a method that shifts particles.
 fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
-    let d = case.dimension.count();
+    let d = case.space;
     let mut tension = select::tension(&case.effects, &case.sph, d, case.h, case.density, alpha)?;
     let lengths = [case.spacing, tension.length];
     tension.wetting = select::wetting(
@@ -207,7 +208,7 @@ fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
 
 /// What shifting needs where there is no tension: its normals.
 fn normals_of(case: &Case, method: &Method) -> Option<Tension> {
-    let (d, length) = (case.dimension.count(), method.normals() * case.h);
+    let (d, length) = (case.space, method.normals() * case.h);
     let normals = || Tension::normals(case.sph.kernel, length, d, case.density);
     (method.shifting() > 0.0).then(normals)
 }
@@ -287,6 +288,9 @@ pub fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> 
         wall: &flow.wall.position,
         density: &flow.particles.density,
         mass: flow.particles.mass,
+        weights: flow
+            .is_axial()
+            .then_some([&flow.particles.weight, &flow.wall.weight]),
         slack: 2.0 * flow.moved(),
         sorted: flow.sorted,
         extra: flow.extra(),

@@ -16,6 +16,8 @@ pub struct Case {
     pub pairs: Pairs,
     /// Of the scene.
     pub dimension: Dimension,
+    /// Number of dimensions of the space that kernels fill: 3 where particles are rings.
+    pub space: usize,
     /// The box.
     pub domain: Domain,
     /// Effects of the scene.
@@ -63,6 +65,7 @@ impl Case {
             sph,
             pairs: problem.pairs,
             dimension: problem.dimension,
+            space: problem.space(),
             domain: problem.domain.clone(),
             effects: problem.effects.clone(),
             spacing: problem.spacing,
@@ -157,7 +160,7 @@ impl Model {
     /// The least density at a free surface, kg/m^3, where what is stretched tears: that of the
     /// pressure that tension holds across the finest surface, (d - 1) sigma / h.
     pub fn torn(&self, case: &Case) -> Option<f64> {
-        let held = (case.dimension.count() - 1) as f64 / case.h;
+        let held = (case.space - 1) as f64 / case.h;
         let sigma = case.effects.sigma().unwrap_or(0.0);
         let tears = self.settings.pressure == Pressure::Tearing;
         tears.then(|| self.density_at(-held * sigma))

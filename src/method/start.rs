@@ -2,9 +2,10 @@
 
 use super::Phase;
 use super::model::Model;
-use crate::particle::{Particles, State, pack};
+use crate::particle::{Particles, State, pack, ring};
 use crate::scene::input::{ImpactInput, Start};
 use crate::scene::{Body, Dimension, Method, Motion, Problem, Shape, Side};
+use std::borrow::Cow;
 
 fn shift(particles: &mut Particles, by: [f64; 3]) {
     for (x, by) in particles.position.iter_mut().zip(by) {
@@ -19,6 +20,7 @@ pub fn resting(problem: &Problem, body: &Particles) -> State {
     particles.mass = mass(problem);
     particles.body.fill(0);
     let spec = &problem.bodies[0];
+    weigh(problem, spec, &mut particles);
     if let Some(model) = evolving(problem, AT_REST) {
         particles.density = rest_density(problem, &model, spec, body);
     }
@@ -32,7 +34,22 @@ pub fn resting(problem: &Problem, body: &Particles) -> State {
 /// Mass of a particle of a problem, kg.
 fn mass(problem: &Problem) -> f64 {
     let sph = problem.method.sph();
-    pack::mass(problem.dimension, problem.density, problem.spacing, sph)
+    pack::mass(problem.space(), problem.density, problem.spacing, sph)
+}
+
+/// Gives the particles of a packed body the masses of rings where the box is a half-plane beside an
+/// axis: the body has its volume, and areas of the plane have the same mass.
+fn weigh(problem: &Problem, spec: &Body, body: &mut Particles) {
+    if !problem.domain.is_axial() {
+        return;
+    }
+    let spacing = problem.spacing;
+    let rings = body.position[0].iter_mut();
+    let weights = rings.map(|r| ring::settle(r, spacing)).collect();
+    body.weight = weights;
+    let whole = spec.shape.revolved(&problem.domain) / spacing.powi(3);
+    let part = whole / body.weight.iter().sum::<f64>();
+    body.weight.iter_mut().for_each(|weight| *weight *= part);
 }
 
 const AT_REST: Phase = Phase::Relax { damping: 0.0 };
@@ -49,13 +66,16 @@ fn evolving(problem: &Problem, phase: Phase) -> Option<Model> {
 /// Density of `body` in packed coordinates under its pressure at rest, kg/m^3: of the column above
 /// (Stevin) in a body that stands on walls, (d-1) sigma / R (Young, Laplace) in a round one.
 fn rest_density(problem: &Problem, model: &Model, spec: &Body, body: &Particles) -> Vec<f64> {
-    let d = problem.dimension.count() as f64;
+    let d = problem.space() as f64;
     let laplace = |radius: f64| {
         let pressure = (d - 1.0) * problem.effects.sigma().unwrap_or(0.0) / radius;
         vec![model.density_at(pressure); body.len()]
     };
     let (low, high) = match &spec.shape {
         Shape::Sphere { radius, .. } => return laplace(*radius),
+        Shape::Ellipsoid { semi_axes: a, .. } if problem.domain.is_axial() => {
+            return laplace((a[0] * a[0] * a[2]).cbrt());
+        }
         Shape::Ellipsoid { semi_axes: a, .. } => {
             let product: f64 = a.iter().filter(|a| **a > 0.0).product();
             return laplace(product.powf(1.0 / d));
@@ -114,6 +134,10 @@ fn by_id(p: &Particles) -> Particles {
         ],
         density: pick(&p.density),
         mass: p.mass,
+        weight: match p.weight.is_empty() {
+            true => Vec::new(),
+            false => pick(&p.weight),
+        },
     }
 }
 
@@ -128,6 +152,12 @@ pub fn initial(input: &ImpactInput, bodies: &[Particles]) -> State {
     let impact = evolving(scene, Phase::Impact);
     for (index, body) in bodies.iter().enumerate() {
         let spec = &scene.bodies[index];
+        let mut body = Cow::Borrowed(body);
+        if scene.domain.is_axial() && body.weight.is_empty() {
+            weigh(scene, spec, body.to_mut());
+        }
+        let body = body.as_ref();
+        all.weight.extend_from_slice(&body.weight);
         let relax = evolving(&scene.resting(index), AT_REST);
         // The same pressure under the other sound speed.
         let density: Vec<f64> = match (&impact, relax, input.start) {
@@ -206,11 +236,7 @@ fn velocity(scene: &Problem, motion: &Motion, shape: &Shape, x: [f64; 3]) -> [f6
             [-speed * x.cos() * z.sin(), 0.0, speed * x.sin() * z.cos()]
         }
         Motion::Stretch { rate } => {
-            let lateral = if scene.dimension == Dimension::Two {
-                1.0
-            } else {
-                0.5
-            };
+            let lateral = if scene.space() == 2 { 1.0 } else { 0.5 };
             let y = if scene.dimension == Dimension::Two {
                 0.0
             } else {

@@ -16,6 +16,7 @@ pub mod pack;
 pub mod poisson;
 pub mod quality;
 pub mod repulse;
+pub mod ring;
 pub mod shape;
 pub mod wall;
 
@@ -34,8 +35,10 @@ pub struct Particles {
     pub velocity: [Vec<f64>; 3],
     /// kg/m^3.
     pub density: Vec<f64>,
-    /// Mass of one particle (all equal), kg (kg/m in 2-D).
+    /// Mass of one particle, kg (kg/m in 2-D): of all, or that to which weights refer.
     pub mass: f64,
+    /// Mass of each particle over `mass`, where they differ: in rings about an axis; else empty.
+    pub weight: Vec<f64>,
 }
 
 impl Particles {
@@ -44,6 +47,20 @@ impl Particles {
     pub fn speed(&self, i: usize) -> f64 {
         let v = &self.velocity;
         (v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]).sqrt()
+    }
+
+    /// Mass of particle `i` over [`Particles::mass`].
+    #[inline(always)]
+    pub fn weight(&self, i: usize) -> f64 {
+        weight_of(&self.weight, i)
+    }
+
+    /// Mass of all, kg.
+    pub fn total_mass(&self) -> f64 {
+        match self.weight.is_empty() {
+            true => self.mass * self.len() as f64,
+            false => self.mass * self.weight.iter().sum::<f64>(),
+        }
     }
 
     /// Number of particles.
@@ -65,6 +82,7 @@ impl Columns for Particles {
         visitor.visit(Role::RolledBack, &mut self.density);
         visitor.visit(Role::RolledBack, &mut self.id);
         visitor.visit(Role::RolledBack, &mut self.body);
+        visitor.visit(Role::RolledBack, &mut self.weight);
     }
 
     fn view(&self, viewer: &mut impl Viewer) {
@@ -73,6 +91,7 @@ impl Columns for Particles {
         viewer.view(Role::RolledBack, &self.density);
         viewer.view(Role::RolledBack, &self.id);
         viewer.view(Role::RolledBack, &self.body);
+        viewer.view(Role::RolledBack, &self.weight);
     }
 }
 
@@ -83,6 +102,25 @@ pub struct Wall {
     pub position: [Vec<f64>; 3],
     /// x, y, z, m/s.
     pub velocity: [Vec<f64>; 3],
+    /// As [`Particles::weight`].
+    pub weight: Vec<f64>,
+}
+
+impl Wall {
+    /// As [`Particles::weight`].
+    #[inline(always)]
+    pub fn weight(&self, j: usize) -> f64 {
+        weight_of(&self.weight, j)
+    }
+}
+
+/// The weight of particle `i`: 1 where there are none.
+#[inline(always)]
+pub fn weight_of(weights: &[f64], i: usize) -> f64 {
+    match weights.is_empty() {
+        true => 1.0,
+        false => weights[i],
+    }
 }
 
 /// Complete state for a bit-identical restart of a solver.

@@ -18,7 +18,7 @@ use super::shape::Region;
 use super::{Particles, lattice, poisson, wall};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
 use crate::scene::input::PackInput;
-use crate::scene::{Arrangement, Dimension, KernelName, Mass, Sph};
+use crate::scene::{Arrangement, KernelName, Mass, Sph};
 use crate::space::grid::TooSmall;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
@@ -95,8 +95,9 @@ impl std::fmt::Display for PackReport {
 }
 
 /// Mass of one particle, kg (kg/m in 2-D). `density` in kg/m^3, `spacing` in m.
-pub fn mass(dimension: Dimension, density: f64, spacing: f64, sph: Sph) -> f64 {
-    let d = dimension.count();
+/// `space`: number of dimensions of what the liquid fills.
+pub fn mass(space: usize, density: f64, spacing: f64, sph: Sph) -> f64 {
+    let d = space;
     let nominal = density * spacing.powi(d as i32);
     match sph.mass {
         Mass::Nominal => nominal,
@@ -105,7 +106,12 @@ pub fn mass(dimension: Dimension, density: f64, spacing: f64, sph: Sph) -> f64 {
 }
 
 fn particle_mass(input: &PackInput) -> f64 {
-    mass(input.dimension, input.density, input.spacing, input.sph)
+    mass(
+        input.dimension.count(),
+        input.density,
+        input.spacing,
+        input.sph,
+    )
 }
 
 /// Packs a body: at rest, density rho0, ids from 0, body 0, positions in m (about the origin for
@@ -340,6 +346,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
             velocity: [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; n]),
             density: vec![self.input.density; n],
             mass: particle_mass(self.input),
+            weight: Vec::new(),
         }
     }
 

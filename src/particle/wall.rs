@@ -7,6 +7,7 @@
 
 use super::Wall;
 use super::lattice::cells;
+use super::ring;
 use super::shape::axes;
 use crate::scene::{Dimension, Domain, Problem, Side};
 
@@ -18,7 +19,12 @@ pub fn build(problem: &Problem) -> Wall {
         spacing,
         ..
     } = problem;
-    build_layers(domain, *dimension, *spacing, layers(problem))
+    let mut wall = build_layers(domain, *dimension, *spacing, layers(problem));
+    if domain.is_axial() {
+        let rings = wall.position[0].iter_mut();
+        wall.weight = rings.map(|r| ring::settle(r, *spacing)).collect();
+    }
+    wall
 }
 
 /// Layers that cover the widest kernel support.
@@ -36,7 +42,7 @@ pub fn build_layers(domain: &Domain, dimension: Dimension, spacing: f64, layers:
     for &k in axes(dimension) {
         (count[k], pitch[k]) = cells(domain.size[k], spacing);
         let extra = |side: Side| match side {
-            Side::Periodic | Side::Mirror => 0,
+            Side::Periodic | Side::Mirror | Side::Axis => 0,
             Side::Open | Side::Wall => depth,
         };
         range[k] = [

@@ -28,6 +28,9 @@ pub enum Side {
     Open,
     /// Plane of symmetry (x and y), with the image of the liquid behind it.
     Mirror,
+    /// Axis of revolution (low side of x): what `symmetry = "axis"` makes of a scene.
+    #[schemars(skip)]
+    Axis,
 }
 
 /// The box `[0, size_x] x [0, size_y] x [0, size_z]`, m. In 2-D `size[1] == 0` and y is periodic.
@@ -64,6 +67,7 @@ impl Sides {
 pub enum Symmetry {
     Half,
     Quarter,
+    Axis,
 }
 
 /// The box [0, size] that contains the simulation.
@@ -82,7 +86,9 @@ pub struct BoxTable {
     #[serde(default = "BoxTable::vertical")]
     #[schemars(transform = without_mirror)]
     pub z: Sides,
-    /// Simulates a part of a symmetric scene: half in x, or a quarter in x and y.
+    /// Simulates a part of a symmetric scene: half in x, a quarter in x and y, or, of a scene that
+    /// is a body of revolution about the vertical through its middle, the half-plane from that axis
+    /// on, in which particles are rings; walls in x and y are then one cylinder.
     #[serde(default)]
     pub symmetry: Option<Symmetry>,
     /// Velocities of sliding walls.
@@ -150,6 +156,11 @@ impl BoxTable {
         let mut boundary = [[Side::Periodic; 2]; 3];
         for &axis in dimension.axes() {
             boundary[axis] = [self.x, self.y, self.z][axis].each();
+            if boundary[axis].contains(&Side::Axis) {
+                let remedy = "write `box.symmetry = \"axis\"` in a scene of three dimensions";
+                let key = format!("box.{}", AXES[axis]);
+                return Err(tree.fault(&key, "has an axis of revolution for a side", remedy));
+            }
             let is_periodic = boundary[axis].map(|side| side == Side::Periodic);
             if is_periodic[0] != is_periodic[1] {
                 let problem = "is periodic on one side only";

@@ -275,7 +275,7 @@ impl Scene {
         PackInput {
             name: bodies[0].name.clone(),
             dimension,
-            domain,
+            domain: domain.planar(),
             density,
             spacing,
             sph: method.sph(),

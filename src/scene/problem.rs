@@ -67,7 +67,7 @@ impl Problem {
         for (axis, side) in body.shape.cuts(&self.domain).into_iter().enumerate() {
             if let Some(side) = side {
                 size[axis] *= 0.5;
-                boundary[axis][side] = Side::Mirror;
+                boundary[axis][side] = self.domain.boundary[axis][side];
             }
         }
         if self.dimension == Dimension::Two {
@@ -78,6 +78,14 @@ impl Problem {
             size,
             boundary,
             wall_velocity: Default::default(),
+        }
+    }
+
+    /// Number of dimensions of the space that the liquid fills: 3 where particles are rings.
+    pub fn space(&self) -> usize {
+        match self.domain.is_axial() {
+            true => 3,
+            false => self.dimension.count(),
         }
     }
 

@@ -52,6 +52,18 @@ impl Shape {
         }
     }
 
+    /// Volume of the body of revolution about the axis of an axial box, m^3.
+    pub fn revolved(&self, domain: &Domain) -> f64 {
+        match self {
+            Shape::Sphere { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
+            Shape::Ellipsoid { semi_axes: a, .. } => 4.0 / 3.0 * PI * a[0] * a[0] * a[2],
+            Shape::Block { low, high } => {
+                PI * (high[0] * high[0] - low[0] * low[0]) * (high[2] - low[2])
+            }
+            Shape::Layer { depth } => PI * domain.size[0] * domain.size[0] * depth,
+        }
+    }
+
     /// Radius of the sphere (3-D) or disc (2-D) of the volume of the whole body, m.
     pub fn equivalent_radius(&self, domain: &Domain, dimension: Dimension) -> f64 {
         if let Shape::Sphere { radius, .. } = self {

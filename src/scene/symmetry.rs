@@ -29,7 +29,24 @@ impl Domain {
     /// The side of an axis about which the box is unfolded; `None` without mirror planes there.
     pub fn fold(&self, axis: usize) -> Option<usize> {
         let sides = self.boundary[axis].iter();
-        sides.clone().position(|side| *side == Side::Mirror)
+        let folds = |side: &Side| matches!(side, Side::Mirror | Side::Axis);
+        sides.clone().position(folds)
+    }
+
+    /// Whether the box is the half-plane beside an axis of revolution, x the distance from it.
+    pub fn is_axial(&self) -> bool {
+        self.boundary[0][0] == Side::Axis
+    }
+
+    /// The same box with a mirror plane in place of an axis: areas of the half-plane are filled
+    /// evenly.
+    pub fn planar(mut self) -> Self {
+        for side in self.boundary.iter_mut().flatten() {
+            if *side == Side::Axis {
+                *side = Side::Mirror;
+            }
+        }
+        self
     }
 
     /// Whether any side is a mirror plane.
@@ -175,6 +192,11 @@ pub(super) fn cut(
     let axes = match (symmetry, scene.dimension) {
         (Symmetry::Half, _) => 0..1,
         (Symmetry::Quarter, Dimension::Three) => 0..2,
+        (Symmetry::Axis, Dimension::Three) => return revolve(scene, tree),
+        (Symmetry::Axis, Dimension::Two) => {
+            let remedy = "make it `dimension = 3`; the run is a plane all the same";
+            return Err(tree.fault(key, "is of a scene of three dimensions", remedy));
+        }
         _ => return Err(tree.fault(key, "is for three dimensions", "write \"half\"")),
     };
     for axis in axes {
@@ -185,6 +207,61 @@ pub(super) fn cut(
         halve(scene, axis);
     }
     Ok(())
+}
+
+/// Turns a scene of revolution into the half-plane beside its axis.
+fn revolve(scene: &mut Problem, tree: &Tree<'_>) -> Result<(), SceneError> {
+    let faults = (0..2).find_map(|axis| lopsided(scene, axis));
+    if let Some((what, remedy)) = faults.or_else(|| angular(scene)) {
+        let problem = format!("needs a scene of revolution about the vertical: {what}");
+        let remedy = format!("{remedy}, or leave `box.symmetry` out");
+        return Err(tree.fault("box.symmetry", &problem, &remedy));
+    }
+    halve(scene, 0);
+    let domain = &mut scene.domain;
+    domain.boundary[0][0] = Side::Axis;
+    domain.boundary[1] = [Side::Periodic; 2];
+    domain.size[1] = 0.0;
+    domain.wall_velocity[1] = Default::default();
+    scene.dimension = Dimension::Two;
+    for body in &mut scene.bodies {
+        match &mut body.shape {
+            Shape::Sphere { centre, .. } => centre[1] = 0.0,
+            Shape::Ellipsoid { centre, semi_axes } => (centre[1], semi_axes[1]) = (0.0, 0.0),
+            Shape::Block { low, high } => (low[1], high[1]) = (0.0, 0.0),
+            Shape::Layer { .. } => {}
+        }
+    }
+    Ok(())
+}
+
+/// What of a scene that is symmetric in x and y is not of revolution, and a remedy.
+fn angular(scene: &Problem) -> Option<(String, String)> {
+    let domain = &scene.domain;
+    let [x, y, _] = domain.boundary;
+    if domain.size[0] != domain.size[1] || x != y {
+        let what = "the box differs in x and y".to_string();
+        return Some((
+            what,
+            "give `box.size` and the sides the same x and y".into(),
+        ));
+    }
+    if x[0] == Side::Periodic {
+        let what = "periodic sides are not of revolution".to_string();
+        let remedy = "make `box.x` and `box.y` \"wall\", which is a cylinder then, or \"open\"";
+        return Some((what, remedy.into()));
+    }
+    scene.bodies.iter().find_map(|body| match &body.shape {
+        Shape::Ellipsoid { semi_axes: a, .. } if a[0] != a[1] => {
+            let what = format!("the semi-axes of body `{}` differ in x and y", body.name);
+            Some((what, "make the first two the same".into()))
+        }
+        Shape::Block { .. } => {
+            let what = format!("body `{}` is a block", body.name);
+            Some((what, "use a layer, a sphere or an ellipsoid".into()))
+        }
+        _ => None,
+    })
 }
 
 /// What is not symmetric about the middle of an axis, and a remedy.

@@ -147,6 +147,8 @@ pub struct Energy {
     derived: Vec<[f32; 4]>,
     /// e' per particle, wall particle and image.
     slope: Vec<f32>,
+    /// Of rings: their masses over the nominal one.
+    pub(super) masses: Vec<f32>,
     /// [`carried`].
     pub carried: f64,
     parts: Vec<[f64; 1]>,
@@ -158,7 +160,7 @@ impl Energy {
     /// Bytes held.
     pub(super) fn memory(&self) -> usize {
         16 * (self.sums.capacity() + self.derived.capacity())
-            + 4 * self.slope.capacity()
+            + 4 * (self.slope.capacity() + self.masses.capacity())
             + self.shore.as_ref().map_or(0, Shore::memory)
     }
 }
@@ -174,7 +176,10 @@ impl Tension {
             let n = [0, 1, 2].map(|a| s[a] as f64);
             density(self.dimension, s[3] as f64, n).energy
         };
-        let [own] = sum_in(&mut parts, sums.len(), |k| [of(&sums[k])]);
+        let near = &self.near;
+        let [own] = sum_in(&mut parts, sums.len(), |k| {
+            [particles.weight(near[k] as usize) * of(&sums[k])]
+        });
         let walls = match &self.energy.shore {
             None => 0.0,
             Some(shore) => {
@@ -192,7 +197,7 @@ impl Tension {
         let work = |k: usize, force: [f32; 3]| {
             let i = reached[k] as usize;
             let part = |a: usize| particles.velocity[a][i] * force[a] as f64;
-            [(0..3).map(part).sum::<f64>()]
+            [particles.weight(i) * (0..3).map(part).sum::<f64>()]
         };
         let [power] = sum_in(&mut parts, reached.len(), |k| work(k, force[k]));
         let shore = self
@@ -229,7 +234,10 @@ impl Tension {
         }
         let mut sums = std::mem::take(&mut self.energy.sums);
         sums.resize(self.near.len(), [0.0; 4]);
-        self.runs(flow, &[], (&self.near, &Look::<K>(PhantomData)), &mut sums);
+        match flow.weights {
+            None => self.runs(flow, &[], (&self.near, &Look::<K>(PhantomData)), &mut sums),
+            Some(weights) => self.look_at_rings(flow, weights, K::w(0.0), &mut sums),
+        }
         self.derive::<K>(flow, &mut sums);
         self.energy.sums = sums;
         self.wet_shore::<K>(flow);
@@ -246,7 +254,10 @@ impl Tension {
         let [x, y, z] = std::mem::take(&mut self.payload);
         let mut words = [std::mem::take(&mut self.energy.slope), x, y, z];
         self.hold_lines::<K>(flow, &mut words, &pass);
-        self.runs(flow, &words, (&self.reached, &pass), &mut force);
+        match flow.weights {
+            None => self.runs(flow, &words, (&self.reached, &pass), &mut force),
+            Some(weights) => self.pull_rings(flow, weights, &mut words, pass.factor, &mut force),
+        }
         let [slope, x, y, z] = words;
         self.payload = [x, y, z];
         self.energy.slope = slope;

@@ -11,6 +11,7 @@ impl Flow {
         for (now, x) in now.iter_mut().zip(&self.particles.position) {
             now.clone_from(x);
         }
+        let is_axial = self.is_axial();
         let farthest = 0.25 * self.lengths.spacing;
         let p = &mut self.particles;
         let v = &p.velocity;
@@ -19,6 +20,9 @@ impl Flow {
             let speed = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
             let time = ahead.min(farthest / speed.max(f64::MIN_POSITIVE));
             (0..3).for_each(|a| *x[a] += time * v[a]);
+            if is_axial {
+                *x[0] = x[0].abs();
+            }
         });
         self.place();
     }

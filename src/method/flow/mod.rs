@@ -143,6 +143,9 @@ impl Flow {
             wall_cells.permute(&mut wall.position[a], &mut scratch);
             wall_cells.permute(&mut wall.velocity[a], &mut scratch);
         }
+        if !wall.weight.is_empty() {
+            wall_cells.permute(&mut wall.weight, &mut scratch);
+        }
         let places = [0, 1, 2].map(|a| domain.mirrors(a));
         let mirror = Planes::new(places, &grid).map(Mirror::new);
         Ok(Flow {
@@ -171,6 +174,11 @@ impl Flow {
             wall_sees_wall: false,
             scratch: Scratch::default(),
         })
+    }
+
+    /// Whether particles are rings about an axis.
+    pub fn is_axial(&self) -> bool {
+        self.domain.is_axial()
     }
 
     /// Liquid particles.

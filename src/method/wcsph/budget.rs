@@ -33,7 +33,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Energy of compression, J.
     pub(super) fn compression(&self) -> f64 {
         let (model, p) = (&self.model, &self.liquid.flow.particles);
-        let [energy] = sum(p.len(), |i| [model.compression(p.density[i])]);
+        let [energy] = sum(p.len(), |i| [p.weight(i) * model.compression(p.density[i])]);
         p.mass * energy
     }
 
@@ -42,11 +42,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if !self.books() {
             return 0.0;
         }
-        let (model, walls) = (&self.model, &self.walls);
+        let (model, walls, wall) = (&self.model, &self.walls, &self.liquid.flow.wall);
         let factor = self.gradient_factor();
         let [power] = sum_in(&mut self.liquid.parts, walls.density.len(), |j| {
             let rho = walls.density[j];
-            [model.pressure(rho) / (rho * rho) * walls.sums[j].closing as f64]
+            let closing = wall.weight(j) * walls.sums[j].closing as f64;
+            [model.pressure(rho) / (rho * rho) * closing]
         });
         self.liquid.flow.particles.mass * factor * power
     }
@@ -80,7 +81,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             |i, rate| {
                 let rho = p.density[i] + 0.5 * dt * found[i][0] as f64;
                 *rate = found[i][0];
-                [model.pressure(rho) / (rho * rho) * found[i][1] as f64]
+                [p.weight(i) * (model.pressure(rho) / (rho * rho) * found[i][1] as f64)]
             },
         );
         self.liquid.ledger.diffusive = p.mass * power;

@@ -136,7 +136,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 square += (v[i] + *held as f64 * dt).powi(2);
             }
             let compressed = p.density[i] / model.density - 1.0;
-            [0.5 * p.mass * (square + (model.sound_speed * compressed).powi(2))]
+            let mass = p.mass * p.weight(i);
+            [0.5 * mass * (square + (model.sound_speed * compressed).powi(2))]
         });
         (self.control.speed, self.control.energy) = (speed, ROOM * energy);
     }
@@ -165,7 +166,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         };
         let [energy] = sum_in(&mut self.liquid.parts, p.len(), |i| {
             let compressed = (p.density[i] / model.density - 1.0).max(0.0);
-            [0.5 * p.mass * (p.speed(i).powi(2) + (sound * compressed).powi(2))]
+            let mass = p.mass * p.weight(i);
+            [0.5 * mass * (p.speed(i).powi(2) + (sound * compressed).powi(2))]
         });
         let bound = self.control.energy;
         if energy <= bound {

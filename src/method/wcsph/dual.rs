@@ -194,6 +194,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 *x[a] += dt * v[a][i];
             }
         });
+        self.fold_axis();
     }
 
     /// [`Shifting`]. Inside density goes along: 2 rho dr . grad C is what the transport by dr
@@ -203,7 +204,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// pool.
     fn shift(&mut self, dt: f64) {
         let (model, case) = (&self.model, &self.liquid.case);
-        let d = case.dimension.count();
+        let d = case.space;
         let gradient = K::norm(d) * (case.spacing / case.h).powi(d as i32) / case.h;
         let shifting = Shifting {
             strength: model.settings.shifting,

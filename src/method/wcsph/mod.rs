@@ -16,6 +16,7 @@ mod budget;
 mod control;
 mod dual;
 mod report;
+mod rings;
 mod sums;
 mod tension;
 mod verlet;
@@ -134,7 +135,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// m norm / h^(d+1): what turns a sum of `slope d` into one with m grad W.
     fn gradient_factor(&self) -> f64 {
-        let d = self.liquid.case.dimension.count();
+        let d = self.liquid.case.space;
         self.liquid.flow.particles.mass * K::norm(d) / self.liquid.case.h.powi(d as i32 + 1)
     }
 

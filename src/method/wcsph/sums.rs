@@ -1,18 +1,19 @@
 //! The pair sums of a step, with their factors; equation numbers as in [`super`].
 
-use super::{Wcsph, velocity};
+use super::{Wcsph, rings, velocity};
 use crate::effect::tension::energy::LOAD;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::method::pass::{Compressed, Continuity, Force, ForceAndGradient, Moving};
 use crate::method::pass::{Neighbourhood, Spared, Sparing, Summation};
+use crate::particle::{Particles, Wall};
 use crate::scene::Pressure;
 use crate::space::sweep;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// norm s0^d / h^d: turns [`Surroundings::sum`] into the kernel sum (without the particle).
     pub(super) fn sum_factor(&self) -> f32 {
-        let d = self.liquid.case.dimension.count();
+        let d = self.liquid.case.space;
         (K::norm(d) * (self.liquid.case.spacing / self.liquid.case.h).powi(d as i32)) as f32
     }
 
@@ -36,15 +37,18 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.extrapolate_velocity();
         } else {
             let still = Moving::default();
-            self.liquid.flow.pack(|_, _| still, |_, _| still);
+            rings::pack(&mut self.liquid.flow, true, |_, _| still, |_, _| still);
         }
-        let factor = self.gradient_factor();
-        let pass = Neighbourhood {
-            factor,
-            viscosity,
-            kernel: self.kernel,
-        };
-        self.liquid.sum(&pass, &mut self.own.around);
+        if self.liquid.flow.is_axial() {
+            self.look_at_rings();
+        } else {
+            let pass = Neighbourhood {
+                factor: self.gradient_factor(),
+                viscosity,
+                kernel: self.kernel,
+            };
+            self.liquid.sum(&pass, &mut self.own.around);
+        }
         if self.liquid.removes_mist {
             self.own.kernel_sum.clear();
             let factor = self.sum_factor();
@@ -60,7 +64,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// (1) for liquid, and for the wall if it carries its own density.
     pub(super) fn sum_density(&mut self) {
         self.liquid.flow.pack(|_, _| (), |_, _| ());
-        let d = self.liquid.case.dimension.count();
+        let d = self.liquid.case.space;
         let factor =
             self.liquid.flow.particles.mass * K::norm(d) / self.liquid.case.h.powi(d as i32);
         let pass = Summation {
@@ -132,21 +136,24 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             .filter(|_| self.liquid.follows_energy());
         let load = tension.map_or(0.0, |t| t.coefficient / t.length);
         let spared = (2.0 * diffusion * c * LOAD * load / (rho0 * c * c)) as f32;
-        self.liquid.flow.pack(
-            |p, i| {
-                let layer = around[i].vector != [0.0; 3];
-                Sparing {
-                    velocity: velocity(p, i),
-                    excess: excess(p.density[i]),
-                    spared: if layer { spared } else { 0.0 },
-                }
-            },
-            |w, i| Sparing {
-                velocity: [0, 1, 2].map(|a| w.velocity[a][i] as f32),
-                excess: excess(density[i]),
-                spared: 0.0,
-            },
-        );
+        let liquid = |p: &Particles, i: usize| {
+            let layer = around[i].vector != [0.0; 3];
+            Sparing {
+                velocity: velocity(p, i),
+                excess: excess(p.density[i]),
+                spared: if layer { spared } else { 0.0 },
+            }
+        };
+        let wall = |w: &Wall, i: usize| Sparing {
+            velocity: [0, 1, 2].map(|a| w.velocity[a][i] as f32),
+            excess: excess(density[i]),
+            spared: 0.0,
+        };
+        if self.liquid.flow.is_axial() {
+            rings::pack_density(&mut self.liquid.flow, liquid, wall);
+            return self.density_rate_of_rings(diffusion);
+        }
+        self.liquid.flow.pack(liquid, wall);
         let pass = Spared {
             factor: self.gradient_factor(),
             diffusion: (2.0 * diffusion * c) as f32,
@@ -184,6 +191,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     }
 
     fn pair_force_with<U: PairViscosity, const CONTROL: bool>(&mut self, viscosity: U) {
+        if self.liquid.flow.is_axial() {
+            return self.force_on_rings();
+        }
         let pass = Force::<K, U, CONTROL> {
             factor: self.gradient_factor(),
             viscosity,

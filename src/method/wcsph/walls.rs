@@ -1,12 +1,12 @@
 //! What wall particles carry: density, pressure, and the velocity that viscosity sees.
 
-use super::{SURFACE, Wcsph};
+use super::{SURFACE, Wcsph, rings};
 use crate::columns;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::{self, Kernel};
 use crate::method::pass::{Extrapolation, Moving, WallSums};
 use crate::particle::column::{Entry, Role};
-use crate::particle::{Particles, Wall};
+use crate::particle::{Particles, Wall, weight_of};
 use crate::scene::Pressure;
 use crate::space::parallel::{each_mut, sum_mut};
 use std::collections::HashMap;
@@ -50,6 +50,9 @@ impl WallState {
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn extrapolate(&mut self) {
+        if self.liquid.flow.is_axial() {
+            return self.extrapolate_rings();
+        }
         let pass = Extrapolation {
             kernel: self.kernel,
         };
@@ -92,11 +95,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             weight: inverse(rho0) as f32,
             ..Moving::default()
         };
-        if moved {
-            self.liquid.flow.pack(liquid, wall);
-        } else {
-            self.liquid.flow.repack(liquid, wall);
-        }
+        rings::pack(&mut self.liquid.flow, moved, liquid, wall);
         if self.liquid.flow.walls() == 0 {
             return;
         }
@@ -107,7 +106,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.set_viscous_velocity();
         let (model, walls) = (&self.model, &self.walls);
-        self.liquid.flow.pack_wall(|i| {
+        rings::pack_wall(&mut self.liquid.flow, |i| {
             let rho = walls.density[i];
             Moving {
                 velocity: walls.viscous[i],
@@ -129,17 +128,19 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         // Pressure works by the mean of its values now and in the step before, and goes on to do so
         // where density no longer follows.
         let (model, rate, dt) = (&self.model, &self.own.rate, self.liquid.now.last_step);
-        let (torn, mass) = (model.pressure(least), self.liquid.flow.particles.mass);
+        let p = &mut self.liquid.flow.particles;
+        let (torn, mass, weights) = (model.pressure(least), p.mass, &p.weight);
         let [given] = sum_mut(
             &mut self.liquid.parts,
-            &mut self.liquid.flow.particles.density[..around.len()],
+            &mut p.density[..around.len()],
             |i, rho| {
                 if around[i].kernel_sum(sums) >= SURFACE || *rho >= least {
                     return [0.0];
                 }
                 let now = std::mem::replace(rho, least);
                 let before = rate.get(i).map_or(now, |rate| now - dt * *rate as f64);
-                [0.5 * (torn + model.pressure(before)) * (least - now) / (least * least)]
+                let mean = 0.5 * (torn + model.pressure(before));
+                [weight_of(weights, i) * (mean * (least - now) / (least * least))]
             },
         );
         self.liquid.ledger.diffusion += mass * given;
@@ -154,7 +155,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         let (case, wall) = (&self.liquid.case, &self.liquid.flow.wall.position);
         let domain = &case.domain;
-        let (kernel, dimension) = (case.sph.kernel, case.dimension.count());
+        let (kernel, dimension) = (case.sph.kernel, case.space);
         let half = |depth: f64| {
             let step = (2.0 - depth).max(0.0) / STRIPS as f64;
             let at = |k: usize| kernel::plane(kernel, dimension, depth + (k as f64 + 0.5) * step);
@@ -220,7 +221,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Packs records for the advective pass, the walls with the velocity that makes no slip.
     pub(super) fn extrapolate_velocity(&mut self) {
         let w0 = (1.0 / (self.model.density * self.model.density)) as f32;
-        self.liquid.flow.pack(
+        let flow = &mut self.liquid.flow;
+        rings::pack(
+            flow,
+            true,
             |p, i| Moving {
                 velocity: super::velocity(p, i),
                 pressure: 0.0,
@@ -239,7 +243,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.set_viscous_velocity();
         let viscous = &self.walls.viscous;
-        self.liquid.flow.pack_wall(|i| Moving {
+        rings::pack_wall(&mut self.liquid.flow, |i| Moving {
             velocity: viscous[i],
             pressure: 0.0,
             weight: w0,

@@ -13,6 +13,7 @@ pub const STATE: &str = "state";
 
 const MASS: &str = "mass";
 const METHOD: &str = "method/";
+const WEIGHT: &str = "weight";
 const POSITION: [&str; 3] = ["position_x", "position_y", "position_z"];
 const VELOCITY: [&str; 3] = ["velocity_x", "velocity_y", "velocity_z"];
 
@@ -115,6 +116,9 @@ fn particle_arrays(particles: Particles) -> Vec<(String, Array)> {
         arrays.push((name.into(), Array::F64(component)));
     }
     arrays.push(("density".into(), Array::F64(particles.density)));
+    if !particles.weight.is_empty() {
+        arrays.push((WEIGHT.into(), Array::F64(particles.weight)));
+    }
     arrays
 }
 
@@ -134,6 +138,7 @@ fn take_particles(
         Array::U8(values) => values,
         _ => return Err(wrong_type(checkpoint, expected, "body")),
     };
+    let is_weighed = checkpoint.arrays.iter().any(|(name, _)| name == WEIGHT);
     let mut reals = |name: &str| match take(checkpoint, expected, name)? {
         Array::F64(values) if values.len() == id.len() => Ok(values),
         _ => Err(wrong_type(checkpoint, expected, name)),
@@ -144,6 +149,10 @@ fn take_particles(
     let position = vector(POSITION)?;
     let velocity = vector(VELOCITY)?;
     let density = reals("density")?;
+    let weight = match is_weighed {
+        true => reals(WEIGHT)?,
+        false => Vec::new(),
+    };
     if body.len() != id.len() {
         return Err(wrong_type(checkpoint, expected, "body"));
     }
@@ -154,6 +163,7 @@ fn take_particles(
         velocity,
         density,
         mass,
+        weight,
     })
 }
 

@@ -1,5 +1,6 @@
 //! Checks of a resolved scene that involve several values.
 
+mod axis;
 mod gradient;
 mod stop;
 mod tension;
@@ -36,6 +37,7 @@ pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneE
     found.take(periodic_reach(scene, tree));
     found.take(mirrors(scene, tree));
     found.take(vortices(scene, tree));
+    found.take(axis::check(scene, tree));
     found.take(gradient::check(scene, tree));
     found.take(tension::check(scene, tree));
     found.take(times(scene, tree));

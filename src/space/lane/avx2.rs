@@ -134,6 +134,11 @@ impl Real for F32x8 {
         unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
         out
     }
+    #[inline(always)]
+    fn of_array(self, lanes: [f32; WIDTH]) -> Self {
+        // SAFETY: see [`F32x8`].
+        F32x8(unsafe { _mm256_loadu_ps(lanes.as_ptr()) })
+    }
 }
 
 impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {

@@ -136,6 +136,11 @@ impl Real for F64x8 {
             F32x8(_mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high)).to_array()
         }
     }
+    #[inline(always)]
+    fn of_array(self, lanes: [f32; WIDTH]) -> Self {
+        // SAFETY: see [`F64x8`].
+        widen(F32x8(unsafe { _mm256_loadu_ps(lanes.as_ptr()) }))
+    }
 }
 
 impl Lanes for Avx2Double {

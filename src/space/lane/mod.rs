@@ -122,6 +122,8 @@ pub trait Real:
     fn sum(self) -> f32;
     /// The lanes one by one, rounded to f32.
     fn to_array(self) -> [f32; WIDTH];
+    /// Lanes of these numbers.
+    fn of_array(self, lanes: [f32; WIDTH]) -> Self;
     /// Three splats.
     #[inline(always)]
     fn splat3(self, [x, y, z]: [f32; 3]) -> [Self; 3] {

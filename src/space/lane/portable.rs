@@ -132,6 +132,10 @@ impl<T: Number> Real for Eight<T> {
     fn to_array(self) -> [f32; WIDTH] {
         each(|k| self.0[k].as_())
     }
+    #[inline(always)]
+    fn of_array(self, lanes: [f32; WIDTH]) -> Self {
+        Eight(each(|k| T::of(lanes[k])))
+    }
 }
 
 impl<T, const ABSOLUTE: bool> Lanes for Scalar<T, ABSOLUTE>

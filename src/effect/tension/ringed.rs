@@ -1,0 +1,189 @@
+//! The surface energy of rings about an axis: the sums of [`super::energy`] with the kernel of two
+//! rings, [`crate::kernel::ring`].
+//!
+//! (1) phi_a = SUM V_b W, H n_a = H SUM V_b dW/dx_a, a itself among b
+//! (2) m a_a = -alpha sigma / H SUM V_a V_b ((e'_a + e'_b) dW/dx_a + H g_a . d2W/dx_a dx_a
+//!     + H g_b . d2W/dx_b dx_a): minus the derivative of E.
+//! The curvature about the axis is in them.
+
+use super::Tension;
+use crate::effect::surface::Surface;
+use crate::method::ring::{Radii, between};
+use crate::payload;
+use crate::space::lane::Real;
+use crate::space::parallel::each_mut;
+use crate::space::sweep::{Pair, Pass};
+
+payload! {
+    /// What [`Look`] reads.
+    pub(super) struct Heavy<F> {
+        /// Mass over the nominal one.
+        mass: F,
+    }
+}
+
+/// (1) without a itself: H n_r, H n_z, phi, in that order at 0, 2 and 3.
+pub(super) struct Look<'a> {
+    pub radii: Radii<'a>,
+}
+
+impl Pass<3> for Look<'_> {
+    type Payload = Heavy;
+    type Out = [f32; 4];
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.radii.of(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Heavy>, sum: &mut [F; 3]) {
+        let w = between(self.radii.rings, pair);
+        let m = pair.other.mass.if_less(pair.q2.splat(0.0), pair.q2);
+        sum[0] = m.mul_add(w.radial[0], sum[0]);
+        sum[1] = m.mul_add(w.axial, sum[1]);
+        sum[2] = m.mul_add(w.value, sum[2]);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, [r, z, sum]: [f32; 3], out: &mut [f32; 4]) {
+        *out = [r, 0.0, z, sum];
+    }
+}
+
+payload! {
+    /// What [`Pull`] reads.
+    pub(super) struct Energetic<F> {
+        /// e'.
+        slope: F,
+        /// g_r / H.
+        radial: F,
+        /// Mass over the nominal one.
+        mass: F,
+        /// g_z / H.
+        axial: F,
+    }
+}
+
+/// (2) without a itself, before its factor.
+pub(super) struct Pull<'a> {
+    pub radii: Radii<'a>,
+}
+
+impl Pass<2> for Pull<'_> {
+    type Payload = Energetic;
+    type Out = [f32; 3];
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.radii.of(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 2]) {
+        let rings = self.radii.rings;
+        let (a, b) = (&pair.own, &pair.other);
+        let m = b.mass.if_less(pair.q2.splat(0.0), pair.q2);
+        let w = between(rings, pair);
+        let own = pair.extra[0];
+        let other = (own - pair.d[0]).at_least(0.0);
+        let is_far = own.less_mask(own.splat(crate::kernel::ring::FAR)) == 0;
+        let [yy, yp, pp] = rings.second(is_far, pair.q2, own * other);
+        let [r, z] = [pair.d[0] * 2.0, pair.d[2] * 2.0];
+        // By r_a and r_b of F_y, and of F_p.
+        let y = [
+            other.mul_add(yp, r * yy),
+            own.mul_add(yp, r.mul_add(r.splat(-1.0) * yy, r.splat(0.0))),
+        ];
+        let p = [
+            other.mul_add(pp, r * yp),
+            own.mul_add(pp, r.splat(0.0) - r * yp),
+        ];
+        let twice = w.slope * 2.0;
+        // d2W/dx_a dx_a, which is symmetric, then d2W/dx_b dx_a: of [a][b], the first by x_a.
+        let rr = twice + r.mul_add(y[0], other * p[0]);
+        let rz = z * y[0];
+        let zz = twice + z * z * yy;
+        let mixed_rr = w.turn - twice + r.mul_add(y[1], other * p[1]);
+        let mixed_rz = rz.splat(0.0) - z * y[0];
+        let mixed_zr = z * y[1];
+        let e = a.slope + b.slope;
+        let radial = e * w.radial[0]
+            + a.radial * rr
+            + a.axial * rz
+            + b.radial * mixed_rr
+            + b.axial * mixed_rz;
+        let axial = e * w.axial + a.radial * rz + a.axial * zz + b.radial * mixed_zr - b.axial * zz;
+        sum[0] = m.mul_add(radial, sum[0]);
+        sum[1] = m.mul_add(axial, sum[1]);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, [r, z]: [f32; 2], out: &mut [f32; 3]) {
+        *out = [r, 0.0, z];
+    }
+}
+
+impl Tension {
+    /// Masses of all points over the nominal one.
+    fn masses(&mut self, flow: &Surface, [liquid, wall]: [&[f64]; 2]) -> Vec<f32> {
+        let mut masses = std::mem::take(&mut self.energy.masses);
+        masses.clear();
+        masses.extend(liquid.iter().chain(wall).map(|m| *m as f32));
+        masses.resize(flow.at[0].len(), 0.0);
+        masses
+    }
+
+    fn radii<'a>(&self, flow: &'a Surface) -> Radii<'a> {
+        Radii {
+            liquid: &flow.position[0],
+            wall: &flow.wall[0],
+            length: self.length,
+            rings: Default::default(),
+        }
+    }
+
+    /// Sums of [`super::energy`] for the rings near the surface, a itself among them but for the
+    /// kernel at its place in three dimensions, which is `own` and is added to all.
+    pub(super) fn look_at_rings(
+        &mut self,
+        flow: &Surface,
+        weights: [&[f64]; 2],
+        own: f64,
+        sums: &mut [[f32; 4]],
+    ) {
+        let words = [self.masses(flow, weights)];
+        let radii = self.radii(flow);
+        self.runs(flow, &words, (&self.near, &Look { radii }), sums);
+        let near = &self.near;
+        each_mut(&mut sums[..near.len()], |k, sums| {
+            let i = near[k] as usize;
+            let (of, mass) = (radii.own(i), weights[0][i]);
+            sums[0] += (mass * of.gradient) as f32;
+            sums[3] += (mass * of.value - own) as f32;
+        });
+        let [masses] = words;
+        self.energy.masses = masses;
+    }
+
+    /// (2), from e' and g that `words` has: its third place is free.
+    pub(super) fn pull_rings(
+        &mut self,
+        flow: &Surface,
+        weights: [&[f64]; 2],
+        words: &mut [Vec<f32>; 4],
+        factor: f64,
+        force: &mut [[f32; 3]],
+    ) {
+        let masses = std::mem::take(&mut self.energy.masses);
+        let empty = std::mem::replace(&mut words[2], masses);
+        let radii = self.radii(flow);
+        self.runs(flow, words, (&self.reached, &Pull { radii }), force);
+        let reached = &self.reached;
+        each_mut(&mut force[..reached.len()], |k, force| {
+            let i = reached[k] as usize;
+            let radius = flow.position[0][i] / self.length;
+            let [_, turn, second] = radii.rings.own(radius);
+            let (slope, gradient) = (words[0][i] as f64, words[1][i] as f64);
+            let of =
+                2.0 * slope * radius * turn + gradient * (turn + 2.0 * radius * radius * second);
+            let r = force[0] as f64 + weights[0][i] * of;
+            *force = [(factor * r) as f32, 0.0, (factor * force[2] as f64) as f32];
+        });
+        self.energy.masses = std::mem::replace(&mut words[2], empty);
+    }
+}

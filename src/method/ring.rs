@@ -1,0 +1,301 @@
+//! Pair sums of weakly compressible SPH over rings about an axis ([`crate::kernel::ring`]).
+//!
+//! They are those of [`super::pass`] with the kernel of two rings: with g_a = h^4 / norm dW/dx_a,
+//! which is not the opposite of g_b, masses m that differ, and a ring as its own neighbour:
+//! (1) d rho_a/dt = SUM m_b (v_a . dW/dx_a + v_b . dW/dx_b) + density diffusion
+//! (2) dv_a/dt = -SUM m_b (P_a/rho_a^2 + P_b/rho_b^2) dW/dx_a: its work is that of (1)
+//! (3) viscosity (Morris, Fox & Zhu 1997, averaged over the angle, for v_r turns with it), with
+//!     K = 2 mu m_b (1/rho_a^2 + 1/rho_b^2) norm / h^5:
+//!     dv_z/dt += SUM K F_y (v_z,a - v_z,b), dv_r/dt += SUM K (F_y v_r,a - (F_y - F_p / 2) v_r,b)
+//! Sums leave a ring itself out; [`Own`] is what it adds.
+//! Tests: tests/engine/ring.rs.
+
+use super::pass::{Moving, Sparing, WallSums};
+use crate::kernel::ring::{FAR, Rings};
+use crate::payload;
+use crate::space::lane::Real;
+use crate::space::sweep::{Pair, Pass, Payload};
+
+/// What a ring adds to its own sums.
+#[derive(Clone, Copy)]
+pub struct Own {
+    /// F.
+    pub value: f64,
+    /// g_r of a pair of rings at the same place: r F_p.
+    pub gradient: f64,
+    /// F_p.
+    pub turn: f64,
+}
+
+/// Distances of points from the axis: of liquid, then of walls, m.
+#[derive(Clone, Copy)]
+pub struct Radii<'a> {
+    /// Of the liquid, m.
+    pub liquid: &'a [f64],
+    /// Of wall particles, m.
+    pub wall: &'a [f64],
+    /// Smoothing length, m.
+    pub length: f64,
+    /// The kernel.
+    pub rings: Rings,
+}
+
+impl Radii<'_> {
+    /// Of a record, in smoothing lengths.
+    #[inline(always)]
+    pub fn of(&self, target: usize) -> [f32; 3] {
+        let radius = match target.checked_sub(self.liquid.len()) {
+            None => self.liquid[target],
+            Some(j) => self.wall[j],
+        };
+        [(radius / self.length) as f32, 0.0, 0.0]
+    }
+
+    /// Of a liquid ring and itself.
+    pub fn own(&self, i: usize) -> Own {
+        let radius = self.liquid[i] / self.length;
+        let [value, turn, _] = self.rings.own(radius);
+        Own {
+            value,
+            gradient: radius * turn,
+            turn,
+        }
+    }
+}
+
+/// The kernel of eight pairs and its derivatives, in units of norm / h^3.
+pub struct Between<F> {
+    /// F.
+    pub value: F,
+    /// F_y.
+    pub slope: F,
+    /// F_p.
+    pub turn: F,
+    /// g_r of the target and of the other; g_z of the target is that of the other turned round.
+    pub radial: [F; 2],
+    /// g_z of the target.
+    pub axial: F,
+}
+
+/// Of a pair whose target has its radius in `extra`.
+#[inline(always)]
+pub fn between<F: Real, P: Payload>(rings: Rings, pair: &Pair<F, P>) -> Between<F> {
+    let own = pair.extra[0];
+    let other = (own - pair.d[0]).at_least(0.0);
+    let is_far = own.less_mask(own.splat(FAR)) == 0;
+    let [value, slope, turn] = rings.first(is_far, pair.q2, own * other);
+    let twice = slope * 2.0;
+    let along = twice * pair.d[0];
+    Between {
+        value,
+        slope,
+        turn,
+        radial: [
+            other.mul_add(turn, along),
+            own.mul_add(turn, own.splat(0.0) - along),
+        ],
+        axial: twice * pair.d[2],
+    }
+}
+
+payload! {
+    /// [`Moving`] of a ring.
+    pub struct Ring<F> {
+        /// v_r, m/s.
+        radial: F,
+        /// v_z, m/s.
+        axial: F,
+        /// P / rho^2.
+        pressure: F,
+        /// 1 / rho^2.
+        weight: F,
+        /// Mass over the nominal one.
+        mass: F,
+    }
+}
+
+impl Ring {
+    /// A ring of this `mass` that moves so.
+    pub fn of(moving: Moving, mass: f64) -> Self {
+        Ring {
+            radial: moving.velocity[0],
+            axial: moving.velocity[2],
+            pressure: moving.pressure,
+            weight: moving.weight,
+            mass: mass as f32,
+        }
+    }
+}
+
+/// Mass of the other ring; none for padding, which is at the place of the target.
+#[inline(always)]
+fn mass<F: Real>(mass: F, q2: F) -> F {
+    mass.if_less(q2.splat(0.0), q2)
+}
+
+/// (3), and the kernel sum.
+pub struct Surrounded<'a> {
+    /// Where rings are.
+    pub radii: Radii<'a>,
+    /// 2 mu / h, Pa s/m.
+    pub viscosity: f32,
+}
+
+impl Pass<3> for Surrounded<'_> {
+    type Payload = Ring;
+    type Out = [f32; 3];
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.radii.of(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 3]) {
+        let (own, other) = (&pair.own, &pair.other);
+        let w = between(self.radii.rings, pair);
+        let m = mass(other.mass, pair.q2);
+        let k = m * (own.weight + other.weight) * self.viscosity;
+        let across = w.turn.mul_add(pair.q2.splat(-0.5), w.slope);
+        let radial = w.slope * own.radial - across * other.radial;
+        sum[0] = k.mul_add(radial, sum[0]);
+        sum[1] = (k * w.slope).mul_add(own.axial - other.axial, sum[1]);
+        sum[2] = m.mul_add(w.value, sum[2]);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+        *out = sum;
+    }
+}
+
+payload! {
+    /// [`Sparing`] of a ring.
+    pub struct Compressed<F> {
+        /// v_r, m/s.
+        radial: F,
+        /// v_z, m/s.
+        axial: F,
+        /// e = rho / rho0 - 1.
+        excess: F,
+        /// What differences of e are spared, times 2 delta c, m/s.
+        spared: F,
+        /// Mass over the nominal one.
+        mass: F,
+    }
+}
+
+impl Compressed {
+    /// A ring of this `mass`.
+    pub fn of(sparing: Sparing, mass: f64) -> Self {
+        Compressed {
+            radial: sparing.velocity[0],
+            axial: sparing.velocity[2],
+            excess: sparing.excess,
+            spared: sparing.spared,
+            mass: mass as f32,
+        }
+    }
+}
+
+/// (1): the rate, and its part from diffusion, as [`super::pass::Spared`].
+pub struct Continuity<'a> {
+    /// Where rings are.
+    pub radii: Radii<'a>,
+    /// 2 delta c, m/s.
+    pub diffusion: f32,
+    /// 2 delta h / c times gravity along z, m/s.
+    pub held: f32,
+}
+
+impl Pass<2> for Continuity<'_> {
+    type Payload = Compressed;
+    type Out = [f32; 3];
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.radii.of(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 2]) {
+        let (own, other) = (&pair.own, &pair.other);
+        let w = between(self.radii.rings, pair);
+        let m = mass(other.mass, pair.q2);
+        let held = pair.d[2] * self.held;
+        let evened = (own.excess - other.excess) * self.diffusion - held;
+        let spared = own.spared.max(other.spared);
+        let least = pair.q2.splat(0.0) - spared;
+        let evened = (evened - evened.max(least).min(spared)) * (w.slope * 2.0);
+        let closing = w.radial[0] * own.radial
+            + w.radial[1].mul_add(other.radial, w.axial * (own.axial - other.axial));
+        sum[0] = m.mul_add(closing + evened, sum[0]);
+        sum[1] = m.mul_add(evened, sum[1]);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, [rate, evened]: [f32; 2], out: &mut [f32; 3]) {
+        *out = [rate, evened, 0.0];
+    }
+}
+
+/// (2).
+pub struct Force<'a> {
+    /// Where rings are.
+    pub radii: Radii<'a>,
+}
+
+impl Pass<2> for Force<'_> {
+    type Payload = Ring;
+    type Out = [f32; 3];
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.radii.of(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 2]) {
+        let w = between(self.radii.rings, pair);
+        let p = pair.own.pressure + pair.other.pressure;
+        let push = pair.q2.splat(0.0) - mass(pair.other.mass, pair.q2) * p;
+        sum[0] = push.mul_add(w.radial[0], sum[0]);
+        sum[1] = push.mul_add(w.axial, sum[1]);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, [r, z]: [f32; 2], out: &mut [f32; 3]) {
+        *out = [r, 0.0, z];
+    }
+}
+
+/// As [`super::pass::Extrapolation`], to a wall particle.
+pub struct Extrapolation<'a> {
+    /// Where rings are.
+    pub radii: Radii<'a>,
+}
+
+impl Pass<7> for Extrapolation<'_> {
+    type Payload = Ring;
+    type Out = WallSums;
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.radii.of(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 7]) {
+        let other = &pair.other;
+        let w = between(self.radii.rings, pair);
+        let m = mass(other.mass, pair.q2);
+        let value = m * w.value;
+        sum[0] += value;
+        sum[1] = value.mul_add(other.pressure / other.weight.abs(), sum[1]);
+        sum[2] = value.mul_add(pair.d[0], sum[2]);
+        sum[3] = value.mul_add(pair.d[2], sum[3]);
+        sum[4] = value.mul_add(other.radial, sum[4]);
+        sum[5] = value.mul_add(other.axial, sum[5]);
+        let closing = w.axial * other.axial - w.radial[1] * other.radial;
+        sum[6] = m.mul_add(closing, sum[6]);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, s: [f32; 7], out: &mut WallSums) {
+        *out = WallSums {
+            weight: s[0],
+            pressure: s[1],
+            lever: [s[2], 0.0, s[3]],
+            velocity: [s[4], 0.0, s[5]],
+            closing: s[6],
+        };
+    }
+}

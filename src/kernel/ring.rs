@@ -200,6 +200,8 @@ impl Rings {
         let q = q2.sqrt().min(q2.splat(2.0));
         if far {
             let [m, n] = moments::<F, false>(q, q * q);
+            // Lanes without a pair may have any p.
+            let p = p.at_least(1.0);
             let (root, inverse) = (p.sqrt(), p.splat(1.0) / p);
             let scale = root * inverse * (0.5 / std::f32::consts::PI);
             let f = n[0].mul_add(inverse, m[0]);
@@ -218,6 +220,8 @@ impl Rings {
         let q = q2.sqrt().min(q2.splat(2.0));
         if far {
             let [m, n] = moments::<F, true>(q, q * q);
+            // Lanes without a pair may have any p.
+            let p = p.at_least(1.0);
             let (root, inverse) = (p.sqrt(), p.splat(1.0) / p);
             let scale = root * inverse * (0.5 / std::f32::consts::PI);
             let yy = n[2].mul_add(inverse, m[2]);

@@ -11,6 +11,8 @@ use crate::scene::Scene;
 pub struct Unfold {
     /// Axes with mirror planes, the side about which the box is unfolded, and its size, m.
     axes: Vec<(usize, usize, f32)>,
+    /// Whether particles are rings, which have the mass of the whole.
+    is_axial: bool,
 }
 
 impl Unfold {
@@ -23,6 +25,7 @@ impl Unfold {
         };
         Unfold {
             axes: (0..3).filter_map(fold).collect(),
+            is_axial: domain.is_axial(),
         }
     }
 
@@ -39,9 +42,9 @@ impl Unfold {
         }
     }
 
-    /// The frame of the whole. Images have new ids, after those of the particles. Masses, energies
-    /// and momenta are those of the whole: twice the part's for each axis, and zero momentum along
-    /// it.
+    /// The frame of the whole, of rings the section through the axis. Images have new ids, after
+    /// those of the particles. Masses, energies and momenta are those of the whole: twice the part's
+    /// for each axis, and zero momentum along it.
     pub fn frame(&self, frame: &Frame) -> Frame {
         let mut whole = frame.clone();
         for &(axis, side, size) in &self.axes {
@@ -72,7 +75,7 @@ impl Unfold {
             for (name, value) in &mut whole.scalars {
                 if *name == across {
                     *value = 0.0;
-                } else if is_extensive(name) {
+                } else if is_extensive(name) && !self.is_axial {
                     *value *= 2.0;
                 }
             }

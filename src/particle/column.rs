@@ -188,6 +188,20 @@ impl Visitor for Retain<'_> {
     }
 }
 
+/// Adds a copy of each of these particles behind all.
+pub struct Duplicate<'a>(pub &'a [u32]);
+
+impl Visitor for Duplicate<'_> {
+    fn visit<T: Entry>(&mut self, role: Role, column: &mut Vec<T>) {
+        if role == Role::Scratch || column.is_empty() {
+            return;
+        }
+        for &i in self.0 {
+            column.push(column[i as usize]);
+        }
+    }
+}
+
 /// Turns vectors of particles that were reflected: particle and axis.
 pub struct Reflect<'a>(pub &'a [(u32, u8)]);
 

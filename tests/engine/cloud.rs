@@ -1,5 +1,6 @@
 //! Clouds of particles for the tests of pair sums: jittered lattices in boxes of all kinds.
 
+use std::f64::consts::TAU;
 use super::pack_scene::{S0, scene};
 use coronet::method::flow::{Flow, Lengths};
 use coronet::particle::{Particles, Wall, wall};
@@ -111,8 +112,9 @@ impl Cloud {
         if dimension == Dimension::Two {
             scene.domain.boundary[1] = [Side::Periodic; 2];
         }
+        let is_axial = scene.domain.is_axial();
         let mut p = Particles {
-            mass: scene.density * S0.powi(dimension.count() as i32),
+            mass: scene.density * S0.powi(scene.space() as i32),
             ..Particles::default()
         };
         for (at, [u, v, w, dense]) in points {
@@ -121,8 +123,11 @@ impl Cloud {
             p.density.push(scene.density * (1.0 + 0.01 * dense));
             p.id.push(p.id.len() as u32);
             p.body.push(0);
+            if is_axial {
+                p.weight.push(TAU * at[0]);
+            }
         }
-        let walls = if sides.concat().contains(&Side::Wall) {
+        let mut walls = if sides.concat().contains(&Side::Wall) {
             wall::build_layers(
                 &scene.domain,
                 scene.dimension,
@@ -132,6 +137,10 @@ impl Cloud {
         } else {
             Wall::default()
         };
+        if is_axial {
+            let radii = walls.position[0].iter();
+            walls.weight = radii.map(|r| TAU * r.abs() / S0).collect();
+        }
         let lengths = Lengths {
             spacing: S0,
             support: 2.0 * h * S0,

@@ -84,6 +84,23 @@ impl Scene {
         }
     }
 
+    /// Rings that are a drop about the axis, above a floor.
+    fn rings() -> Self {
+        let cells = [16.0, 0.0, 20.0];
+        let inside = |x: [f64; 3]| x[0].hypot(x[2] - 7.0) < 8.0;
+        Scene {
+            dimension: Dimension::Two,
+            cells,
+            sides: [
+                [Side::Axis, Side::Open],
+                [Side::Open; 2],
+                [Side::Wall, Side::Open],
+            ],
+            points: points(Dimension::Two, cells, inside),
+            cosine: None,
+        }
+    }
+
     /// Liquid in the corner of two walls of 60 degrees.
     fn corner() -> Self {
         let cells = [24.0, 0.0, 24.0];
@@ -112,7 +129,10 @@ impl Scene {
             [LENGTH * S0, S0],
             SIGMA,
             1.0,
-            self.dimension.count(),
+            match self.sides[0][0] {
+                Side::Axis => 3,
+                _ => self.dimension.count(),
+            },
             DENSITY,
         );
         if let Some(cosine) = self.cosine {
@@ -131,18 +151,20 @@ impl Scene {
         let (p, mass) = (&flow.particles, flow.particles.mass);
         let of = |i: usize| {
             let velocity = [0, 1, 2].map(|k| p.velocity[k][i]);
-            [flow.position(i), velocity, a[i].map(|a| mass * a as f64)]
+            let force = a[i].map(|a| mass * p.weight(i) * a as f64);
+            [flow.position(i), velocity, force]
         };
         (tension.account(p), (0..a.len()).map(of).collect())
     }
 }
 
-fn scenes() -> [(&'static str, Scene); 4] {
+fn scenes() -> [(&'static str, Scene); 5] {
     [
         ("disc", Scene::drop(Dimension::Two, 9.0)),
         ("sphere", Scene::drop(Dimension::Three, 7.0)),
         ("pool", Scene::pool()),
         ("corner of 60 degrees", Scene::corner()),
+        ("rings", Scene::rings()),
     ]
 }
 

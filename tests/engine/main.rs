@@ -53,6 +53,7 @@ mod record_hostile;
 mod record_log;
 mod record_reader;
 mod record_spoiled;
+mod ring;
 mod scene_error;
 mod scene_file;
 mod scene_key;

@@ -42,6 +42,7 @@ fn state() -> State {
             velocity: [reals(-1.0), reals(-2.0), reals(-3.0)],
             density: reals(998.0),
             mass: 1.5e-8,
+            weight: reals(2.0),
         },
         scalars: vec![("mass".into(), 0.5), ("removed".into(), 2.5)],
         arrays: vec![

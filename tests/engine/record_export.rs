@@ -79,6 +79,7 @@ fn state() -> State {
             velocity: [reals(1.0), reals(2.0), reals(3.0)],
             density: vec![998.0, 1e3],
             mass: 1e-8,
+            weight: Vec::new(),
         },
         scalars: vec![("removed".into(), 2.5)],
         arrays: vec![

@@ -227,6 +227,7 @@ impl Tension {
     ) {
         self.band.grow(flow.grid, DEEP * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.near);
+        self.take_all_rings(flow);
         if let Some(mut wetting) = self.wetting.take() {
             self.find_lines::<K>(flow, is_surface, &mut wetting);
             self.clear(flow);
@@ -244,6 +245,7 @@ impl Tension {
 
         self.band.grow(flow.grid, 2.0 * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.reached);
+        self.take_all_rings(flow);
         let unit = self.strength * self.coefficient / self.length / self.density;
         let pass = Pull::<K> {
             factor: -unit * self.force_factor::<K>(flow.mass) / self.density,

@@ -128,6 +128,17 @@ impl Tension {
         masses
     }
 
+    /// Rings have few neighbours and unequal areas, so that (1) differs from zero inside the liquid
+    /// too. All of it counts: a band that rings enter and leave would feed energy in.
+    pub(super) fn take_all_rings(&mut self, flow: &Surface) {
+        if flow.weights.is_some() {
+            for list in [&mut self.near, &mut self.reached] {
+                list.clear();
+                list.extend(0..flow.density.len() as u32);
+            }
+        }
+    }
+
     fn radii<'a>(&self, flow: &'a Surface) -> Radii<'a> {
         Radii {
             liquid: &flow.position[0],

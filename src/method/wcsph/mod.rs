@@ -12,6 +12,7 @@
 //! Fails where: summation density thins out at a free surface (skin without pressure); negative
 //! pressure with few neighbours clumps. Tests: tests/validation.
 
+mod adapt;
 mod budget;
 mod control;
 mod dual;
@@ -77,6 +78,7 @@ pub struct Wcsph<K, V> {
     tension_age: f64,
     walls: walls::WallState,
     control: control::Control,
+    adaption: adapt::Adaption,
     kernel: PhantomData<K>,
 }
 
@@ -106,6 +108,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         model.load(state);
         let mut steps = control::Steps::default();
         steps.load(state);
+        let adaption = adapt::Adaption::of(state);
         let mut walls = walls::WallState::default();
         walls.resize(liquid.flow.walls(), model.density);
         let mut solver = Wcsph {
@@ -116,6 +119,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             tension_age: f64::INFINITY,
             walls,
             control: control::Control::new(steps),
+            adaption,
             kernel: PhantomData,
         };
         let lacks_surface = solver.liquid.ledger.surface.is_none();
@@ -158,6 +162,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.tension_age = f64::INFINITY;
         self.sort();
         self.look();
+        if self.adapt() {
+            self.sort();
+            self.look();
+        }
         if self.model.compaction().is_finite() {
             let before = self.stored();
             self.show_crushed();
@@ -234,6 +242,9 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
         self.control.steps.save(&mut state);
         if self.books() {
             self.liquid.ledger.save(&mut state);
+        }
+        if self.adapts() {
+            self.adaption.save(&mut state);
         }
         state
     }

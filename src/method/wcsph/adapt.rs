@@ -1,0 +1,222 @@
+//! Splitting and merging of rings, so that the area of each in the half-plane stays near that of a
+//! lattice cell: m = 2 pi r rho A is kept, and A falls where a ring moves outwards.
+//!
+//! Two rings of one body, each the nearest of the other, merge where one has less than [`LEAST`] of
+//! a cell and both together less than a cell, if they are near and hardly move apart: mass,
+//! momentum, centre of mass and volume are kept, and the kinetic energy that is lost is booked. A
+//! ring of more than [`MOST`] cells becomes two halves beside each other in the direction in which
+//! it has the fewest neighbours: what it has of energy is kept, but for that of the surface, which
+//! is booked too.
+
+use super::Wcsph;
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::particle::column::{Columns, Duplicate, Retain, Scalar, Scalars};
+use crate::particle::{Particles, State};
+use std::f64::consts::{PI, TAU};
+
+/// Areas in cells below which a ring merges, and above which it splits.
+const LEAST: f64 = 0.5;
+const MOST: f64 = 2.0;
+
+/// Distance below which rings merge, in spacings.
+const NEAR: f64 = 0.6;
+
+/// Distance of half a ring from where the whole was, in edges of its area.
+const ASIDE: f64 = 0.25;
+
+/// Steps between two looks at the areas, which change with the flow.
+const STEPS: u64 = 100;
+
+/// When areas are looked at next.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Adaption {
+    next_step: u64,
+    /// Identities given so far.
+    ids: u32,
+}
+
+impl Scalars for Adaption {
+    fn scalars(&mut self, see: &mut dyn FnMut(&'static str, &mut dyn Scalar)) {
+        see("adaption_step", &mut self.next_step);
+        see("identities", &mut self.ids);
+    }
+}
+
+impl Adaption {
+    /// As in a state, or at the start of a run.
+    pub fn of(state: &State) -> Self {
+        let largest = state.particles.id.iter().max();
+        let mut adaption = Adaption {
+            next_step: 0,
+            ids: largest.map_or(0, |id| id + 1),
+        };
+        adaption.load(state);
+        adaption
+    }
+}
+
+/// A ring that splits, and where its halves go from there, m.
+struct Split {
+    ring: u32,
+    by: [f64; 2],
+}
+
+impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    /// Whether rings split and merge.
+    pub(super) fn adapts(&self) -> bool {
+        self.liquid.flow.is_axial() && self.liquid.case.damping == 0.0
+    }
+
+    /// Merges and splits rings; returns whether there were any. Rows must be those of now, and have
+    /// to be found again then.
+    pub(super) fn adapt(&mut self) -> bool {
+        let step = self.liquid.now.step;
+        if !self.adapts() || step < self.adaption.next_step {
+            return false;
+        }
+        self.adaption.next_step = step + STEPS;
+        let splits = self.splits();
+        let merged = self.merging();
+        if splits.is_empty() && merged.is_empty() {
+            return false;
+        }
+        let before = self.stored();
+        let mut kept = vec![true; self.liquid.len()];
+        for [into, gone] in merged {
+            self.merge(into as usize, gone as usize);
+            kept[gone as usize] = false;
+        }
+        self.split(&splits);
+        let n = kept.len() as u32;
+        let kept = (0..n).filter(|&i| kept[i as usize]);
+        let kept: Vec<u32> = kept.chain(n..self.liquid.len() as u32).collect();
+        self.liquid.flow.particles.visit(&mut Retain(&kept));
+        self.own.visit(&mut Retain(&kept));
+        self.liquid.ledger.removal += self.stored() - before;
+        self.liquid.ledger.removes = true;
+        true
+    }
+
+    /// Area of ring `i`, in cells.
+    fn area(&self, i: usize) -> f64 {
+        let (p, spacing) = (&self.liquid.flow.particles, self.liquid.case.spacing);
+        let radius = (p.position[0][i] / spacing).max(0.5);
+        p.weight(i) / (TAU * radius)
+    }
+
+    /// Neighbours of ring `i` among the liquid, and where they are from it, m.
+    fn around(&self, i: usize) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let flow = &self.liquid.flow;
+        let n = flow.liquid();
+        let [x, _, z] = &flow.particles.position;
+        let row = flow.rows.row(i).iter().map(|&j| j as usize);
+        row.filter(move |&j| j < n && j != i)
+            .map(move |j| (j, [x[j] - x[i], z[j] - z[i]]))
+    }
+
+    /// Pairs to merge: the one that stays and the one that goes.
+    fn merging(&self) -> Vec<[u32; 2]> {
+        let p = &self.liquid.flow.particles;
+        let case = &self.liquid.case;
+        let near = NEAR * case.spacing;
+        // What tension can hold together.
+        let slow = case.effects.sigma().map_or(f64::INFINITY, |sigma| {
+            (sigma / (case.density * case.spacing)).sqrt()
+        });
+        let partner = |i: usize| -> Option<usize> {
+            let area = self.area(i);
+            let fits = |j: usize, d: [f64; 2]| {
+                let other = self.area(j);
+                let apart = (0..3).map(|a| (p.velocity[a][i] - p.velocity[a][j]).powi(2));
+                area.min(other) < LEAST
+                    && area + other < 1.0
+                    && p.body[i] == p.body[j]
+                    && d[0].hypot(d[1]) < near
+                    && apart.sum::<f64>() < slow * slow
+            };
+            if area >= 1.0 {
+                return None;
+            }
+            let found = self.around(i).filter(|&(j, d)| fits(j, d));
+            let distance = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
+            found
+                .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))
+                .map(|(j, _)| j)
+        };
+        let pairs = (0..p.len()).filter_map(|i| {
+            let j = partner(i)?;
+            (i < j && partner(j) == Some(i)).then_some([i as u32, j as u32])
+        });
+        pairs.collect()
+    }
+
+    fn merge(&mut self, i: usize, j: usize) {
+        let p = &mut self.liquid.flow.particles;
+        let (a, b) = (p.weight[i], p.weight[j]);
+        let whole = a + b;
+        let mean = |values: &mut Vec<f64>| values[i] = (a * values[i] + b * values[j]) / whole;
+        p.position.iter_mut().for_each(mean);
+        p.velocity.iter_mut().for_each(mean);
+        p.density[i] = whole / (a / p.density[i] + b / p.density[j]);
+        p.weight[i] = whole;
+        let part = (b / whole) as f32;
+        let (own, held) = (&mut self.own.rate, &mut self.own.held);
+        own[i] += part * (own[j] - own[i]);
+        for c in 0..3 {
+            held[i][c] += part * (held[j][c] - held[i][c]);
+        }
+    }
+
+    /// Rings that split.
+    fn splits(&self) -> Vec<Split> {
+        let large = (0..self.liquid.len()).filter(|&i| self.area(i) > MOST);
+        large.map(|i| self.divided(i)).collect()
+    }
+
+    fn divided(&self, i: usize) -> Split {
+        let (flow, case) = (&self.liquid.flow, &self.liquid.case);
+        let mut spread = [0.0; 3];
+        for (_, [x, z]) in self.around(i) {
+            let distance = (x * x + z * z).sqrt() / case.h;
+            let w = K::w(distance);
+            spread = [
+                spread[0] + w * x * x,
+                spread[1] + w * x * z,
+                spread[2] + w * z * z,
+            ];
+        }
+        let [xx, xz, zz] = spread;
+        let along = 0.5 * (2.0 * xz).atan2(xx - zz) + 0.5 * PI;
+        let length = ASIDE * self.area(i).sqrt() * case.spacing;
+        let [x, _, z] = flow.position(i);
+        let mut by = [length * along.cos(), length * along.sin()];
+        // Neither across the axis nor into a wall.
+        let is_outside = |at: f64, by: f64, size: f64| at - by.abs() < 0.0 || at + by.abs() > size;
+        let size = case.domain.size;
+        if x < case.spacing || is_outside(x, by[0], size[0]) {
+            by = [0.0, length];
+        }
+        if is_outside(z, by[1], size[2]) {
+            by = [length.min(0.5 * x), 0.0];
+        }
+        Split { ring: i as u32, by }
+    }
+
+    fn split(&mut self, splits: &[Split]) {
+        let n = self.liquid.len();
+        let rings: Vec<u32> = splits.iter().map(|split| split.ring).collect();
+        let p: &mut Particles = &mut self.liquid.flow.particles;
+        p.visit(&mut Duplicate(&rings));
+        self.own.visit(&mut Duplicate(&rings));
+        for (k, split) in splits.iter().enumerate() {
+            for (i, side) in [(split.ring as usize, 1.0), (n + k, -1.0)] {
+                p.weight[i] *= 0.5;
+                p.position[0][i] += side * split.by[0];
+                p.position[2][i] += side * split.by[1];
+            }
+            p.id[n + k] = self.adaption.ids;
+            self.adaption.ids += 1;
+        }
+    }
+}

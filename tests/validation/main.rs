@@ -1,7 +1,7 @@
 //! Physics against theory, in full length:
 //! `cargo test --release --test validation -- --nocapture --test-threads=1 [CASE]`.
 //!
-//! Prints one row of the table in docs/validation.md for each figure, for the presets in
+//! Prints one row of the table in docs/results/validation.md for each figure, for the presets in
 //! CORONET_PRESETS (`modern,corrected,paper` if unset) of the method CORONET_METHOD (`wcsph`);
 //! CORONET_SET adds overrides, separated by `;`. A test fails if preset `modern` misses what that
 //! page says it meets.
@@ -61,7 +61,7 @@ pub fn presets(name: &str, case: impl Fn(&str) -> Result<bool, Diverged>) {
     }
     assert!(
         kept,
-        "{name}: preset modern keeps what docs/validation.md says"
+        "{name}: preset modern keeps what docs/results/validation.md says"
     );
 }
 

@@ -230,3 +230,89 @@ fn results_have_no_figures_in_prose() {
     }
     none(&faults);
 }
+
+/// Commands, options and scenes that code blocks of the pages name are those of the program.
+#[test]
+fn pages_name_commands_that_exist() {
+    let arguments = text(&root().join("stages/arguments.rs"));
+    let mut faults = Vec::new();
+    let mut count = 0;
+    for path in pages() {
+        for command in page::commands(&text(&path), "coronet ") {
+            count += 1;
+            let words: Vec<&str> = command.split_whitespace().collect();
+            let (first, rest) = words[0].split_at(1);
+            let variant = format!("    {}{rest}(", first.to_uppercase());
+            let flags = words.iter().filter_map(|word| word.strip_prefix("--"));
+            let mut flags = flags.map(|flag| flag.split('=').next().unwrap_or(flag));
+            let is_known = |flag: &str| {
+                let field = format!("pub {}:", flag.replace('-', "_"));
+                arguments.contains(&field)
+            };
+            let scenes = words.iter().filter(|word| word.starts_with("scenes/"));
+            let mut scenes = scenes.filter(|word| word.ends_with(".toml"));
+            if !arguments.contains(&variant)
+                || !flags.all(is_known)
+                || !scenes.all(|scene| root().join(scene).is_file())
+            {
+                faults.push(format!("{}: coronet {command}", shown(&path)));
+            }
+        }
+    }
+    assert!(count > 50, "only {count} commands found");
+    none(&faults);
+}
+
+/// The page of measures has every column that the program writes.
+#[test]
+fn every_measure_is_described() {
+    let page = text(&root().join("docs/reference/measures.md"));
+    let sources = [
+        "src/measure/gauge.rs",
+        "src/measure/energy.rs",
+        "src/method/wcsph/report.rs",
+        "src/method/projection/report.rs",
+    ];
+    let mut code: String = sources
+        .iter()
+        .map(|file| text(&root().join(file)))
+        .collect();
+    for (file, name) in [
+        ("src/method/ledger.rs", "fn works"),
+        ("src/method/liquid.rs", "fn progress"),
+    ] {
+        let whole = text(&root().join(file));
+        let (_, function) = whole.split_once(name).unwrap();
+        code += function.split("\n    }\n").next().unwrap();
+    }
+    let is_name = |part: &&str| {
+        let is_word = part.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_');
+        is_word && part.contains('_') && !part.starts_with('_')
+    };
+    let names: Vec<&str> = code.split('"').skip(1).step_by(2).filter(is_name).collect();
+    assert!(names.len() > 40, "only {} names found", names.len());
+    let missing = names
+        .iter()
+        .filter(|name| !page.contains(&format!("`{name}`")));
+    none(&missing.map(|name| name.to_string()).collect::<Vec<_>>());
+}
+
+/// The page of exit codes has those of `coronet --help`.
+#[test]
+fn every_exit_code_is_described() {
+    let arguments = text(&root().join("stages/arguments.rs"));
+    let (_, help) = arguments.split_once("Exit codes:\n").unwrap();
+    let help = help.split("\";").next().unwrap();
+    let starts = help
+        .lines()
+        .filter(|line| line.as_bytes().get(2).is_some_and(u8::is_ascii_digit));
+    let codes: Vec<&str> = starts
+        .map(|line| line.split_whitespace().next().unwrap())
+        .collect();
+    assert!(codes.len() > 5);
+    let page = text(&root().join("docs/reference/exit-codes.md"));
+    let missing = codes
+        .iter()
+        .filter(|code| !page.contains(&format!("| {code} |")));
+    none(&missing.map(|code| code.to_string()).collect::<Vec<_>>());
+}

@@ -108,6 +108,28 @@ pub fn figures(line: &str) -> Vec<String> {
     found.map(|k| words[k].to_string()).collect()
 }
 
+/// Lines of code blocks and code spans that start with `program`, without it; lines that end with a
+/// backslash go on.
+pub fn commands(page: &str, program: &str) -> Vec<String> {
+    let page = page.replace("\\\n", " ");
+    let mut in_code = false;
+    let mut found = Vec::new();
+    for line in page.lines() {
+        in_code ^= line.trim_start().starts_with("```");
+        let parts: Vec<&str> = match in_code || line.starts_with("    ") {
+            true => line.split([';', '&', '#']).collect(),
+            false => line.split('`').skip(1).step_by(2).collect(),
+        };
+        let parts = parts
+            .into_iter()
+            .map(|part| part.trim().trim_start_matches("do "));
+        let own = parts.filter_map(|part| part.strip_prefix(program));
+        let own = own.filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()));
+        found.extend(own.map(str::to_string));
+    }
+    found
+}
+
 /// Targets of the links and pictures of a page, outside code.
 pub fn links(page: &str) -> Vec<String> {
     let mut in_code = false;
@@ -142,6 +164,8 @@ fn prose_is_found_and_counted() {
                 <!-- table x -->\n\n12 % of it\n<!-- end -->\nlast\n";
     assert_eq!(words(page), 5);
     assert_eq!(links(page), ["a/b.md"]);
+    let code = "```sh\nfor x in 1; do coronet run --set a \\\n  --b; done\n```\n`coronet plan`\n";
+    assert_eq!(commands(code, "coronet "), ["run --set a    --b", "plan"]);
     assert_eq!(anchors("## Where to add: `what`?"), ["where-to-add-what"]);
     assert_eq!(
         figures("off by 5 %, by 2.5 mm, at `3.13 m/s`, 10 mm, d/8, 0.4%."),

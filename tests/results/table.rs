@@ -207,7 +207,8 @@ fn markdown(heads: &[String], rows: &[Vec<String>]) -> String {
 #[test]
 fn tables_are_rendered() {
     let text = "# version: 3\n# machine: A\n# date: today\n\
-                spacing,method,status,error\n1 mm,a,done,0.0526\n2 mm,a,done,0.0071\n1 mm,b,diverged,\n";
+                spacing,method,status,error\n\
+                1 mm,a,done,0.0526\n2 mm,a,done,0.0071\n1 mm,b,diverged,\n";
     let table = Table::parse(text).unwrap();
     let crossed = table
         .crossed(&["method"], &["spacing"], &["error %"])

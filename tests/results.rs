@@ -7,7 +7,8 @@
 //! <!-- table NAME -->                       all columns of docs/results/data/NAME.csv
 //! <!-- table NAME columns="a; b" -->        these columns
 //! <!-- table NAME rows="method" columns="spacing" cells="error %; cpu_s s" -->
-//!                                           one row a method, one column a spacing
+//!                                           one row a method, one column a spacing; a unit is %,
+//!                                           s, MB, `sci`, or `all`: whether all rows are true
 //! <!-- end -->
 //! ```
 //!
@@ -91,7 +92,10 @@ fn every_block_is_that_of_its_table() {
         };
         count += blocks;
         if before != after && std::env::var_os("UPDATE").is_some() {
-            fs::write(&path, &after).unwrap();
+            // Other tests may read the page meanwhile.
+            let new = path.with_extension("new");
+            fs::write(&new, &after).unwrap();
+            fs::rename(&new, &path).unwrap();
         } else if before != after {
             faults.push(format!("{}: differs from its tables", shown(&path)));
         }

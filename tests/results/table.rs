@@ -115,12 +115,7 @@ impl Table {
         cells: &[&str],
     ) -> Result<String, String> {
         let (rows, columns) = (self.places(rows)?, self.places(columns)?);
-        let status = self.places(&["status"])?[0];
         let cells = self.cells(cells)?;
-        let key = |row: &Vec<String>, places: &[usize]| {
-            let parts: Vec<&str> = places.iter().map(|k| row[*k].as_str()).collect();
-            short(&parts.join(", "))
-        };
         let keys = |places: &[usize]| {
             let mut keys: Vec<String> = Vec::new();
             for row in &self.rows {
@@ -131,32 +126,50 @@ impl Table {
             keys
         };
         let heads = keys(&columns);
-        let mut grid = Vec::new();
-        for name in keys(&rows) {
-            let mut line = vec![name.clone()];
-            for head in &heads {
-                let own =
-                    |row: &&Vec<String>| key(row, &rows) == name && key(row, &columns) == *head;
-                let found = self
-                    .rows
-                    .iter()
-                    .filter(own)
-                    .map(|row| match &row[status][..] {
-                        "done" => values(row, &cells),
-                        other => other.to_string(),
-                    });
-                let found: Vec<String> = found.collect();
-                line.push(if found.is_empty() {
-                    "-".to_string()
-                } else {
-                    found.join("; ")
-                });
-            }
-            grid.push(line);
-        }
-        let heads: Vec<String> = [String::new()].into_iter().chain(heads).collect();
+        let line = |name: &String| {
+            let cell = |head: &String| {
+                let is_own =
+                    |row: &&Vec<String>| key(row, &rows) == *name && key(row, &columns) == *head;
+                let own: Vec<&Vec<String>> = self.rows.iter().filter(is_own).collect();
+                self.summary(&own, &cells)
+            };
+            [name.clone()]
+                .into_iter()
+                .chain(heads.iter().map(cell))
+                .collect()
+        };
+        let grid: Vec<Vec<String>> = keys(&rows).iter().map(line).collect();
+        let heads: Vec<String> = [String::new()].into_iter().chain(heads.clone()).collect();
         Ok(markdown(&heads, &grid))
     }
+
+    /// One cell of several rows: their values, or with the unit `all` whether they all are true.
+    fn summary(&self, rows: &[&Vec<String>], cells: &[(usize, &str)]) -> String {
+        if rows.is_empty() {
+            return "-".to_string();
+        }
+        if let [(place, "all")] = cells {
+            let is_true = |row: &&Vec<String>| row[*place] == "true";
+            let word = if rows.iter().all(is_true) {
+                "kept"
+            } else {
+                "known"
+            };
+            return word.to_string();
+        }
+        let status = self.names.iter().position(|name| name == "status");
+        let shown = |row: &&Vec<String>| match status.map_or("done", |place| &row[place]) {
+            "done" => values(row, cells),
+            other => other.to_string(),
+        };
+        rows.iter().map(shown).collect::<Vec<_>>().join("; ")
+    }
+}
+
+/// Values of some columns, as a label.
+fn key(row: &[String], places: &[usize]) -> String {
+    let parts: Vec<&str> = places.iter().map(|k| row[*k].as_str()).collect();
+    short(&parts.join(", "))
 }
 
 fn values(row: &[String], cells: &[(usize, &str)]) -> String {
@@ -221,6 +234,10 @@ fn tables_are_rendered() {
         Some("| a |")
     );
     assert!(table.plain(&["colour"]).is_err());
+    let promises = "# a: b\ncase,by,kept\nx,m,true\nx,m,false\ny,m,true\n";
+    let promises = Table::parse(promises).unwrap();
+    let kept = promises.crossed(&["case"], &["by"], &["kept all"]);
+    assert_eq!(kept.unwrap().lines().last(), Some("| y | kept |"));
     assert!(
         table
             .foot("data/x.csv")

@@ -172,8 +172,9 @@ fn tables_of_an_older_version_are_listed() {
 fn links_resolve() {
     let mut faults = Vec::new();
     let mut count = 0;
-    let root_pages = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root().join(name));
-    for path in pages().into_iter().chain(root_pages) {
+    let others = "README.md CONTRIBUTING.md CHANGELOG.md python/README.md fuzz/README.md";
+    let others = others.split(' ').map(|name| root().join(name));
+    for path in pages().into_iter().chain(others) {
         for link in page::links(&text(&path)) {
             if link.contains("://") || link.starts_with("mailto:") {
                 continue;

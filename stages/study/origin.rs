@@ -1,5 +1,5 @@
-//! Where the figures of a study come from, as lines `# key: value` before its table: what a table of
-//! `docs/results` needs.
+//! Where the figures of a study come from, as lines `# key: value` before its table, as the tables
+//! of `docs/results` need them.
 
 use std::path::Path;
 

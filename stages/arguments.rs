@@ -175,7 +175,7 @@ pub struct StudyArguments {
     #[command(flatten)]
     pub store: StoreArguments,
     /// Points to run in parallel; they share the cores
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
+    #[arg(long, default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
     pub jobs: u16,
     /// Also write the table into this folder, with lines that say where its figures come from
     #[arg(long, value_name = "DIR")]
@@ -198,7 +198,7 @@ pub struct TuneArguments {
     #[command(flatten)]
     pub store: StoreArguments,
     /// Points to run in parallel; they share the cores
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
+    #[arg(long, default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
     pub jobs: u16,
 }
 
@@ -350,7 +350,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "X, Y, Z", value_parser = render::point)]
     pub target: Option<[f64; 3]>,
     /// Rays a pixel along each side: 1 for a draft, 4 for print
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = value_parser!(u8).range(1..=16))]
+    #[arg(long, default_value_t = 2, value_parser = value_parser!(u8).range(1..=16))]
     pub samples: u8,
     /// No light and shadow on the floor
     #[arg(long)]

@@ -268,6 +268,26 @@ fn pages_name_commands_that_exist() {
     none(&faults);
 }
 
+/// The page of the command line has every option.
+#[test]
+fn every_option_is_described() {
+    let arguments = text(&root().join("stages/arguments.rs"));
+    let page = text(&root().join("docs/reference/command-line.md"));
+    let options = arguments.split("#[arg(long").skip(1);
+    let options = options.filter(|rest| !rest.starts_with(", hide"));
+    let field = |rest: &str| Some(rest.split_once("pub ")?.1.split_once(':')?.0.to_string());
+    let names: Vec<String> = options.filter_map(field).collect();
+    assert!(names.len() > 40, "only {} options found", names.len());
+    let flag = |name: &String| format!("`--{}", name.replace('_', "-"));
+    none(
+        &names
+            .iter()
+            .map(flag)
+            .filter(|flag| !page.contains(flag))
+            .collect::<Vec<_>>(),
+    );
+}
+
 /// The page of measures has every column that the program writes.
 #[test]
 fn every_measure_is_described() {

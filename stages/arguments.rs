@@ -177,7 +177,7 @@ pub struct StudyArguments {
     /// Points to run in parallel; they share the cores
     #[arg(long, default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
     pub jobs: u16,
-    /// Also write the table into this folder, with lines that say where its figures come from
+    /// Also write table and plots into this folder, the table with lines that give its origin
     #[arg(long, value_name = "DIR")]
     pub into: Option<PathBuf>,
 }

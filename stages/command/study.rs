@@ -96,12 +96,12 @@ fn tell_costs(
     write_file(&out.join(COSTS), page.as_bytes())?;
     let figure = figure(study, target, trials, &samples, &on_front).svg()?;
     if let Some(figure) = &figure {
-        write_file(&out.join(FIGURE), figure.as_bytes())?;
+        write_plot(&out.join(FIGURE), figure, arguments, !target.varies())?;
     }
     if target.varies() {
         let plot = comparison(study, target, trials, &found);
         if plot.has_points() {
-            write_file(&out.join(COMPARISON), plot.svg()?.as_bytes())?;
+            write_plot(&out.join(COMPARISON), &plot.svg()?, arguments, true)?;
         }
     }
     let groups = groups(trials);
@@ -152,7 +152,7 @@ fn tell_figures(
     for plot in drawn {
         if plot.has_points() {
             let path = out.join(plot.file_name());
-            write_file(&path, plot.svg()?.as_bytes())?;
+            write_plot(&path, &plot.svg()?, arguments, false)?;
             plots.push(path);
         }
     }
@@ -186,6 +186,20 @@ fn write_table(
         let name = name.file_name().expect("a study file has a name");
         let text = headed(&arguments.study, outcomes, table);
         write_file(&folder.join(name), &text)?;
+    }
+    Ok(())
+}
+
+/// Writes a plot, and as `STUDY.svg` or `STUDY-PLOT.svg` into the folder that `--into` names.
+fn write_plot(path: &Path, svg: &str, arguments: &StudyArguments, is_only: bool) -> Result<()> {
+    write_file(path, svg.as_bytes())?;
+    if let Some(folder) = &arguments.into {
+        let stem = |path: &Path| path.file_stem().unwrap_or_default().display().to_string();
+        let name = match is_only {
+            true => format!("{}.svg", stem(&arguments.study)),
+            false => format!("{}-{}.svg", stem(&arguments.study), stem(path)),
+        };
+        write_file(&folder.join(name), svg.as_bytes())?;
     }
     Ok(())
 }

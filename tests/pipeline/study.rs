@@ -94,6 +94,7 @@ fn a_killed_study_goes_on_to_the_same_table() {
         read("artifacts/latest/study/study.csv"),
     );
     let head = head.strip_suffix(&table).unwrap();
+    assert!(cut.path("tables/study.svg").is_file());
     for start in [
         "version: coronet ",
         "flow: ",

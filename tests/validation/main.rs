@@ -3,8 +3,8 @@
 //!
 //! Prints one row of the table in docs/results/validation.md for each figure, for the presets in
 //! CORONET_PRESETS (`modern,corrected,paper` if unset) of the method CORONET_METHOD (`wcsph`);
-//! CORONET_SET adds overrides, separated by `;`; CORONET_INTO names a CSV that gets the rows. A test
-//! fails if preset `modern` misses what that page says it meets.
+//! CORONET_SET adds overrides, separated by `;`; CORONET_INTO names a CSV that gets the rows. A
+//! test fails if preset `modern` misses what that page says it meets.
 mod contact;
 mod drop;
 mod flow;

@@ -39,7 +39,8 @@ fn head() -> String {
     let machine = format!("{}, {} cores, {}", here.processor, here.cores, here.system);
     format!(
         "# version: coronet {version}, FLOW {flow}\n# flow: {flow}\n# machine: {machine}\n\
-         # date: {day}\n# command: cargo test --release --test validation -- --test-threads=1\n{}\n",
+         # date: {day}\n\
+         # command: cargo test --release --test validation -- --test-threads=1\n{}\n",
         COLUMNS.join(",")
     )
 }

@@ -1,5 +1,5 @@
 //! Cost of a step with each effect on and off, alone and together, for each method, as lines
-//! `METHOD.effects.WHICH value unit`; what they say: docs/accuracy/README.md.
+//! `METHOD.effects.WHICH value unit`; what they say: docs/results/benchmarks.md.
 //!
 //! `cargo bench --bench effect [-- METHOD ...]`. A pool of 16 x 16 x 4 mm between two walls, so
 //! that it has two contact lines, with a drop above it, on a lattice of 0.5 mm, in the preset

@@ -1,4 +1,4 @@
-//! Cost of the pressure of ISPH, as lines `name value unit`; what they say: docs/performance.md.
+//! Cost of the pressure of ISPH, as lines `name value unit`; see docs/results/benchmarks.md.
 //!
 //! `cargo bench --bench isph [-- SPACING ...]`, in mm; 1.15, 0.54 and 0.25 if none is given: 1e4,
 //! 1e5 and 1e6 particles. The equation is that of the default scene on a lattice, its drop 0.3 ms

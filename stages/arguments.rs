@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
 use crate::command::render;
 
@@ -161,7 +161,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "STAGE")]
     pub until: Option<String>,
     /// Threads; results do not depend on their number [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     /// Stop after a checkpoint when standard input ends: a study holds it open
     #[arg(long, hide = true)]
@@ -175,9 +175,11 @@ pub struct StudyArguments {
     #[command(flatten)]
     pub store: StoreArguments,
     /// Points to run in parallel; they share the cores
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
     pub jobs: u16,
+    /// Also write table and plots into this folder, the table with lines that give its origin
+    #[arg(long, value_name = "DIR")]
+    pub into: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -196,8 +198,7 @@ pub struct TuneArguments {
     #[command(flatten)]
     pub store: StoreArguments,
     /// Points to run in parallel; they share the cores
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
     pub jobs: u16,
 }
 
@@ -349,8 +350,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "X, Y, Z", value_parser = render::point)]
     pub target: Option<[f64; 3]>,
     /// Rays a pixel along each side: 1 for a draft, 4 for print
-    #[arg(long, value_name = "N", default_value_t = 2,
-          value_parser = clap::value_parser!(u8).range(1..=16))]
+    #[arg(long, default_value_t = 2, value_parser = value_parser!(u8).range(1..=16))]
     pub samples: u8,
     /// No light and shadow on the floor
     #[arg(long)]
@@ -365,7 +365,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
     /// Threads; pictures do not depend on their number [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
     #[command(flatten)]
     pub store: StoreArguments,

@@ -1,7 +1,7 @@
 //! Forecast of the processor time, memory and disk space of a stage.
 //!
-//! The costs below were measured on machine B of docs/performance.md; an earlier result of the
-//! same method corrects them for the present machine (`coronet::pipeline`), else a
+//! The costs below were measured on machine B of docs/results/benchmarks.md; an earlier result of
+//! the same method corrects them for the present machine (`coronet::pipeline`), else a
 //! [probe](crate::probe). Steps follow from the speed that limits them: a splash is faster than the
 //! impact at first, then slows down as 1 / t until waves and jet determine the speed.
 

@@ -1,4 +1,4 @@
-//! The campaigns, whole, some minutes on two cores (see `docs/campaigns.md`):
+//! The campaigns, whole, some minutes on two cores (see `docs/how-to/campaigns.md`):
 //! `cargo test --release --test campaign -- --nocapture --test-threads 1`.
 
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]

@@ -1,4 +1,4 @@
-//! Cost of a WCSPH step, as lines `name value unit`; what they say: docs/performance.md.
+//! Cost of a WCSPH step, as lines `name value unit`; what they say: docs/results/benchmarks.md.
 //!
 //! `cargo bench --bench wcsph [-- PART ...] [N ...]`. PART: `machine`, `step`, `part`, `effect`,
 //! `tension`, `paper` (its tension), `record`; all if none is named. N: sides of the periodic box

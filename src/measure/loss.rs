@@ -9,7 +9,7 @@ use crate::scene::sanity::Warning;
 
 /// Part of the liquid from which a loss is reported. A length goes with the cube root of a volume:
 /// 1 % is a third of a per cent of a length, below the accuracy of any measure here
-/// (docs/validation.md).
+/// (docs/results/validation.md).
 const WORTH: f64 = 0.01;
 
 /// Reports losses during a run: from [`WORTH`] on, and again whenever they have doubled.

@@ -13,7 +13,7 @@ use anyhow::{Result, bail};
 use coronet::measure::tradeoff::{Sample, front, growth, worst};
 use coronet::pipeline::name::is_plain_name;
 use coronet::pipeline::{Store, latest};
-use coronet::record::atomic::write_file;
+use coronet::record::atomic::{create_folder, write_file};
 use serde_json::json;
 
 use crate::arguments::StudyArguments;
@@ -21,6 +21,7 @@ use crate::fault::{Stopped, Usage};
 use crate::print::{note, out};
 use crate::signals;
 use crate::study::finding::{comparison, figure, groups, samples, sentence, table};
+use crate::study::origin::headed;
 use crate::study::points::{Study, load};
 use crate::study::promise::Verdict;
 use crate::study::trial::{Outcome, Trial};
@@ -47,6 +48,9 @@ pub const STOPPING: &str = "stopping all points after their next checkpoint";
 pub fn study(arguments: &StudyArguments) -> Result<()> {
     let (study, trials) = load(&arguments.study)?;
     let out = folder(&arguments.study, &arguments.store.artifacts)?;
+    if let Some(folder) = &arguments.into {
+        create_folder(folder)?;
+    }
     match &study.error {
         Some(_) => tell_costs(&study, &trials, arguments, &out),
         None if study.case.is_empty() => tell_figures(&study, &trials, arguments, &out),
@@ -87,17 +91,17 @@ fn tell_costs(
     let on_front = on_front(&samples);
     make(out, arguments)?;
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
-    write_file(&out.join(TABLE), &table)?;
+    write_table(&out.join(TABLE), &table, arguments, &outcomes)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
     write_file(&out.join(COSTS), page.as_bytes())?;
     let figure = figure(study, target, trials, &samples, &on_front).svg()?;
     if let Some(figure) = &figure {
-        write_file(&out.join(FIGURE), figure.as_bytes())?;
+        write_plot(&out.join(FIGURE), figure, arguments, !target.varies())?;
     }
     if target.varies() {
         let plot = comparison(study, target, trials, &found);
         if plot.has_points() {
-            write_file(&out.join(COMPARISON), plot.svg()?.as_bytes())?;
+            write_plot(&out.join(COMPARISON), &plot.svg()?, arguments, true)?;
         }
     }
     let groups = groups(trials);
@@ -140,14 +144,15 @@ fn tell_figures(
     let drawn = figures::plots(study, trials, &measured, folder)?;
     make(out, arguments)?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
-    write_file(&table, &figures::table(study, trials, &outcomes, &found)?)?;
+    let rows = figures::table(study, trials, &outcomes, &found)?;
+    write_table(&table, &rows, arguments, &outcomes)?;
     let page = figures::page(study, trials, &outcomes, &found);
     write_file(&read, page.as_bytes())?;
     let mut plots = Vec::new();
     for plot in drawn {
         if plot.has_points() {
             let path = out.join(plot.file_name());
-            write_file(&path, plot.svg()?.as_bytes())?;
+            write_plot(&path, &plot.svg()?, arguments, false)?;
             plots.push(path);
         }
     }
@@ -164,6 +169,37 @@ fn tell_figures(
     out!("page     {}", read.display());
     for plot in plots {
         out!("plot     {}", plot.display());
+    }
+    Ok(())
+}
+
+/// Writes a table, and with its origin into the folder that `--into` names.
+fn write_table(
+    path: &Path,
+    table: &[u8],
+    arguments: &StudyArguments,
+    outcomes: &[Outcome],
+) -> Result<()> {
+    write_file(path, table)?;
+    if let Some(folder) = &arguments.into {
+        let name = arguments.study.with_extension("csv");
+        let name = name.file_name().expect("a study file has a name");
+        let text = headed(&arguments.study, outcomes, table);
+        write_file(&folder.join(name), &text)?;
+    }
+    Ok(())
+}
+
+/// Writes a plot, and as `STUDY.svg` or `STUDY-PLOT.svg` into the folder that `--into` names.
+fn write_plot(path: &Path, svg: &str, arguments: &StudyArguments, is_only: bool) -> Result<()> {
+    write_file(path, svg.as_bytes())?;
+    if let Some(folder) = &arguments.into {
+        let stem = |path: &Path| path.file_stem().unwrap_or_default().display().to_string();
+        let name = match is_only {
+            true => format!("{}.svg", stem(&arguments.study)),
+            false => format!("{}-{}.svg", stem(&arguments.study), stem(path)),
+        };
+        write_file(&folder.join(name), svg.as_bytes())?;
     }
     Ok(())
 }
@@ -198,10 +234,8 @@ fn tell_promises(
     let points = trials.iter().zip(&outcomes);
     let verdicts = points.map(judge).collect::<Result<Vec<Verdict>>>()?;
     make(out, arguments)?;
-    write_file(
-        &out.join(PROMISES),
-        &verdict::table(study, trials, &verdicts)?,
-    )?;
+    let rows = verdict::table(study, trials, &verdicts)?;
+    write_table(&out.join(PROMISES), &rows, arguments, &outcomes)?;
     let page = verdict::page(study, trials, &outcomes, &verdicts);
     write_file(&out.join(PAGE), page.as_bytes())?;
     let count = |word: &str| verdicts.iter().filter(|v| v.word() == word).count();

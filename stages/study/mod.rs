@@ -3,6 +3,7 @@
 pub mod cost;
 pub mod figures;
 pub mod finding;
+pub mod origin;
 pub mod points;
 pub mod promise;
 pub mod target;

@@ -52,6 +52,7 @@ pub enum Outcome {
         memory_bytes: Option<u64>,
         /// Whether nothing had to run.
         fresh: bool,
+        made: Made,
     },
     Failed {
         /// The last line of its error.
@@ -61,6 +62,29 @@ pub enum Outcome {
         /// Folder of the checkpoints and frames so far.
         work: Option<PathBuf>,
     },
+}
+
+/// Which program computed a point, where and when.
+pub struct Made {
+    pub program: String,
+    /// Version of the impact.
+    pub version: u32,
+    /// Processor, cores and system.
+    pub machine: String,
+    /// UTC, as `2026-11-26`.
+    pub date: String,
+}
+
+impl Made {
+    fn of(stamp: &Stamp) -> Made {
+        let here = &stamp.machine;
+        Made {
+            program: stamp.program.clone(),
+            version: stamp.version,
+            machine: format!("{}, {} cores, {}", here.processor, here.cores, here.system),
+            date: stamp.started.chars().take(10).collect(),
+        }
+    }
 }
 
 impl Outcome {
@@ -73,6 +97,14 @@ impl Outcome {
                 ..
             } => "diverged",
             Outcome::Failed { .. } => "failed",
+        }
+    }
+
+    /// Which program computed a finished point.
+    pub fn made(&self) -> Option<&Made> {
+        match self {
+            Outcome::Done { made, .. } => Some(made),
+            Outcome::Failed { .. } => None,
         }
     }
 
@@ -155,6 +187,7 @@ impl Trial {
             wall_seconds: stamp.wall_seconds,
             memory_bytes: stamp.memory_bytes,
             fresh: stages().all(|line| line["status"] == "fresh"),
+            made: Made::of(&stamp),
         })
     }
 }

@@ -20,7 +20,7 @@ fn dry(dimension: Dimension, spacing: f64) -> Scene {
     scene
 }
 
-/// Caps of 60 and 24 spacings, and of 30 and 12, as many as the drops of docs/validation.md,
+/// Caps of 60 and 24 spacings, and of 30 and 12, as many as the drops of docs/results/wetting.md,
 /// "Contact angle": how far their bases are off by circles and by the raster.
 #[test]
 fn caps_have_their_contact_angle() {
@@ -118,7 +118,7 @@ fn area(outline: &[[f64; 2]]) -> f64 {
 }
 
 /// What the circles through the flanks say of a drop that is no circle: how far the measure itself
-/// is off in docs/validation.md, "Hysteresis".
+/// is off in docs/results/wetting.md, "Hysteresis".
 #[test]
 fn flanks_on_an_incline() {
     for (wanted, spacing, most) in [(9.0, 0.1, 2.0), (9.9, 0.1, 2.0), (9.9, 0.05, 1.0)] {

@@ -29,7 +29,7 @@ fn the_shipped_schema_of_studies_is_that_of_the_program() {
 
 #[test]
 fn the_shipped_page_of_settings_is_that_of_the_program() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/settings.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reference/settings.md");
     let page = Program::new().call(&["schema", "--markdown"]).well().out;
     if std::env::var_os("UPDATE").is_some() {
         fs::write(&path, &page).unwrap();

@@ -85,8 +85,25 @@ fn a_killed_study_goes_on_to_the_same_table() {
         let _ = child.kill();
         child.wait().unwrap();
     }
-    cut.call(&["study", "study.toml", "--jobs", "2"]).well();
+    cut.call(&["study", "study.toml", "--jobs", "2", "--into", "tables"])
+        .well();
     assert_eq!(results(&cut), expected);
+    let read = |name: &str| fs::read_to_string(cut.path(name)).unwrap();
+    let (head, table) = (
+        read("tables/study.csv"),
+        read("artifacts/latest/study/study.csv"),
+    );
+    let head = head.strip_suffix(&table).unwrap();
+    assert!(cut.path("tables/study.svg").is_file());
+    for start in [
+        "version: coronet ",
+        "flow: ",
+        "machine: ",
+        "date: 2",
+        "command: coronet study",
+    ] {
+        assert!(head.contains(&format!("# {start}")), "{head}");
+    }
     // Nothing is left to do.
     let again = cut.call(&["study", "study.toml"]).well();
     assert_eq!(again.err.matches("fresh").count(), 12, "{}", again.err);

@@ -33,7 +33,7 @@ fn angles(set: f64, spacing: &str) -> Option<[f64; 2]> {
 }
 
 /// The drop of Xie, Koshizuka & Oka (2007), Section 3.1, at its spacing and twice that. Asserted is
-/// what docs/validation.md says is met.
+/// what docs/results/wetting.md says is met.
 #[test]
 fn contact_angle() {
     println!();

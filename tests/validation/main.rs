@@ -1,15 +1,16 @@
 //! Physics against theory, in full length:
 //! `cargo test --release --test validation -- --nocapture --test-threads=1 [CASE]`.
 //!
-//! Prints one row of the table in docs/validation.md for each figure, for the presets in
+//! Prints one row of the table in docs/results/validation.md for each figure, for the presets in
 //! CORONET_PRESETS (`modern,corrected,paper` if unset) of the method CORONET_METHOD (`wcsph`);
-//! CORONET_SET adds overrides, separated by `;`. A test fails if preset `modern` misses what that
-//! page says it meets.
+//! CORONET_SET adds overrides, separated by `;`; CORONET_INTO names a CSV that gets the rows. A
+//! test fails if preset `modern` misses what that page says it meets.
 mod contact;
 mod drop;
 mod flow;
 mod order;
 mod potential;
+mod table;
 mod vibration;
 mod wall;
 
@@ -25,9 +26,8 @@ use std::path::Path;
 /// to 20 us, fit the drop on the pool; here its step follows the limits of stability.
 pub fn scene(name: &str, preset: &str, sets: &[&str]) -> Scene {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/verification");
-    let method = std::env::var("CORONET_METHOD").unwrap_or("wcsph".into());
     let mut all = vec![
-        format!("method.name={method}"),
+        format!("method.name={}", method_name()),
         format!("method.preset={preset}"),
     ];
     if preset == "paper" {
@@ -43,6 +43,11 @@ pub fn scene(name: &str, preset: &str, sets: &[&str]) -> Scene {
         .scene
 }
 
+/// Name of the method under test.
+fn method_name() -> String {
+    std::env::var("CORONET_METHOD").unwrap_or("wcsph".into())
+}
+
 /// Runs a case under every preset; `case` returns whether it keeps what is promised. Preset
 /// `modern` must.
 pub fn presets(name: &str, case: impl Fn(&str) -> Result<bool, Diverged>) {
@@ -55,13 +60,16 @@ pub fn presets(name: &str, case: impl Fn(&str) -> Result<bool, Diverged>) {
                 "| {name} | {preset} | diverged at {:.2e} s | | | | | MISS |",
                 e.time
             );
+            let found = format!("diverged at {:.2e} s", e.time);
+            let method = method_name();
+            table::keep([name, &method, preset, "", &found, "", "", "", "false"]);
             false
         });
         kept &= good || preset != "modern";
     }
     assert!(
         kept,
-        "{name}: preset modern keeps what docs/validation.md says"
+        "{name}: preset modern keeps what docs/results/validation.md says"
     );
 }
 
@@ -190,6 +198,17 @@ impl Figure<'_> {
             percent(self.target),
             if good { "PASS" } else { "MISS" }
         );
+        table::keep([
+            self.case,
+            &method_name(),
+            self.preset,
+            self.what,
+            &self.got.to_string(),
+            &self.theory.map_or(String::new(), |x| x.to_string()),
+            &error.to_string(),
+            &self.target.to_string(),
+            &good.to_string(),
+        ]);
         good
     }
 }

@@ -50,7 +50,7 @@ const LINEAR: f64 = 0.48;
 /// as a surface relaxes, and that is the pressure in drops of a projection (0.955 in a disc of 20
 /// s0). In a compressible liquid what load is left takes a part: drops at rest have the pressure of
 /// 0.893 sigma (disc, R = 20 s0) and 0.896 (sphere, 16 s0), but a sphere swings a little slower
-/// (docs/validation.md).
+/// (docs/results/validation.md).
 pub fn carried(is_projection: bool) -> f64 {
     match is_projection {
         true => 0.955,

@@ -32,7 +32,7 @@
 //! Time step: 0.25 sqrt(rho h^3 / (2 pi sigma)). Fails where a sheet is thinner than 2 H; where R
 //! is not much larger than H (the stress acts at a depth of 0.46 H); and where H is below 2.6 s0:
 //! the stress derives from no energy, its pull along the surface bunches the particles, and a drop
-//! at rest has spurious currents (docs/validation.md).
+//! at rest has spurious currents (docs/results/validation.md).
 //! With [`super::wetting`] walls have a contact angle. Curvature times normal: [`counted`].
 //! The derivative of an energy: [`energy`].
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.

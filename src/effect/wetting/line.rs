@@ -2,7 +2,7 @@
 //! that, so that a line at rest feels no kink.
 //!
 //! Going on at one angle, as it does without hysteresis, it has a kink at any other, which pulls on
-//! other particles than friction holds: a drop on an incline crept (docs/validation.md).
+//! other particles than friction holds: a drop on an incline crept (docs/results/wetting.md).
 //! (1) cos theta_d = SUM y cos theta_b W / SUM y W about the face of the wall, y = g |T_b|
 //!     |SUM grad W over the wall| sin theta_b, g = z - 0.8 H above that height, else 0,
 //! theta_b from n of liquid particles, which sees the wall's colours less the higher they are. So

@@ -27,12 +27,10 @@
 //! With an advancing and a receding angle theta of (2) is that which the line has ([`line`]), (4)
 //! has what lies beyond the two, and friction resists the motion of the line ([`friction`]).
 //!
-//! Measured angles: docs/validation.md, "Contact angle". Fails where the wedge of liquid at the
-//! contact line is thinner than H over many H (theta below 30 degrees; beyond 15 from flat the
-//! cotangent stays as it is there); beside a corner of two
-//! walls, which counts as wet. Costs nothing far from contact lines.
-//! Time step: that of the tension. Tests: tests/engine/effect_wetting.rs,
-//! effect_wedge.rs.
+//! Measured angles: docs/results/wetting.md. Fails where the wedge of liquid at the contact line is
+//! thinner than H over many H (theta below 30 degrees; beyond 15 from flat the cotangent stays as
+//! it is there); beside a corner of two walls, which counts as wet. Costs nothing far from contact
+//! lines. Time step: that of the tension. Tests: tests/engine/effect_wetting.rs, effect_wedge.rs.
 
 pub mod friction;
 mod line;

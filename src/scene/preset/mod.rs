@@ -107,7 +107,8 @@ fn transposed(name: MethodName) -> Option<&'static str> {
 
 /// Whether `modern` has a tension that is the derivative of an energy with the user's settings:
 /// Wendland's kernel and dual stepping, or the pressure equation of a transposed gradient. With
-/// contact angles the projections have the stress, whose angles are nearer (docs/validation.md).
+/// contact angles the projections have the stress, whose angles are nearer
+/// (docs/results/wetting.md).
 fn bears_energy(tree: &Tree<'_>, name: MethodName) -> bool {
     let is = |key: &str, value: &str| {
         let key = format!("method.{}.{key}", name.word());

@@ -1,0 +1,62 @@
+//! The rows as a CSV with its origin, as the tables of `docs/results` need it: CORONET_INTO names
+//! the file. A file that exists is extended.
+
+use coronet::pipeline::machine::{Machine, now};
+use std::fs::{self, File};
+use std::path::Path;
+
+/// Heads of the columns.
+const COLUMNS: [&str; 9] = [
+    "case", "method", "preset", "figure", "found", "theory", "error", "target", "met",
+];
+
+/// Adds a row to the file, if one is named.
+pub fn keep(row: [&str; 9]) {
+    let Some(path) = std::env::var_os("CORONET_INTO") else {
+        return;
+    };
+    add(Path::new(&path), row).expect("CORONET_INTO can be written");
+}
+
+fn add(path: &Path, row: [&str; 9]) -> std::io::Result<()> {
+    if !path.exists() {
+        fs::write(path, head())?;
+    }
+    let file = File::options().append(true).open(path)?;
+    let mut table = csv::Writer::from_writer(file);
+    table.write_record(row)?;
+    table.flush()
+}
+
+fn head() -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let jobs = fs::read_to_string(root.join("stages/jobs.rs")).expect("jobs.rs is there");
+    let flow = jobs.split("pub const FLOW: u32 = ").nth(1);
+    let flow = flow.and_then(|rest| rest.split(';').next()).unwrap_or("?");
+    let here = Machine::here();
+    let version = env!("CARGO_PKG_VERSION");
+    let day: String = now().chars().take(10).collect();
+    let machine = format!("{}, {} cores, {}", here.processor, here.cores, here.system);
+    format!(
+        "# version: coronet {version}, FLOW {flow}\n# flow: {flow}\n# machine: {machine}\n\
+         # date: {day}\n\
+         # command: cargo test --release --test validation -- --test-threads=1\n{}\n",
+        COLUMNS.join(",")
+    )
+}
+
+#[test]
+fn rows_are_kept_with_their_origin() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("table.csv");
+    add(&path, ["a, b"; 9]).unwrap();
+    add(&path, ["c"; 9]).unwrap();
+    let text = fs::read_to_string(&path).unwrap();
+    assert!(text.starts_with("# version: coronet "), "{text}");
+    assert_eq!(text.matches("# machine: ").count(), 1);
+    let mut table = csv::ReaderBuilder::new();
+    let table = table.comment(Some(b'#')).from_reader(text.as_bytes());
+    let rows: Vec<_> = table.into_records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 2);
+    assert_eq!((&rows[0][8], &rows[1][0]), ("a, b", "c"));
+}

@@ -4,7 +4,7 @@ use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use crate::measure::gauge::Kind;
 use crate::measure::series::{Reference, Series};
 use crate::measure::summary;
-use crate::scene::{Dimension, Scene};
+use crate::scene::Scene;
 
 /// A run, and the references to compare it with.
 pub struct Figures<'a> {
@@ -214,9 +214,9 @@ impl Figures<'_> {
         let known = parts.iter().filter_map(|(_, e)| e.as_ref()).flatten();
         let known = known.filter(|e| e.is_finite());
         let largest = known.fold(0.0f64, |most, e| most.max(e.abs()));
-        let per = match self.scene.dimension {
-            Dimension::Two => "/m",
-            Dimension::Three => "",
+        let per = match self.scene.space() {
+            2 => "/m",
+            _ => "",
         };
         let (factor, unit) = match largest {
             e if e >= 1.0 => (1.0, "J"),

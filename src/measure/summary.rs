@@ -141,7 +141,7 @@ fn young_laplace(scene: &Scene) -> Option<f64> {
         return None;
     };
     let radius = body.shape.equivalent_radius(&scene.domain, scene.dimension);
-    let sides = scene.dimension.count() as f64 - 1.0;
+    let sides = scene.space() as f64 - 1.0;
     Some(sides * scene.effects.sigma()? / radius)
 }
 
@@ -169,15 +169,12 @@ fn rayleigh(scene: &Scene) -> Option<f64> {
             ..
         } => match scene.dimension {
             Dimension::Three => ((a * b * c).cbrt(), true),
+            Dimension::Two if scene.domain.revolved => ((a * a * c).cbrt(), true),
             Dimension::Two => ((a * c).sqrt(), true),
         },
         _ => (1.0, false),
     };
-    let factor = if scene.dimension == Dimension::Three {
-        8.0
-    } else {
-        6.0
-    };
+    let factor = if scene.space() == 3 { 8.0 } else { 6.0 };
     let sigma = scene.effects.sigma().filter(|_| round)?;
     let omega = (factor * sigma / (scene.density * radius.powi(3))).sqrt();
     Some(2.0 * std::f64::consts::PI / omega)
@@ -185,11 +182,7 @@ fn rayleigh(scene: &Scene) -> Option<f64> {
 
 /// Energy, mass and momentum at the ends of the run.
 fn balance(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
-    let unit = if scene.dimension == Dimension::Two {
-        "J/m"
-    } else {
-        "J"
-    };
+    let unit = if scene.space() == 2 { "J/m" } else { "J" };
     first_last(
         series,
         "kinetic_energy_J",
@@ -210,11 +203,7 @@ fn balance(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
         let name = "energy unexplained".to_owned();
         lines.push((name, format!("{} {unit}", digits(*unexplained))));
     }
-    let mass = if scene.dimension == Dimension::Two {
-        "kg/m"
-    } else {
-        "kg"
-    };
+    let mass = if scene.space() == 2 { "kg/m" } else { "kg" };
     first_last(series, "mass_kg", "mass", 1.0, mass, lines);
     if let Some(removed) = series.column("mass_removed_kg").and_then(<[f64]>::last) {
         lines.push((

@@ -42,6 +42,8 @@ pub struct Domain {
     pub boundary: [[Side; 2]; 3],
     /// Velocity of each wall, m/s, `wall_velocity[axis][low/high][component]`; zero at rest.
     pub wall_velocity: [[[f64; 3]; 2]; 3],
+    /// Whether the plane of a 2-D box is a section through an axis of revolution.
+    pub revolved: bool,
 }
 
 /// One word for both sides, or one for each.
@@ -173,6 +175,7 @@ impl BoxTable {
             size,
             boundary,
             wall_velocity,
+            revolved: false,
         })
     }
 

@@ -78,12 +78,13 @@ impl Problem {
             size,
             boundary,
             wall_velocity: Default::default(),
+            revolved: self.domain.revolved,
         }
     }
 
     /// Number of dimensions of the space that the liquid fills: 3 where particles are rings.
     pub fn space(&self) -> usize {
-        match self.domain.is_axial() {
+        match self.domain.revolved {
             true => 3,
             false => self.dimension.count(),
         }

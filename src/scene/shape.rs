@@ -71,6 +71,13 @@ impl Shape {
         }
         let volume = self.parts(domain) * self.volume(domain, dimension);
         match dimension {
+            Dimension::Two if domain.revolved => {
+                let [a, _, c] = match self {
+                    Shape::Ellipsoid { semi_axes, .. } => *semi_axes,
+                    _ => [0.0; 3],
+                };
+                (a * a * c).cbrt()
+            }
             Dimension::Two => (volume / PI).sqrt(),
             Dimension::Three => (volume / (4.0 / 3.0 * PI)).cbrt(),
         }

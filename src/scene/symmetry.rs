@@ -220,6 +220,7 @@ fn revolve(scene: &mut Problem, tree: &Tree<'_>) -> Result<(), SceneError> {
     halve(scene, 0);
     let domain = &mut scene.domain;
     domain.boundary[0][0] = Side::Axis;
+    domain.revolved = true;
     domain.boundary[1] = [Side::Periodic; 2];
     domain.size[1] = 0.0;
     domain.wall_velocity[1] = Default::default();

@@ -1,12 +1,12 @@
 //! Clouds of particles for the tests of pair sums: jittered lattices in boxes of all kinds.
 
-use std::f64::consts::TAU;
 use super::pack_scene::{S0, scene};
 use coronet::method::flow::{Flow, Lengths};
 use coronet::particle::{Particles, Wall, wall};
 use coronet::scene::{Dimension, Shape, Side};
 use coronet::space::sparse::Layout;
 use coronet::space::sweep::Payload;
+use std::f64::consts::TAU;
 
 pub const PERIODIC: [[Side; 2]; 3] = [[Side::Periodic; 2]; 3];
 pub const OPEN: [[Side; 2]; 3] = [[Side::Open; 2], [Side::Open; 2], [Side::Open; 2]];
@@ -113,6 +113,7 @@ impl Cloud {
             scene.domain.boundary[1] = [Side::Periodic; 2];
         }
         let is_axial = scene.domain.is_axial();
+        scene.domain.revolved = is_axial;
         let mut p = Particles {
             mass: scene.density * S0.powi(scene.space() as i32),
             ..Particles::default()

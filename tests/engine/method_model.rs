@@ -68,7 +68,7 @@ fn particles_keep_the_mass_of_their_packing() {
         let scene = splash_scene(preset, 3, "");
         let body = pack(&scene.pack_input(0), &mut |_| Continue(())).unwrap().0;
         let sph = scene.method.sph();
-        let wanted = mass(scene.dimension, scene.density, scene.spacing, sph);
+        let wanted = mass(scene.space(), scene.density, scene.spacing, sph);
         assert_eq!(body.mass, wanted, "{preset}");
         let resting = method::resting(&scene.resting(0), &body);
         assert_eq!(resting.particles.mass, wanted);

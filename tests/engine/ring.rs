@@ -177,7 +177,10 @@ fn a_splash_of_rings_keeps_its_energy_and_its_mass() {
     let series = simulation.run(|_, _| ()).unwrap();
     let last = |name: &str| *series.column(name).unwrap().last().unwrap();
     let whole = series.column("kinetic_energy_J").unwrap()[0];
-    println!("unexplained {:e} of {whole:e} J", last("energy_unexplained_J"));
+    println!(
+        "unexplained {:e} of {whole:e} J",
+        last("energy_unexplained_J")
+    );
     assert!(last("energy_unexplained_J").abs() < 0.03 * whole);
     let mass = series.column("mass_kg").unwrap();
     let lost = series.column("mass_removed_kg").unwrap();

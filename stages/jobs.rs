@@ -30,9 +30,9 @@ pub mod version {
     /// Of the calibration of the tension.
     pub const CALIBRATE: u32 = 8;
     /// Of relaxation and impact.
-    pub const FLOW: u32 = 21;
+    pub const FLOW: u32 = 22;
     /// Of the evaluation.
-    pub const POST: u32 = 11;
+    pub const POST: u32 = 12;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {

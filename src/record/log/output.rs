@@ -234,7 +234,9 @@ pub fn write_frame(
         schema: &schema.descriptor(),
         metadata: &BTreeMap::new(),
     };
-    let bytes = measures::Schema::encode(frame.time, &frame.scalars);
+    let after = setup.contact.map(|contact| frame.time - contact);
+    let after = after.filter(|after| *after >= 0.0);
+    let bytes = measures::Schema::encode(frame.time, after, &frame.scalars);
     output.message(channel, time, &bytes)?;
     output.end_frame()
 }

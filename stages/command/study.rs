@@ -10,10 +10,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use anyhow::{Result, bail};
+use coronet::draw::sheet::Sheet;
 use coronet::measure::tradeoff::{Sample, front, growth, worst};
 use coronet::pipeline::name::is_plain_name;
 use coronet::pipeline::{Store, latest};
 use coronet::record::atomic::write_file;
+use coronet::scene::FigureStyle;
 use serde_json::json;
 
 use crate::arguments::StudyArguments;
@@ -90,14 +92,15 @@ fn tell_costs(
     write_file(&out.join(TABLE), &table)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
     write_file(&out.join(COSTS), page.as_bytes())?;
-    let figure = figure(study, target, trials, &samples, &on_front).svg()?;
+    let style = FigureStyle::default();
+    let figure = figure(study, target, trials, &samples, &on_front).sheet(&style)?;
     if let Some(figure) = &figure {
-        write_file(&out.join(FIGURE), figure.as_bytes())?;
+        write_figure(figure, &out.join(FIGURE))?;
     }
     if target.varies() {
         let plot = comparison(study, target, trials, &found);
         if plot.has_points() {
-            write_file(&out.join(COMPARISON), plot.svg()?.as_bytes())?;
+            write_figure(&plot.sheet(&style)?, &out.join(COMPARISON))?;
         }
     }
     let groups = groups(trials);
@@ -146,8 +149,8 @@ fn tell_figures(
     let mut plots = Vec::new();
     for plot in drawn {
         if plot.has_points() {
-            let path = out.join(plot.file_name());
-            write_file(&path, plot.svg()?.as_bytes())?;
+            let path = out.join(plot.file_name() + ".svg");
+            write_figure(&plot.sheet(&FigureStyle::default())?, &path)?;
             plots.push(path);
         }
     }
@@ -165,6 +168,13 @@ fn tell_figures(
     for plot in plots {
         out!("plot     {}", plot.display());
     }
+    Ok(())
+}
+
+/// Writes a figure as SVG to `path`, and as PDF beside it.
+fn write_figure(figure: &Sheet, path: &Path) -> Result<()> {
+    write_file(path, figure.svg().as_bytes())?;
+    write_file(&path.with_extension("pdf"), &figure.pdf())?;
     Ok(())
 }
 

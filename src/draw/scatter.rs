@@ -141,7 +141,7 @@ impl Scatter {
             chart.draw_series(small.map(|p| Circle::new(p, points(1.8), thin)))?;
             chart.draw_series(cloud.points.iter().map(|(p, _)| cloud.sample((p[0], p[1]))))?;
         }
-        let places = |(p, _): &([f64; 2], String)| chart.backend_coord(&(p[0], p[1]));
+        let places = |p: &[f64; 2]| chart.backend_coord(&(p[0], p[1]));
         self.draw_labels(&root, letters, &places)?;
         root.present()?;
         drop(chart);
@@ -154,7 +154,7 @@ impl Scatter {
         &self,
         root: &Area,
         letters: Letters,
-        place: &dyn Fn(&([f64; 2], String)) -> (i32, i32),
+        place: &dyn Fn(&[f64; 2]) -> (i32, i32),
     ) -> Result<(), Failure> {
         let letters = Letters {
             em: LABELS * letters.em,
@@ -162,14 +162,14 @@ impl Scatter {
         let half = points(3.6) as i32;
         let points = self.clouds.iter().flat_map(|cloud| &cloud.points);
         let about = |(x, y): (i32, i32)| [x - half, y - half, x + half, y + half];
-        let mut taken: Vec<[i32; 4]> = points.map(|point| about(place(point))).collect();
+        let mut taken: Vec<[i32; 4]> = points.map(|(p, _)| about(place(p))).collect();
         for cloud in self.clouds.iter().filter(|c| c.mark == Mark::Disc) {
             let [r, g, b] = cloud.colour;
             let colour = RGBColor(r, g, b);
             let font = letters.plain().color(&colour);
-            for point in &cloud.points {
-                let at = room(&point.1, letters, place(point), &mut taken);
-                root.draw(&Text::new(point.1.clone(), at, font.clone()))?;
+            for (p, label) in &cloud.points {
+                let at = room(label, letters, place(p), &mut taken);
+                root.draw(&Text::new(label.clone(), at, font.clone()))?;
             }
         }
         Ok(())

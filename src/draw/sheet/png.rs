@@ -118,7 +118,9 @@ fn stretch(canvas: &mut Canvas, low: [f64; 2], high: [f64; 2], picture: &Canvas)
     let count = [picture.width, picture.height];
     let own = |pixel: usize, axis: usize| {
         let part = (pixel as f64 + 0.5 - low[axis]) / (high[axis] - low[axis]);
-        (part >= 0.0 && part < 1.0).then(|| (part * count[axis] as f64) as usize)
+        (0.0..1.0)
+            .contains(&part)
+            .then(|| (part * count[axis] as f64) as usize)
     };
     for y in 0..canvas.height {
         let Some(row) = own(y, 1) else { continue };

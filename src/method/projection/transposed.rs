@@ -10,9 +10,9 @@
 //! With A alone (beta = 1) (2) does not take away what (1) finds: where particles are in disorder
 //! G p of a constant p is not zero, but A p is, so that an error stays which grows with p. A pool
 //! of 40 layers burst. With D G alone that is gone, but fields that G does not see (every second
-//! particle up, every second down) have no pressure. A mixture keeps both: over a step of which theta is
-//! implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence, which
-//! is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
+//! particle up, every second down) have no pressure. A mixture keeps both: over a step of which
+//! theta is implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence,
+//! which is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
 //! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]).
 
 use super::{Projection, SURFACE, Scheme};

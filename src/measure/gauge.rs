@@ -8,7 +8,7 @@ use super::raster::Raster;
 use super::region::Region;
 use super::series::Row;
 use crate::particle::Frame;
-use crate::scene::{Body, Dimension, Motion, Scene, Shape as Geometry, Side};
+use crate::scene::{Body, Clock, Dimension, Motion, Scene, Shape as Geometry, Side};
 
 /// Kind of a scene, from its bodies.
 #[derive(Clone, Copy, Debug)]
@@ -125,13 +125,6 @@ pub fn contact(scene: &Scene) -> Option<f64> {
     arrival(scene, body).or(touches.then_some(0.0))
 }
 
-/// A time from contact, s; `None` before it. Both times in s from the start of the run.
-pub fn after_contact(time: f64, contact: Option<f64>) -> Option<f64> {
-    contact
-        .map(|contact| time - contact)
-        .filter(|after| *after >= 0.0)
-}
-
 /// Time at which a freely falling body meets pool or floor, s; `None` if it does not fall.
 fn arrival(scene: &Scene, body: &Body) -> Option<f64> {
     let height = drop_height(scene, body).max(0.0);
@@ -202,7 +195,7 @@ impl Gauge {
         let mut start = self.start;
         let mut row = Table::default();
         row.put("time_s", frame.time);
-        let after = after_contact(frame.time, self.contact);
+        let after = Clock::after_contact(frame.time, self.contact);
         row.put_some("time_after_contact_s", after);
         let mut area = None;
         if !matches!(self.kind, Kind::Bulk) {

@@ -272,4 +272,11 @@ impl Clock {
         ("time_s", Clock::Start),
         ("time_after_contact_s", Clock::Contact),
     ];
+
+    /// A time from contact, s; `None` before it, and if there is none. `time` and `contact` in s
+    /// from the start of the run.
+    pub fn after_contact(time: f64, contact: Option<f64>) -> Option<f64> {
+        let after = contact.map(|contact| time - contact);
+        after.filter(|after| *after >= 0.0)
+    }
 }

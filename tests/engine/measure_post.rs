@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use coronet::draw::canvas::{Canvas, WHITE};
-use coronet::draw::field::{Field, FigureFrame, Scales};
+use coronet::draw::field::{Bounds, Field, Scales};
 use coronet::draw::post::{Post, PostError};
 use coronet::draw::report::Report;
 use coronet::draw::section::{self, Section};
@@ -227,7 +227,7 @@ fn a_source_flow_averages_to_its_radial_profile() {
             );
         }
         let fields = [field];
-        let figure = FigureFrame {
+        let figure = Bounds {
             top: fields[0].top(),
             level: 10e-3,
             scales: Scales::of(&fields),

@@ -55,7 +55,7 @@ fn part(sorted: &[f64], part: f64) -> f64 {
 
 /// What a figure shows besides the field.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame {
+pub struct Bounds {
     /// Highest liquid, m.
     pub top: f64,
     /// Height of z = 0, m.
@@ -66,13 +66,13 @@ pub struct Frame {
 
 impl Field {
     /// Draws the field, mirrored about the axis.
-    pub fn draw(&self, frame: &Frame, style: &FigureStyle) -> Sheet {
+    pub fn draw(&self, bounds: &Bounds, style: &FigureStyle) -> Sheet {
         let em = style.font_size;
         let reach = self.count[0] as f64 * self.edge;
         let width = style.width * POINT;
         let scale = (width - (LEFT + RIGHT) * em).max(10.0 * em) / (2.0 * reach);
         // Not higher than three times its width.
-        let rows = (frame.top / self.edge).ceil() as usize + 2;
+        let rows = (bounds.top / self.edge).ceil() as usize + 2;
         let rows = rows.clamp(1, 6 * self.count[0].max(1));
         let height = rows as f64 * self.edge * scale;
         let mut drawing = Drawing {
@@ -83,15 +83,15 @@ impl Field {
             base: TOP * em + height,
         };
         let (low, high) = (drawing.place(-reach, 0.0), drawing.place(reach, 0.0));
-        let picture = self.picture(rows, &frame.scales.pressure);
+        let picture = self.picture(rows, &bounds.scales.pressure);
         drawing
             .sheet
             .image([low[0], TOP * em], [high[0], drawing.base], picture);
-        self.draw_arrows(&mut drawing, frame.scales.speed);
-        drawing.draw_axes(frame.level, height / scale);
-        drawing.draw_bar(&frame.scales.pressure);
+        self.draw_arrows(&mut drawing, bounds.scales.speed);
+        drawing.draw_axes(bounds.level, height / scale);
+        drawing.draw_bar(&bounds.scales.pressure);
         drawing.draw_key(
-            frame.scales.speed,
+            bounds.scales.speed,
             self.arrow_stride(scale) * self.edge * scale,
         );
         let mut title = Text::new([LEFT * em, 1.7 * em], 1.1 * em, &self.label, Anchor::Left);

@@ -7,7 +7,7 @@
 
 mod figure;
 
-pub use figure::{Frame as FigureFrame, Scales};
+pub use figure::{Bounds, Scales};
 
 use crate::measure::pool::Axis;
 use crate::particle::Frame;

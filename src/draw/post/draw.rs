@@ -2,7 +2,7 @@
 
 use super::{Post, PostError, draw_error};
 use crate::draw::canvas::{Canvas, WHITE};
-use crate::draw::field::{Field, FigureFrame, Scales};
+use crate::draw::field::{Bounds, Field, Scales};
 use crate::draw::figure::Figures;
 use crate::draw::render::artist::{Artist, Style, Survey};
 use crate::draw::report::Report;
@@ -77,13 +77,13 @@ impl Post {
         let fields = std::mem::take(&mut self.averages);
         let top = fields.iter().map(Field::top).fold(0.0, f64::max);
         let level = self.gauge.start.level.unwrap_or(0.0);
-        let frame = FigureFrame {
+        let bounds = Bounds {
             top,
             level,
             scales: Scales::of(&fields),
         };
         for (n, field) in fields.iter().enumerate() {
-            let sheet = field.draw(&frame, &self.scene.post.figures);
+            let sheet = field.draw(&bounds, &self.scene.post.figures);
             let svg = self.write_figure(&sheet, &format!("fields/{:02}", n + 1))?;
             report.fields.push((field.label.clone(), svg));
         }

@@ -25,6 +25,7 @@ use super::atomic;
 use super::checkpoint::{self, CheckpointError};
 use super::log::{self, LogError};
 use crate::file::FileError;
+use crate::scene::Clock;
 use folder::List;
 
 /// An export that failed.
@@ -269,8 +270,7 @@ pub fn export_log(
             continue;
         }
         let name = names[index.len() + 1].clone();
-        let after = info.contact.map(|contact| frame.time - contact);
-        let after = after.filter(|after| *after >= 0.0);
+        let after = Clock::after_contact(frame.time, info.contact);
         index.push(pvd::Entry {
             time: frame.time,
             after_contact: after,

@@ -196,7 +196,11 @@ impl Plot {
         for curve in &self.curves {
             for piece in pieces(&curve.points) {
                 let style = stroke(curve);
-                if curve.line == Line::Dashed {
+                if let [only] = piece[..] {
+                    // A value between blanks.
+                    let dot = Circle::new(only, points(1.5), style.filled());
+                    chart.draw_series([dot])?;
+                } else if curve.line == Line::Dashed {
                     let (dash, gap) = (points(5.0), points(3.0));
                     chart.draw_series(DashedLineSeries::new(piece, dash, gap, style))?;
                 } else {

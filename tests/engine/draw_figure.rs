@@ -63,13 +63,17 @@ fn a_plot_breaks_at_blanks_and_names_its_axes() {
     ] {
         assert!(svg.contains(&format!("aria-label=\"{text}\"")), "{text}");
     }
-    // The sample in the legend, and one line for each side of the blank.
+    // The sample in the legend, a dot before the blank and a line after it.
     let lines = drawn(&svg);
-    assert_eq!(lines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 1, 3]);
+    assert_eq!(lines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 3]);
+    let dot = svg.lines().find(|line| line.starts_with("<circle"));
+    let cells: Vec<&str> = dot.unwrap().split('"').collect();
+    assert_eq!((cells[5], cells[7]), ("1.5", "#090807"), "{cells:?}");
     // Values are where the axes say, to a hundredth of a point.
-    let [start, after] = [lines[1][0], lines[2][0]];
+    let start = [cells[1], cells[3]].map(|text| text.parse::<f64>().unwrap());
+    let after = lines[1][0];
     let [across, up] = [(after[0] - start[0]) / 2.0, (after[1] - start[1]) / 2.0];
-    for (point, value) in lines[2].iter().zip([[2.0, 3.0], [3.0, 2.0], [4.0, 5.0]]) {
+    for (point, value) in lines[1].iter().zip([[2.0, 3.0], [3.0, 2.0], [4.0, 5.0]]) {
         let expected = [
             start[0] + across * value[0],
             start[1] + up * (value[1] - 1.0),
@@ -77,7 +81,7 @@ fn a_plot_breaks_at_blanks_and_names_its_axes() {
         let away = (point[0] - expected[0]).hypot(point[1] - expected[1]);
         assert!(away < 0.03, "{point:?} {expected:?}");
     }
-    let whole = lines[2]
+    let whole = lines[1]
         .iter()
         .flatten()
         .filter(|c| c.fract() == 0.0)

@@ -63,7 +63,7 @@
 //! * **What a method keeps of a particle**: its `columns!`, with a [`particle::column::Role`].
 //! * **What a pair sum reads**: its [`payload!`].
 //! * **A format of export**: a file in `record/export/`, its arms in `record/export/mod.rs`, its
-//!   word in `stages/arguments.rs`.
+//!   word in `stages/arguments/output.rs`.
 //! * **A plot**: `draw/figure.rs`.
 //!
 //! Then: if results change, raise the VERSION in `stages/jobs.rs`, or stored results stay in use;

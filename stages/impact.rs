@@ -6,7 +6,7 @@
 //! its last instant. So the frames of a shorter run are exactly the first frames of a longer one,
 //! with any interruptions.
 
-use coronet::measure::loss;
+use coronet::measure::{gauge, loss};
 use coronet::method::frame::Schedule;
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::wall;
@@ -277,7 +277,10 @@ impl Impact<'_> {
             problem, frames, ..
         } = &self.input;
         let (wall, text) = (wall::build(problem), self.text.to_string());
-        let setup = LogSetup::new(problem, frames, &wall, text, provenance);
+        let setup = LogSetup {
+            contact: gauge::contact(&self.input.scene().whole()),
+            ..LogSetup::new(problem, frames, &wall, text, provenance)
+        };
         let segment = next_segment(context)?;
         LogWriter::create(context.work(), segment, from, &setup).map_err(StageError::failed)
     }

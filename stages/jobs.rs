@@ -32,7 +32,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 21;
     /// Of the evaluation.
-    pub const POST: u32 = 11;
+    pub const POST: u32 = 12;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {
@@ -67,6 +67,11 @@ pub mod version {
             Some(TensionForm::SurfaceEnergy) => vec![part("surface-energy", 1)],
             _ => Vec::new(),
         }
+    }
+
+    /// Of what the log of an impact holds besides the particles.
+    pub fn log() -> Setting {
+        part("log", 2)
     }
 
     fn part(name: &str, version: u32) -> Setting {
@@ -110,6 +115,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
     let input = scene.impact_input();
     let mut settings = settings::list(&input, scene)?;
     settings.extend(version::flow(scene));
+    settings.push(version::log());
     jobs.push(Box::new(Impact {
         input,
         checkpoint_every: scene.impact.checkpoint_every,

@@ -6,7 +6,7 @@
     frame = run.frame(at=10e-3)        # numpy arrays: frame.position, frame.velocity ...
 
 All quantities are in SI units; z is up. Times count from the start of the run; the tables have
-`time_after_contact_s` as well.
+`time_after_contact_s` as well, not a number before the contact of the drop and where nothing meets.
 """
 
 from __future__ import annotations
@@ -143,7 +143,8 @@ class Run:
         """Measures of all frames: one row a frame, `time_s` and `time_after_contact_s` first."""
         table = pd.read_csv(self._measures())
         if "time_after_contact_s" not in table:
-            table.insert(1, "time_after_contact_s", table["time_s"] - self.contact_time)
+            after = table["time_s"] - self.contact_time
+            table.insert(1, "time_after_contact_s", after.where(after >= 0))
         return table
 
     @property

@@ -2,6 +2,8 @@
 
 use std::io::Write;
 
+use super::sheet::font::{self, Look};
+
 /// Red, green, blue.
 pub type Colour = [u8; 3];
 
@@ -13,7 +15,7 @@ pub const INK: Colour = [38, 44, 52];
 pub const FAINT: Colour = [196, 202, 210];
 
 /// Rows of pixels from the top.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Canvas {
     /// Pixels in a row.
     pub width: usize,
@@ -23,7 +25,7 @@ pub struct Canvas {
 }
 
 /// Alignment of a text at its point.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// It starts at the point.
     Left,
@@ -127,49 +129,10 @@ impl Canvas {
         }
     }
 
-    /// Arrow from `a` to `b`, pixels.
-    pub fn arrow(&mut self, a: [f32; 2], b: [f32; 2], width: f32, colour: Colour) {
-        let d = [b[0] - a[0], b[1] - a[1]];
-        let length = d[0].hypot(d[1]);
-        if length < 1.0 {
-            return;
-        }
-        self.line(a, b, width, colour);
-        let head = (0.38 * length).clamp(2.0, 9.0);
-        let u = [d[0] / length, d[1] / length];
-        for side in [-0.5, 0.5] {
-            let tail = [
-                b[0] - head * (u[0] + side * u[1]),
-                b[1] - head * (u[1] - side * u[0]),
-            ];
-            self.line(tail, b, width, colour);
-        }
-    }
-
-    /// Writes `text` with capitals of `size` pixels; `at` is on the base line.
+    /// Writes `text` in letters of `size` pixels; `at` is on the base line.
     pub fn text(&mut self, at: [f32; 2], size: f32, text: &str, anchor: Anchor, colour: Colour) {
-        let unit = size / 10.0;
-        let length = super::letter::length(text) * unit;
-        let mut x = match anchor {
-            Anchor::Left => at[0],
-            Anchor::Middle => at[0] - 0.5 * length,
-            Anchor::Right => at[0] - length,
-        };
-        for letter in text.chars() {
-            let (strokes, advance) = super::letter::strokes(letter);
-            for stroke in strokes {
-                let place = |p: [f32; 2]| [x + unit * p[0], at[1] - unit * p[1]];
-                for pair in stroke.windows(2) {
-                    self.line(
-                        place(pair[0]),
-                        place(pair[1]),
-                        (0.14 * size).max(1.2),
-                        colour,
-                    );
-                }
-            }
-            x += advance * unit;
-        }
+        let look = Look::new(f64::from(size), anchor, colour);
+        font::write(self, at.map(f64::from), text, look);
     }
 
     /// Copies another picture into this one, its upper left corner at (x, y); clipped.
@@ -188,6 +151,17 @@ impl Canvas {
             height: bottom - top,
             pixels: self.pixels[top * self.width..bottom * self.width].to_vec(),
         }
+    }
+
+    /// Each pixel as a block of so many columns and rows.
+    pub fn enlarged(&self, [columns, rows]: [usize; 2]) -> Canvas {
+        let mut large = Canvas::new(columns * self.width, rows * self.height, WHITE);
+        for y in 0..large.height {
+            for x in 0..large.width {
+                large.set(x, y, self.get(x / columns, y / rows));
+            }
+        }
+        large
     }
 
     /// Half the size, each pixel the mean of four.

@@ -6,13 +6,15 @@ pub mod canvas;
 pub mod field;
 pub mod figure;
 pub mod film;
-pub mod letter;
 pub mod plot;
 pub mod post;
+pub mod readable;
 pub mod render;
 pub mod report;
+pub mod scale;
 pub mod scatter;
 pub mod section;
+pub mod sheet;
 pub mod surface;
 pub mod view;
 

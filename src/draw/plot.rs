@@ -1,6 +1,11 @@
-//! Plots of measures against time, as SVG.
+//! Plots of measures against time.
+
+use std::convert::Infallible;
 
 use plotters::prelude::*;
+
+use super::sheet::{Recorder, Sheet, UNIT, Weight, plot_size};
+use crate::scene::FigureStyle;
 
 /// How a curve is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +32,7 @@ pub struct Curve {
 /// A plot with its curves.
 #[derive(Clone, Debug)]
 pub struct Plot {
-    /// Names the file too: `crater depth` becomes `crater-depth.svg`.
+    /// Names the file too: `crater depth` becomes `crater-depth`.
     pub title: String,
     /// Label of the x axis.
     pub x: String,
@@ -51,22 +56,55 @@ pub const PALETTE: [[u8; 3]; 6] = [
 /// Greys for reference curves.
 pub const REFERENCE: [[u8; 3]; 3] = [[40, 40, 40], [130, 130, 130], [90, 110, 130]];
 
-pub(super) const SIZE: (u32, u32) = (640, 400);
-pub(super) const FONT: &str = "system-ui, 'Segoe UI', 'DejaVu Sans', Helvetica, Arial, sans-serif";
 pub(super) const TEXT: RGBColor = RGBColor(45, 50, 58);
+/// Of axes and their marks.
+pub(super) const AXIS: RGBColor = RGBColor(120, 126, 134);
+/// Of lines behind the curves.
+pub(super) const GRID: RGBColor = RGBColor(226, 229, 233);
 
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+pub(super) type Area<'a> = DrawingArea<Recorder<'a>, plotters::coord::Shift>;
 
 /// A plot that cannot be drawn.
-pub type Failure = DrawingAreaErrorKind<std::io::Error>;
+pub type Failure = DrawingAreaErrorKind<Infallible>;
+
+/// The letters of a plot.
+#[derive(Clone, Copy)]
+pub(super) struct Letters {
+    /// An em, points.
+    pub em: f64,
+}
+
+impl Letters {
+    /// Letters of the usual size.
+    pub fn plain(self) -> TextStyle<'static> {
+        // The library's name of a font is not used.
+        ("sans-serif", self.em * UNIT).into_font().color(&TEXT)
+    }
+
+    /// Larger and bold.
+    pub fn title(self) -> TextStyle<'static> {
+        let font = ("sans-serif", 1.2 * self.em * UNIT).into_font();
+        font.style(FontStyle::Bold).color(&TEXT)
+    }
+
+    /// A length in ems, in units of the library.
+    pub fn ems(self, count: f64) -> i32 {
+        (count * self.em * UNIT).round() as i32
+    }
+}
+
+/// A length in points, in units of the library.
+pub(super) fn points(length: f64) -> u32 {
+    (length * UNIT).round() as u32
+}
 
 impl Plot {
-    /// Name of the file without folder.
+    /// Name of the files without folder and ending.
     pub fn file_name(&self) -> String {
         let title = self.title.to_lowercase();
         let words = title.split(|c: char| !(c.is_alphanumeric() || c == '.'));
         let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
-        format!("{}.svg", words.join("-"))
+        words.join("-")
     }
 
     /// Whether there is a point to draw.
@@ -102,106 +140,127 @@ impl Plot {
         range
     }
 
-    /// The plot as SVG.
+    /// Draws the plot.
     ///
     /// # Errors
     /// If the drawing library fails.
-    pub fn svg(&self) -> Result<String, Failure> {
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            root.fill(&WHITE)?;
-            let title = (FONT, 19).into_font().style(FontStyle::Bold).color(&TEXT);
-            root.draw(&Text::new(self.title.clone(), (14, 10), title))?;
-            let below = self.draw_legend(&root)?;
-            let [x, y] = self.ranges();
-            let mut chart = ChartBuilder::on(&root)
-                .margin_top(below)
-                .margin_right(24)
-                .margin_bottom(8)
-                .margin_left(8)
-                .x_label_area_size(44)
-                .y_label_area_size(62)
-                .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
-            let digits = |range: [f64; 2]| {
-                let step = (range[1] - range[0]) / 8.0;
-                (-step.log10().floor()).clamp(0.0, 9.0) as usize
-            };
-            let (dx, dy) = (digits(x), digits(y));
-            chart
-                .configure_mesh()
-                .x_desc(self.x.clone())
-                .y_desc(self.y.clone())
-                .x_labels(8)
-                .y_labels(8)
-                .x_label_formatter(&|v| number(*v, dx))
-                .y_label_formatter(&|v| number(*v, dy))
-                .label_style((FONT, 15).into_font().color(&TEXT))
-                .axis_desc_style((FONT, 15).into_font().color(&TEXT))
-                .axis_style(RGBColor(120, 126, 134))
-                .bold_line_style(RGBColor(226, 229, 233))
-                .light_line_style(TRANSPARENT)
-                .draw()?;
-            for curve in &self.curves {
-                for piece in pieces(&curve.points) {
-                    let style = style(curve);
-                    if curve.line == Line::Dashed {
-                        let series = DashedLineSeries::new(piece, 7, 4, style);
-                        chart.draw_series(series)?;
-                    } else {
-                        chart.draw_series(LineSeries::new(piece, style))?;
-                    }
+    pub fn sheet(&self, style: &FigureStyle) -> Result<Sheet, Failure> {
+        let letters = Letters {
+            em: style.font_size,
+        };
+        let size = plot_size(style);
+        let mut sheet = Sheet::new(size);
+        let recorder = Recorder { sheet: &mut sheet };
+        let root = recorder.into_drawing_area();
+        let at = (letters.ems(0.9), letters.ems(0.7));
+        root.draw(&Text::new(self.title.clone(), at, letters.title()))?;
+        let below = self.draw_legend(&root, letters)?;
+        let [x, y] = self.ranges();
+        // Marks about six ems apart along x, three along y.
+        let [across, up] = [(0, 6.0), (1, 3.0)].map(|(axis, ems)| {
+            let count = size[axis] / (ems * letters.em);
+            (count.round() as usize).clamp(3, 9)
+        });
+        // Of the step of the marks, the least of 1, 2, 5 times a power of ten that gives so many.
+        let digits = |range: [f64; 2], count: usize| {
+            let least = (range[1] - range[0]) / (count as f64 + 1.0);
+            let power = least.log10().floor();
+            let is_above = least > 5.0 * 10f64.powf(power) * (1.0 + 1e-9);
+            (-power - f64::from(is_above)).clamp(0.0, 9.0) as usize
+        };
+        let (dx, dy) = (digits(x, across), digits(y, up));
+        let widths = y.map(|end| Weight::Regular.length(&number(end, dy)));
+        let mut chart = ChartBuilder::on(&root)
+            .margin_top(below)
+            .margin_right(letters.ems(1.6))
+            .margin_bottom(letters.ems(0.5))
+            .margin_left(letters.ems(0.5))
+            .x_label_area_size(letters.ems(2.9))
+            .y_label_area_size(letters.ems(2.2 + widths[0].max(widths[1])))
+            .build_cartesian_2d(x[0]..x[1], y[0]..y[1])?;
+        chart
+            .configure_mesh()
+            .x_desc(self.x.clone())
+            .y_desc(self.y.clone())
+            .x_labels(across)
+            .y_labels(up)
+            .x_label_formatter(&|v| number(*v, dx))
+            .y_label_formatter(&|v| number(*v, dy))
+            .label_style(letters.plain())
+            .axis_desc_style(letters.plain())
+            .set_all_tick_mark_size(points(3.0))
+            .axis_style(AXIS.stroke_width(points(0.6)))
+            .bold_line_style(GRID.stroke_width(points(0.5)))
+            .light_line_style(TRANSPARENT)
+            .draw()?;
+        for curve in &self.curves {
+            for piece in pieces(&curve.points) {
+                let style = stroke(curve);
+                if let [only] = piece[..] {
+                    // A value between blanks.
+                    let dot = Circle::new(only, points(1.5), style.filled());
+                    chart.draw_series([dot])?;
+                } else if curve.line == Line::Dashed {
+                    let (dash, gap) = (points(5.0), points(3.0));
+                    chart.draw_series(DashedLineSeries::new(piece, dash, gap, style))?;
+                } else {
+                    chart.draw_series(LineSeries::new(piece, style))?;
                 }
             }
-            root.present()?;
         }
-        Ok(text)
+        root.present()?;
+        drop(chart);
+        drop(root);
+        Ok(sheet)
     }
 
     /// Draws rows of samples with labels under the title; returns their lower end.
-    fn draw_legend(&self, root: &Area) -> Result<i32, Failure> {
+    fn draw_legend(&self, root: &Area, letters: Letters) -> Result<i32, Failure> {
         let shown = |c: &&Curve| !pieces(&c.points).is_empty();
         let curves: Vec<&Curve> = self.curves.iter().filter(shown).collect();
         let labels = curves.iter().map(|c| c.label.as_str());
-        legend(root, 32, labels, |k, (x, y)| {
-            let dashes: &[(i32, i32)] = match curves[k].line {
-                Line::Solid => &[(0, 26)],
-                Line::Dashed => &[(0, 7), (11, 18), (22, 26)],
+        legend(root, letters, 2.2, labels, |k, (x, y)| {
+            let dashes: &[(f64, f64)] = match curves[k].line {
+                Line::Solid => &[(0.0, 1.8)],
+                Line::Dashed => &[(0.0, 0.5), (0.75, 1.25), (1.5, 1.8)],
             };
             for (from, to) in dashes {
-                let sample = vec![(x + from, y), (x + to, y)];
-                root.draw(&PathElement::new(sample, style(curves[k])))?;
+                let sample = vec![(x + letters.ems(*from), y), (x + letters.ems(*to), y)];
+                root.draw(&PathElement::new(sample, stroke(curves[k])))?;
             }
             Ok(())
         })
     }
 }
 
-/// Draws labels in rows under the title, each to the right of a sample of `width` pixels that
-/// `draw` draws, given its number and left end; returns the lower end of the rows.
+/// Draws labels in rows under the title, each to the right of a sample of `width` ems that `draw`
+/// draws, given its number and left end; returns the lower end of the rows.
 pub(super) fn legend<'a>(
     root: &Area,
-    width: i32,
+    letters: Letters,
+    width: f64,
     labels: impl Iterator<Item = &'a str>,
     mut draw: impl FnMut(usize, (i32, i32)) -> Result<(), Failure>,
 ) -> Result<i32, Failure> {
-    let font = (FONT, 15).into_font().color(&TEXT);
-    let (mut x, mut y) = (18, 50);
+    let left = letters.ems(1.2);
+    let (mut x, mut y) = (left, letters.ems(3.1));
+    let right = root.dim_in_pixel().0 as i32 - letters.ems(1.0);
     for (k, label) in labels.enumerate() {
-        let next = width + 22 + (7.8 * label.chars().count() as f64) as i32;
-        if x > 18 && x + next > SIZE.0 as i32 {
-            (x, y) = (18, y + 20);
+        let end = x + letters.ems(width + Weight::Regular.length(label));
+        if x > left && end > right {
+            (x, y) = (left, y + letters.ems(1.35));
         }
         draw(k, (x, y))?;
-        root.draw(&Text::new(label, (x + width, y - 8), font.clone()))?;
-        x += next;
+        let at = (x + letters.ems(width), y - letters.ems(0.38));
+        root.draw(&Text::new(label, at, letters.plain()))?;
+        x += letters.ems(width + 1.4 + Weight::Regular.length(label));
     }
-    Ok(y + 16)
+    Ok(y + letters.ems(1.1))
 }
 
-fn style(curve: &Curve) -> ShapeStyle {
+fn stroke(curve: &Curve) -> ShapeStyle {
     let [r, g, b] = curve.colour;
-    RGBColor(r, g, b).stroke_width(2)
+    RGBColor(r, g, b).stroke_width(points(1.3))
 }
 
 /// Runs of points without blanks.

@@ -24,8 +24,8 @@ pub struct Report {
     pub plots: Vec<String>,
     /// Caption and PNG files, one row of pictures each.
     pub panels: Vec<(String, Vec<Vec<u8>>)>,
-    /// Caption and PNG file.
-    pub fields: Vec<(String, Vec<u8>)>,
+    /// Caption and SVG text.
+    pub fields: Vec<(String, String)>,
     /// Names and values: keys, versions, settings.
     pub provenance: Vec<(String, String)>,
 }
@@ -140,13 +140,12 @@ impl Report {
     fn put_plots(&self, page: &mut String) {
         page.push_str("<h2>Measures against time</h2>\n<div class=\"grid\">\n");
         for svg in &self.plots {
-            // An XML prologue is not allowed inside a page.
-            let start = svg.find("<svg").unwrap_or(0);
-            put(page, format_args!("<figure>{}</figure>\n", &svg[start..]));
+            put(page, format_args!("<figure>{svg}</figure>\n"));
         }
         page.push_str(
             "</div>\n<p class=\"soft\">The numbers are in <code>measures.csv</code> beside this \
-             page.</p>\n",
+             page, the figures as SVG, PDF and PNG in <code>plots</code> and \
+             <code>fields</code>.</p>\n",
         );
     }
 
@@ -176,13 +175,8 @@ impl Report {
                 "<h2>Pressure and velocity, averaged about the axis</h2>\n<div class=\"grid\">\n",
             );
         }
-        for (caption, png) in &self.fields {
-            put(
-                page,
-                format_args!("<figure><figcaption>{}</figcaption>", escape(caption)),
-            );
-            put_image(page, png, caption);
-            page.push_str("</figure>\n");
+        for (_, svg) in &self.fields {
+            put(page, format_args!("<figure>{svg}</figure>\n"));
         }
         if !self.fields.is_empty() {
             page.push_str("</div>\n");

@@ -1,7 +1,10 @@
-//! Error against time, both on logarithmic axes, as SVG.
+//! Error against time, both on logarithmic axes.
 
-use super::plot::{Area, FONT, Failure, SIZE, TEXT, legend};
 use plotters::prelude::*;
+
+use super::plot::{AXIS, Area, Failure, GRID, Letters, legend, points};
+use super::sheet::{Recorder, Sheet, Weight, plot_size};
+use crate::scene::FigureStyle;
 
 /// Symbol of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,15 +41,16 @@ pub struct Cloud {
 
 impl Cloud {
     /// Its mark at a point.
-    fn sample<'a, C: Clone + 'static>(&self, at: C) -> DynElement<'static, SVGBackend<'a>, C> {
+    fn sample<'a, C: Clone + 'static>(&self, at: C) -> DynElement<'static, Recorder<'a>, C> {
         let [r, g, b] = self.colour;
         let colour = RGBColor(r, g, b);
-        let line = colour.stroke_width(2);
+        let line = colour.stroke_width(points(1.2));
+        let size = points(3.0);
         match self.mark {
-            Mark::Disc => Circle::new(at, 5, colour.filled()).into_dyn(),
-            Mark::Ring => Circle::new(at, 5, line).into_dyn(),
-            Mark::Triangle => TriangleMarker::new(at, 7, colour.filled()).into_dyn(),
-            Mark::Cross => plotters::element::Cross::new(at, 5, line).into_dyn(),
+            Mark::Disc => Circle::new(at, size, colour.filled()).into_dyn(),
+            Mark::Ring => Circle::new(at, size, line).into_dyn(),
+            Mark::Triangle => TriangleMarker::new(at, points(4.2), colour.filled()).into_dyn(),
+            Mark::Cross => plotters::element::Cross::new(at, size, line).into_dyn(),
         }
     }
 }
@@ -84,114 +88,140 @@ impl Scatter {
         low / room..high * room
     }
 
-    /// The plot as SVG; `None` without points.
+    /// Draws the plot; `None` without points.
     ///
     /// # Errors
     /// If the drawing library fails.
-    pub fn svg(&self) -> Result<Option<String>, Failure> {
+    pub fn sheet(&self, style: &FigureStyle) -> Result<Option<Sheet>, Failure> {
         if self.clouds.iter().all(|c| c.points.is_empty()) {
             return Ok(None);
         }
-        let mut text = String::new();
-        {
-            let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-            root.fill(&WHITE)?;
-            let title = (FONT, 19).into_font().style(FontStyle::Bold).color(&TEXT);
-            root.draw(&Text::new(self.title.clone(), (14, 10), title))?;
-            let font = (FONT, 15).into_font().color(&TEXT);
-            let below = self.draw_legend(&root)?;
-            let axis = |axis: usize| {
-                let range = self.range(axis);
-                let ticks = ticks(&range);
-                range.log_scale().with_key_points(ticks)
-            };
-            let mut chart = ChartBuilder::on(&root)
-                .margin_top(below)
-                .margin_right(24)
-                .margin_bottom(8)
-                .margin_left(8)
-                .x_label_area_size(44)
-                .y_label_area_size(66)
-                .build_cartesian_2d(axis(0), axis(1))?;
-            chart
-                .configure_mesh()
-                .x_desc(self.x.clone())
-                .y_desc(self.y.clone())
-                .x_label_formatter(&|v| plain(*v))
-                .y_label_formatter(&|v| plain(*v))
-                .label_style(font.clone())
-                .axis_desc_style(font.clone())
-                .axis_style(RGBColor(120, 126, 134))
-                .bold_line_style(RGBColor(226, 229, 233))
-                .light_line_style(RGBColor(250, 251, 252))
-                .draw()?;
-            let front = self.front.iter().map(|p| (p[0], p[1]));
-            let wide = RGBColor(226, 229, 233).stroke_width(7);
-            chart.draw_series(LineSeries::new(front, wide))?;
-            for cloud in &self.clouds {
-                let [r, g, b] = cloud.colour;
-                let colour = RGBColor(r, g, b);
-                let line = cloud.points.iter().map(|(p, _)| (p[0], p[1]));
-                chart.draw_series(LineSeries::new(line, colour))?;
-                let small = cloud.repeats.iter().map(|p| (p[0], p[1]));
-                chart.draw_series(small.map(|p| Circle::new(p, 3, colour.stroke_width(1))))?;
-                chart.draw_series(cloud.points.iter().map(|(p, _)| cloud.sample((p[0], p[1]))))?;
-            }
-            let mut taken = Vec::new();
-            for (p, _) in self.clouds.iter().flat_map(|c| &c.points) {
-                let (x, y) = chart.backend_coord(&(p[0], p[1]));
-                taken.push([x - 6, y - 6, x + 6, y + 6]);
-            }
-            for cloud in self.clouds.iter().filter(|c| c.mark == Mark::Disc) {
-                let [r, g, b] = cloud.colour;
-                let font = (FONT, LETTERS as f64).into_font().color(&RGBColor(r, g, b));
-                for (p, label) in &cloud.points {
-                    let (x, y) = chart.backend_coord(&(p[0], p[1]));
-                    let (x, y) = room(label, [x, y], &mut taken);
-                    root.draw(&Text::new(label.clone(), (x, y), font.clone()))?;
-                }
-            }
-            root.present()?;
+        let letters = Letters {
+            em: style.font_size,
+        };
+        let mut sheet = Sheet::new(plot_size(style));
+        let root = Recorder { sheet: &mut sheet }.into_drawing_area();
+        let at = (letters.ems(0.9), letters.ems(0.7));
+        root.draw(&Text::new(self.title.clone(), at, letters.title()))?;
+        let below = self.draw_legend(&root, letters)?;
+        let axis = |axis: usize| {
+            let range = self.range(axis);
+            let ticks = ticks(&range);
+            range.log_scale().with_key_points(ticks)
+        };
+        let mut chart = ChartBuilder::on(&root)
+            .margin_top(below)
+            .margin_right(letters.ems(1.6))
+            .margin_bottom(letters.ems(0.5))
+            .margin_left(letters.ems(0.5))
+            .x_label_area_size(letters.ems(2.9))
+            .y_label_area_size(letters.ems(4.4))
+            .build_cartesian_2d(axis(0), axis(1))?;
+        chart
+            .configure_mesh()
+            .x_desc(self.x.clone())
+            .y_desc(self.y.clone())
+            .x_label_formatter(&|v| plain(*v))
+            .y_label_formatter(&|v| plain(*v))
+            .label_style(letters.plain())
+            .axis_desc_style(letters.plain())
+            .set_all_tick_mark_size(points(3.0))
+            .axis_style(AXIS.stroke_width(points(0.6)))
+            .bold_line_style(GRID.stroke_width(points(0.5)))
+            .light_line_style(RGBColor(250, 251, 252).stroke_width(points(0.5)))
+            .draw()?;
+        let front = self.front.iter().map(|p| (p[0], p[1]));
+        chart.draw_series(LineSeries::new(front, GRID.stroke_width(points(4.5))))?;
+        for cloud in &self.clouds {
+            let [r, g, b] = cloud.colour;
+            let thin = RGBColor(r, g, b).stroke_width(points(0.7));
+            let line = cloud.points.iter().map(|(p, _)| (p[0], p[1]));
+            chart.draw_series(LineSeries::new(line, thin))?;
+            let small = cloud.repeats.iter().map(|p| (p[0], p[1]));
+            chart.draw_series(small.map(|p| Circle::new(p, points(1.8), thin)))?;
+            chart.draw_series(cloud.points.iter().map(|(p, _)| cloud.sample((p[0], p[1]))))?;
         }
-        Ok(Some(text))
+        let places = |p: &[f64; 2]| chart.backend_coord(&(p[0], p[1]));
+        self.draw_labels(&root, letters, &places)?;
+        root.present()?;
+        drop(chart);
+        drop(root);
+        Ok(Some(sheet))
+    }
+
+    /// Writes the labels of the points; `place`: of a point.
+    fn draw_labels(
+        &self,
+        root: &Area,
+        letters: Letters,
+        place: &dyn Fn(&[f64; 2]) -> (i32, i32),
+    ) -> Result<(), Failure> {
+        let letters = Letters {
+            em: LABELS * letters.em,
+        };
+        let half = points(3.6) as i32;
+        let points = self.clouds.iter().flat_map(|cloud| &cloud.points);
+        let about = |(x, y): (i32, i32)| [x - half, y - half, x + half, y + half];
+        let mut taken: Vec<[i32; 4]> = points.map(|(p, _)| about(place(p))).collect();
+        for cloud in self.clouds.iter().filter(|c| c.mark == Mark::Disc) {
+            let [r, g, b] = cloud.colour;
+            let colour = RGBColor(r, g, b);
+            let font = letters.plain().color(&colour);
+            for (p, label) in &cloud.points {
+                let at = room(label, letters, place(p), &mut taken);
+                root.draw(&Text::new(label.clone(), at, font.clone()))?;
+            }
+        }
+        Ok(())
     }
 
     /// Draws the legend; returns its lower end.
-    fn draw_legend(&self, root: &Area) -> Result<i32, Failure> {
+    fn draw_legend(&self, root: &Area, letters: Letters) -> Result<i32, Failure> {
         let shown = |c: &&Cloud| !c.points.is_empty();
         let clouds: Vec<&Cloud> = self.clouds.iter().filter(shown).collect();
         let labels = clouds.iter().map(|c| c.label.as_str());
-        legend(root, 12, labels, |k, at| root.draw(&clouds[k].sample(at)))
+        legend(root, letters, 1.0, labels, |k, at| {
+            root.draw(&clouds[k].sample(at))
+        })
     }
 }
 
-/// Height of the labels of points.
-const LETTERS: i32 = 13;
+/// Size of the labels of points, over that of other letters.
+const LABELS: f64 = 0.87;
 
 /// Position of a label at a point where it covers least of `taken` (left, top, right, bottom), to
 /// which it is added.
-fn room(label: &str, [x, y]: [i32; 2], taken: &mut Vec<[i32; 4]>) -> (i32, i32) {
-    let wide = 7 * label.chars().count() as i32;
-    let (right, left, above, below) = (x + 8, x - 8 - wide, y - LETTERS, y + 1);
+fn room(
+    label: &str,
+    letters: Letters,
+    (x, y): (i32, i32),
+    taken: &mut Vec<[i32; 4]>,
+) -> (i32, i32) {
+    let (wide, high) = (letters.ems(Weight::Regular.length(label)), letters.ems(1.0));
+    let gap = points(5.0) as i32;
+    let (right, left, above, below) = (x + gap, x - gap - wide, y - high, y + high / 12);
     let places = [
         (right, above),
         (right, below),
         (left, below),
         (left, above),
-        (x - wide / 2, y - 8 - LETTERS),
-        (x - wide / 2, y + 8),
-        (right, y - 2 * LETTERS),
-        (left, y - 2 * LETTERS),
-        (right, y + LETTERS),
-        (left, y + LETTERS),
-        (x - wide / 2, y - 8 - 2 * LETTERS),
-        (x - wide / 2, y + 8 + LETTERS),
+        (x - wide / 2, y - gap - high),
+        (x - wide / 2, y + gap),
+        (right, y - 2 * high),
+        (left, y - 2 * high),
+        (right, y + high),
+        (left, y + high),
+        (x - wide / 2, y - gap - 2 * high),
+        (x - wide / 2, y + gap + high),
     ];
-    let about = |(x, y): (i32, i32)| [x, y, x + wide, y + LETTERS];
-    let covered = |place: &(i32, i32)| -> i32 {
+    let about = |(x, y): (i32, i32)| [x, y, x + wide, y + high];
+    let covered = |place: &(i32, i32)| -> i64 {
         let a = about(*place);
         let side = |b: &[i32; 4], k: usize| (a[k + 2].min(b[k + 2]) - a[k].max(b[k])).max(0);
-        taken.iter().map(|b| side(b, 0) * side(b, 1)).sum()
+        taken
+            .iter()
+            .map(|b| i64::from(side(b, 0)) * i64::from(side(b, 1)))
+            .sum()
     };
     let place = places
         .into_iter()

@@ -61,7 +61,7 @@ impl Section {
             canvas.ball(at, radius, body_colour(scene, *body));
         }
         canvas.rectangle([0.0, base as f32], [width as f32, height as f32], FAINT);
-        canvas.text([14.0, 30.0], 17.0, &self.label, Anchor::Left, INK);
+        canvas.text([14.0, 30.0], 22.0, &self.label, Anchor::Left, INK);
         draw_scale(&mut canvas, size[0], scale);
         canvas
     }
@@ -80,7 +80,7 @@ fn draw_scale(canvas: &mut Canvas, width: f64, scale: f64) {
     let middle = 0.5 * (left + right);
     canvas.text(
         [middle, 28.0],
-        14.0,
+        18.0,
         &format!("{length} mm"),
         Anchor::Middle,
         INK,

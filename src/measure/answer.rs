@@ -4,10 +4,10 @@
 //! Test: tests/pipeline/runs.rs.
 
 use super::conservation;
-use super::gauge::{Kind, contact_time, strikes_wall};
+use super::gauge::{self, Kind, strikes_wall};
 use super::series::Series;
 use super::summary::{digits, jet_crosses, leaves_wall, period};
-use crate::scene::Scene;
+use crate::scene::{Clock, Scene};
 
 /// Shares below this are told as such: they are round-off.
 const LEAST_SHARE: f64 = 1e-5;
@@ -82,6 +82,8 @@ pub struct Figures {
     pub answers: Vec<Answer>,
     /// Time of contact, s from the start; 0 where nothing meets.
     pub contact: f64,
+    /// The same; `None` where nothing meets.
+    meeting: Option<f64>,
     /// The measures that they are of.
     pub measures: Series,
 }
@@ -90,10 +92,12 @@ impl Figures {
     /// Of a run of `scene` with these measures.
     pub fn new(scene: &Scene, measures: Series) -> Figures {
         let whole = scene.whole();
-        let contact = contact_time(&whole);
+        let meeting = gauge::contact(&whole);
+        let contact = meeting.unwrap_or(0.0);
         Figures {
             answers: of(&whole, Kind::new(&whole), &measures, contact),
             contact,
+            meeting,
             measures,
         }
     }
@@ -103,9 +107,9 @@ impl Figures {
         self.answers.iter().find(|answer| answer.name == name)
     }
 
-    /// Time of an answer after contact, s.
+    /// Time of an answer after contact, s; `None` before it and where nothing meets.
     pub fn after_contact(&self, answer: &Answer) -> Option<f64> {
-        answer.time.map(|time| time - self.contact)
+        Clock::after_contact(answer.time?, self.meeting)
     }
 }
 

@@ -8,7 +8,7 @@ use super::raster::Raster;
 use super::region::Region;
 use super::series::Row;
 use crate::particle::Frame;
-use crate::scene::{Body, Dimension, Motion, Scene, Shape as Geometry, Side};
+use crate::scene::{Body, Clock, Dimension, Motion, Scene, Shape as Geometry, Side};
 
 /// Kind of a scene, from its bodies.
 #[derive(Clone, Copy, Debug)]
@@ -107,14 +107,22 @@ fn other_drops(scene: &Scene, measured: &Axis) -> Vec<Axis> {
     all.filter(|axis| axis.at != measured.at).collect()
 }
 
-/// Time at which the freely falling drop meets pool or wall, s; 0 if it never does. Plots count
-/// from it, and references with [`Clock::Contact`](crate::scene::Clock::Contact).
+/// [`contact`], 0 if it never happens. Plots count from it, and references with
+/// [`Clock::Contact`](crate::scene::Clock::Contact).
 pub fn contact_time(scene: &Scene) -> f64 {
+    contact(scene).unwrap_or(0.0)
+}
+
+/// Time at which the freely falling drop meets pool or wall, s from the start of the run: by the
+/// law of free fall, not by the particles, so that it is the same for all methods and spacings. 0
+/// if they touch from the start, `None` if nothing falls on anything.
+pub fn contact(scene: &Scene) -> Option<f64> {
     if !matches!(Kind::new(scene), Kind::Pool(_) | Kind::Wall(_)) {
-        return 0.0;
+        return None;
     }
-    let time = drop(scene).and_then(|(body, _)| arrival(scene, body));
-    time.unwrap_or(0.0)
+    let (body, _) = drop(scene)?;
+    let touches = drop_height(scene, body) <= 0.0;
+    arrival(scene, body).or(touches.then_some(0.0))
 }
 
 /// Time at which a freely falling body meets pool or floor, s; `None` if it does not fall.
@@ -147,6 +155,8 @@ pub fn strikes_wall(scene: &Scene) -> bool {
 /// Measures frames of one scene, in their order.
 pub struct Gauge {
     scene: Scene,
+    /// [`contact`].
+    contact: Option<f64>,
     /// Which measures are taken.
     pub kind: Kind,
     /// Reference values from the first frame.
@@ -167,6 +177,7 @@ impl Gauge {
     pub fn new(scene: &Scene) -> Gauge {
         Gauge {
             scene: scene.clone(),
+            contact: contact(scene),
             kind: Kind::new(scene),
             start: Start::default(),
         }
@@ -184,6 +195,8 @@ impl Gauge {
         let mut start = self.start;
         let mut row = Table::default();
         row.put("time_s", frame.time);
+        let after = Clock::after_contact(frame.time, self.contact);
+        row.put_some("time_after_contact_s", after);
         let mut area = None;
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;

@@ -13,6 +13,7 @@ mod energy;
 pub mod gauge;
 pub mod lamella;
 pub mod loss;
+pub mod norm;
 pub mod pool;
 pub mod raster;
 pub mod region;

@@ -31,7 +31,7 @@ pub enum SeriesError {
         /// The reason.
         source: csv::Error,
     },
-    /// There is no column of times, or more than one.
+    /// There is no column of times.
     #[error(
         "{path}: needs one column of times in seconds, `time_s` (from the start of the run) or \
          `time_after_contact_s`; the columns are {found}"
@@ -64,7 +64,9 @@ pub enum SeriesError {
     },
 }
 
-/// Columns of equal length; `NaN` is a blank. The first column is `time_s`.
+/// Columns of equal length; `NaN` is a blank. The first column is `time_s`, from the start of the
+/// run. `time_after_contact_s` is from the contact of the drop; blank before it, and in all rows
+/// where nothing meets.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     /// Names of the columns.
@@ -133,6 +135,14 @@ impl Series {
     pub fn has(&self, name: &str) -> bool {
         self.column(name)
             .is_some_and(|values| values.iter().any(|v| v.is_finite()))
+    }
+
+    /// Removes a column, but never the first.
+    fn remove_after_first(&mut self, name: &str) {
+        if let Some(place) = self.names.iter().skip(1).position(|n| n == name) {
+            self.names.remove(place + 1);
+            self.columns.remove(place + 1);
+        }
     }
 
     fn place(&self, name: &str) -> Option<usize> {
@@ -205,12 +215,12 @@ impl Series {
     /// # Errors
     /// If the file cannot be read or is not such a table.
     pub fn read(path: &Path) -> Result<Series, SeriesError> {
-        Self::read_with_clock(path).map(|(series, _)| series)
+        Self::read_with_clock(path, None).map(|(series, _)| series)
     }
 
     /// As [`Series::read`], with the clock from the name of the column of times; in the series it
-    /// is `time_s`.
-    fn read_with_clock(path: &Path) -> Result<(Series, Clock), SeriesError> {
+    /// is `time_s`. Of a table with both columns it is the one `wanted`, else the start.
+    fn read_with_clock(path: &Path, wanted: Option<Clock>) -> Result<(Series, Clock), SeriesError> {
         let content = file::read(path, LONGEST_REFERENCE)?;
         let fail = |source| SeriesError::Read {
             path: path.to_owned(),
@@ -226,21 +236,24 @@ impl Series {
             .iter()
             .map(str::to_owned)
             .collect();
-        let places = Clock::COLUMNS.iter().filter_map(|(name, clock)| {
-            let place = names.iter().position(|n| n == name)?;
-            Some((place, *clock))
-        });
-        let [(time, clock)] = places.collect::<Vec<_>>()[..] else {
+        let places = times(&names);
+        let is_wanted = |(_, clock): &&(usize, Clock)| Some(*clock) == wanted;
+        let Some(&(time, clock)) = places.iter().find(is_wanted).or(places.first()) else {
             let found = names.join(", ");
             return Err(SeriesError::NoTime {
                 path: path.to_owned(),
                 found,
             });
         };
+        // The other clock has no time before the contact.
+        let may_be_blank = places.len() > 1 && clock == Clock::Contact;
         let mut columns = vec![Vec::new(); names.len()];
         for record in file.records() {
             let record = record.map_err(fail)?;
             let line = record.position().map_or(0, csv::Position::line);
+            if may_be_blank && record.get(time) == Some("") {
+                continue;
+            }
             for (place, cell) in record.iter().enumerate() {
                 let number = match cell {
                     "" => f64::NAN,
@@ -269,9 +282,28 @@ impl Series {
         columns.swap(0, time);
         let mut names = names;
         names.swap(0, time);
-        names[0] = "time_s".to_string();
-        Ok((Series { names, columns }, clock))
+        names[0] = Clock::COLUMNS[0].0.to_string();
+        let mut series = Series { names, columns };
+        if may_be_blank {
+            series.remove_after_first(Clock::COLUMNS[0].0);
+        }
+        Ok((series, clock))
     }
+}
+
+/// Places of the columns of times, with their clocks.
+fn times(names: &[String]) -> Vec<(usize, Clock)> {
+    let clocks = Clock::COLUMNS.iter();
+    let found = clocks.filter_map(|(name, clock)| {
+        let place = names.iter().position(|n| n == name)?;
+        Some((place, *clock))
+    });
+    found.collect()
+}
+
+/// Whether a column is one of times.
+pub fn is_clock(name: &str) -> bool {
+    Clock::COLUMNS.iter().any(|(column, _)| *column == name)
 }
 
 /// A table to compare runs with, and the zero of its times.
@@ -284,12 +316,13 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Reads a table; `clock` overrides the name of its column of times.
+    /// Reads a table; `clock` overrides the name of its column of times. A table with both columns
+    /// is read by the one of `clock`, else by `time_s`.
     ///
     /// # Errors
     /// Those of [`Series::read`].
     pub fn read(path: &Path, clock: Option<Clock>) -> Result<Reference, SeriesError> {
-        let (table, own) = Series::read_with_clock(path)?;
+        let (table, own) = Series::read_with_clock(path, clock)?;
         Ok(Reference {
             table,
             clock: clock.unwrap_or(own),
@@ -316,72 +349,4 @@ fn text(value: f64) -> String {
     } else {
         String::new()
     }
-}
-
-/// Deviation of a run from a reference curve, over the times that both contain.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Norm {
-    /// Label of the reference curve.
-    pub label: String,
-    /// Name of the column.
-    pub column: String,
-    /// √(Σ (run − reference)² / Σ reference²).
-    pub l2: f64,
-    /// max |run − reference| / max |reference|.
-    pub max: f64,
-    /// Start of the span of the comparison, s, in the reference's time.
-    pub from: f64,
-    /// End of the span.
-    pub to: f64,
-    /// Number of reference values compared.
-    pub points: usize,
-}
-
-/// Norms of every column that both contain. `shift`: run time minus reference time, s.
-pub fn compare(run: &Series, reference: &Series, label: &str, shift: f64) -> Vec<Norm> {
-    // The level on the axis is the negative depth, and the drop before contact.
-    let told = |name: &&String| !["time_s", "axis_level_m"].contains(&name.as_str());
-    let common = reference
-        .names
-        .iter()
-        .filter(told)
-        .filter(|name| run.has(name));
-    common
-        .filter_map(|name| compare_column(run, reference, label, name, shift))
-        .collect()
-}
-
-/// The norms of one column; `None` if the reference is zero or blank where the run has values.
-pub fn compare_column(
-    run: &Series,
-    reference: &Series,
-    label: &str,
-    name: &str,
-    shift: f64,
-) -> Option<Norm> {
-    let values = reference.column(name)?;
-    let (mut square, mut scale, mut max, mut max_scale) = (0.0, 0.0, 0.0f64, 0.0f64);
-    let (mut from, mut to, mut points) = (f64::NAN, f64::NAN, 0);
-    for (&t, &expected) in reference.time().iter().zip(values) {
-        let Some(found) = run.at(name, t + shift).filter(|_| expected.is_finite()) else {
-            continue;
-        };
-        let difference = found - expected;
-        square += difference * difference;
-        scale += expected * expected;
-        max = max.max(difference.abs());
-        max_scale = max_scale.max(expected.abs());
-        from = if points == 0 { t } else { from };
-        to = t;
-        points += 1;
-    }
-    (scale > 0.0).then(|| Norm {
-        label: label.to_owned(),
-        column: name.to_owned(),
-        l2: (square / scale).sqrt(),
-        max: max / max_scale,
-        from,
-        to,
-        points,
-    })
 }

@@ -152,6 +152,7 @@ impl PostInput {
                 panels: self.post.panels.clone(),
                 fields: self.post.fields.clone(),
                 references: self.post.references.iter().map(curve).collect(),
+                figures: self.post.figures,
             },
             ..bare(&self.problem, &self.impact, self.frames.interval)
         }
@@ -198,6 +199,8 @@ pub struct Drawn {
     pub fields: Vec<f64>,
     /// Reference curves to compare with.
     pub references: Vec<Curve>,
+    /// Size, letters and resolution.
+    pub figures: super::FigureStyle,
 }
 
 /// A reference curve, identified by its content, not by its path.
@@ -360,6 +363,7 @@ impl Scene {
                 panels: self.post.panels.clone(),
                 fields: self.post.fields.clone(),
                 references: curves.map(curve).collect::<Result<_, _>>()?,
+                figures: self.post.figures,
             },
         })
     }

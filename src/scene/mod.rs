@@ -52,8 +52,8 @@ pub use method::{
 };
 pub use problem::Problem;
 pub use stage::{
-    Arrangement, Clock, Colouring, Frames, Impact, LONGEST_REFERENCE, Packing, Post, Reference,
-    Relax, StopWhen,
+    Arrangement, Clock, Colouring, FigureStyle, Frames, Impact, LONGEST_REFERENCE, Packing, Post,
+    Reference, Relax, StopWhen,
 };
 use tree::Tree;
 pub use unit::Rgb;

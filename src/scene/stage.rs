@@ -204,6 +204,39 @@ pub struct Post {
     pub fields: Vec<f64>,
     /// Curves to draw and compare with.
     pub references: Vec<Reference>,
+    /// Size, letters and resolution of plots and fields.
+    pub figures: FigureStyle,
+}
+
+/// Size, letters and resolution of plots and fields. The report, SVG and PDF have no resolution.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct FigureStyle {
+    /// Width of a figure, from 30 mm to 500 mm.
+    #[serde(with = "Length")]
+    #[schemars(transform = positive)]
+    pub width: f64,
+    /// Height of a plot, from 30 mm to 500 mm; fields are as high as their liquid.
+    #[serde(with = "Length")]
+    #[schemars(transform = positive)]
+    pub height: f64,
+    /// Size of letters, points of 1/72 inch.
+    #[schemars(range(min = 4.0, max = 36.0))]
+    pub font_size: f64,
+    /// Pixels per inch of the PNG files.
+    #[schemars(range(min = 30.0, max = 600.0))]
+    pub dpi: f64,
+}
+
+impl Default for FigureStyle {
+    fn default() -> Self {
+        FigureStyle {
+            width: 0.14,
+            height: 0.09,
+            font_size: 9.0,
+            dpi: 300.0,
+        }
+    }
 }
 
 /// Largest size of a reference curve, bytes.
@@ -239,4 +272,11 @@ impl Clock {
         ("time_s", Clock::Start),
         ("time_after_contact_s", Clock::Contact),
     ];
+
+    /// A time from contact, s; `None` before it, and if there is none. `time` and `contact` in s
+    /// from the start of the run.
+    pub fn after_contact(time: f64, contact: Option<f64>) -> Option<f64> {
+        let after = contact.map(|contact| time - contact);
+        after.filter(|after| *after >= 0.0)
+    }
 }

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use coronet::measure::answer::{self, Answer, Figures};
-use coronet::measure::series::Series;
+use coronet::measure::series::{Series, is_clock};
 use coronet::measure::summary::digits;
 use coronet::pipeline::Store;
 use serde_json::{Value, json};
@@ -138,7 +138,7 @@ impl Pair {
 /// Differences of all columns that both tables have; times from contact, if both runs have one.
 fn curves(first: &Figures, second: &Figures) -> Vec<Curve> {
     let names = first.measures.names.iter();
-    let names = names.filter(|name| *name != "time_s" && second.measures.has(name));
+    let names = names.filter(|name| !is_clock(name) && second.measures.has(name));
     let shift = second.contact - first.contact;
     names
         .filter_map(|name| curve(&first.measures, &second.measures, name, shift))

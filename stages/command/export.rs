@@ -1,12 +1,13 @@
 //! `coronet export`: tables and files for other programs.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use coronet::pipeline::Stamp;
 use coronet::pipeline::content::CHECKPOINT;
-use coronet::record::export;
+use coronet::record::export::{self, Exported, Selection, Which};
+use coronet::scene::quantity::{self, Unit};
 use serde_json::json;
 
 use super::place::{Thing, is_there, thing};
@@ -15,65 +16,128 @@ use crate::fault::Usage;
 use crate::journal::FRAMES;
 use crate::print::{out, shown};
 
+pub const EXAMPLES: &str = "\
+Examples:
+  coronet export artifacts/latest/pipeline --to vtk
+  coronet export artifacts/latest/pipeline --to npz --at \"10 ms\" --body drop
+  coronet export artifacts/latest/pipeline --to csv --every \"5 ms\" --output tables
+
+Times count from the start of the run. SI units.";
+
+/// Parses the time between two exported frames, s.
+pub fn step(text: &str) -> Result<f64, String> {
+    let step = quantity::parse(text, Unit::Time).map_err(|error| error.to_string())?;
+    let is_step = step.is_finite() && step > 0.0;
+    is_step
+        .then_some(step)
+        .ok_or_else(|| "give a time above zero, as \"5 ms\"".to_string())
+}
+
 pub fn export(arguments: &ExportArguments) -> Result<()> {
     let format = match arguments.to {
         Format::Vtk => export::Format::Vtk,
         Format::Csv => export::Format::Csv,
         Format::Ply => export::Format::Ply,
+        Format::Npz => export::Format::Npz,
     };
-    let folder = &arguments.output;
-    let thing = thing(&arguments.path)?;
-    fs::create_dir_all(folder)
-        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-    let exported = match thing {
-        Thing::Checkpoint(path) => export::Exported {
-            files: vec![export::export_checkpoint(&path, folder, format)?],
-            removed: 0,
+    let order = Order {
+        folder: &arguments.output,
+        format,
+        selection: Selection {
+            which: match arguments.every {
+                Some(step) => Which::Every(step),
+                None if arguments.at.is_empty() => Which::All,
+                None => Which::Nearest(arguments.at.clone()),
+            },
+            bodies: arguments.body.clone(),
         },
-        Thing::Log(path) => export::export_log(&path, folder, format)?,
-        Thing::Result(path) => export_result(&path, folder, format)?,
+    };
+    let thing = thing(&arguments.path)?;
+    fs::create_dir_all(order.folder)
+        .with_context(|| format!("cannot create the folder {}", order.folder.display()))?;
+    let exported = match thing {
+        Thing::Checkpoint(path) => order.checkpoints(&[path], &arguments.path)?,
+        Thing::Log(path) => order.log(&path)?,
+        Thing::Result(path) => order.result(&path)?,
         Thing::Latest(results) => {
             let run = results.iter().find(|path| path.join(FRAMES).exists());
             let Some(run) = run else {
                 let text = format!("{} has no run", arguments.path.display());
                 bail!(Usage(text));
             };
-            export::export_log(&run.join(FRAMES), folder, format)?
+            order.log(&run.join(FRAMES))?
         }
     };
-    if arguments.json {
-        let files: Vec<_> = exported.files.iter().map(|file| shown(file)).collect();
-        let object = json!({"files": files, "removed": exported.removed});
-        out!("{object}");
-        return Ok(());
-    }
-    let mut line = shown(&exported.files[0]);
-    if exported.files.len() > 1 {
-        line += &format!(" and {} more", exported.files.len() - 1);
-    }
-    if exported.removed > 0 {
-        line += &format!("; {} frames of an earlier export removed", exported.removed);
-    }
-    out!("{line}");
+    print(arguments, &exported);
     Ok(())
 }
 
-/// Exports the frames of a run, or else each checkpoint of a result.
-fn export_result(path: &Path, folder: &Path, format: export::Format) -> Result<export::Exported> {
-    if is_there(&path.join(FRAMES))? {
-        return Ok(export::export_log(&path.join(FRAMES), folder, format)?);
+fn print(arguments: &ExportArguments, exported: &Exported) {
+    let (files, times) = (&exported.files, &exported.times);
+    if arguments.json {
+        let files: Vec<_> = files.iter().map(|file| shown(file)).collect();
+        let object = json!({"files": files, "times_s": times, "removed": exported.removed});
+        out!("{object}");
+        return;
     }
-    let stamp = Stamp::read(path)?.context("no stamp")?;
-    let mut files = Vec::new();
-    for output in &stamp.outputs {
-        if output.file.ends_with(CHECKPOINT) {
-            let checkpoint = path.join(&output.file);
-            let file = export::export_checkpoint(&checkpoint, folder, format);
-            files.push(file?);
+    let mut line = shown(&files[0]);
+    if files.len() > 1 {
+        line += &format!(" and {} more", files.len() - 1);
+    }
+    if !arguments.at.is_empty() {
+        let times = times.iter().map(|time| format!("{:.4} ms", 1e3 * time));
+        line += &format!("; frames at {}", times.collect::<Vec<_>>().join(", "));
+    }
+    if exported.removed > 0 {
+        line += &format!("; {} files of an earlier export removed", exported.removed);
+    }
+    out!("{line}");
+}
+
+/// What is exported, and where to.
+struct Order<'a> {
+    folder: &'a Path,
+    format: export::Format,
+    selection: Selection,
+}
+
+impl Order<'_> {
+    fn log(&self, path: &Path) -> Result<Exported> {
+        let exported = export::export_log(path, self.folder, self.format, &self.selection);
+        exported.map_err(|error| match error.is_usage() {
+            true => Usage(format!("{}: {error}", path.display())).into(),
+            false => error.into(),
+        })
+    }
+
+    /// Checkpoints of the thing at `path`.
+    fn checkpoints(&self, files: &[PathBuf], path: &Path) -> Result<Exported> {
+        if self.selection != Selection::default() {
+            bail!(Usage(format!(
+                "{} is one state without names of bodies; --at, --every and --body need the \
+                 folder of a run or its log",
+                path.display()
+            )));
         }
+        let exported = export::export_checkpoints(files, self.folder, self.format);
+        exported.map_err(|error| match error.is_usage() {
+            true => Usage(error.to_string()).into(),
+            false => error.into(),
+        })
     }
-    if files.is_empty() {
-        bail!(Usage(format!("{} contains no particles", path.display())));
+
+    /// Exports the frames of a run, or else each checkpoint of a result.
+    fn result(&self, path: &Path) -> Result<Exported> {
+        if is_there(&path.join(FRAMES))? {
+            return self.log(&path.join(FRAMES));
+        }
+        let stamp = Stamp::read(path)?.context("no stamp")?;
+        let outputs = stamp.outputs.iter().map(|output| &output.file);
+        let checkpoints = outputs.filter(|file| file.ends_with(CHECKPOINT));
+        let checkpoints: Vec<PathBuf> = checkpoints.map(|file| path.join(file)).collect();
+        if checkpoints.is_empty() {
+            bail!(Usage(format!("{} contains no particles", path.display())));
+        }
+        self.checkpoints(&checkpoints, path)
     }
-    Ok(export::Exported { files, removed: 0 })
 }

@@ -10,10 +10,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use anyhow::{Result, bail};
+use coronet::draw::sheet::Sheet;
 use coronet::measure::tradeoff::{Sample, front, growth, worst};
 use coronet::pipeline::name::is_plain_name;
 use coronet::pipeline::{Store, latest};
 use coronet::record::atomic::{create_folder, write_file};
+use coronet::scene::FigureStyle;
 use serde_json::json;
 
 use crate::arguments::StudyArguments;
@@ -94,14 +96,15 @@ fn tell_costs(
     write_table(&out.join(TABLE), &table, arguments, &outcomes)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
     write_file(&out.join(COSTS), page.as_bytes())?;
-    let figure = figure(study, target, trials, &samples, &on_front).svg()?;
+    let style = FigureStyle::default();
+    let figure = figure(study, target, trials, &samples, &on_front).sheet(&style)?;
     if let Some(figure) = &figure {
-        write_plot(&out.join(FIGURE), figure, arguments, !target.varies())?;
+        write_figure(figure, &out.join(FIGURE), arguments, !target.varies())?;
     }
     if target.varies() {
         let plot = comparison(study, target, trials, &found);
         if plot.has_points() {
-            write_plot(&out.join(COMPARISON), &plot.svg()?, arguments, true)?;
+            write_figure(&plot.sheet(&style)?, &out.join(COMPARISON), arguments, true)?;
         }
     }
     let groups = groups(trials);
@@ -151,8 +154,9 @@ fn tell_figures(
     let mut plots = Vec::new();
     for plot in drawn {
         if plot.has_points() {
-            let path = out.join(plot.file_name());
-            write_plot(&path, &plot.svg()?, arguments, false)?;
+            let path = out.join(plot.file_name() + ".svg");
+            let sheet = plot.sheet(&FigureStyle::default())?;
+            write_figure(&sheet, &path, arguments, false)?;
             plots.push(path);
         }
     }
@@ -190,9 +194,17 @@ fn write_table(
     Ok(())
 }
 
-/// Writes a plot, and as `STUDY.svg` or `STUDY-PLOT.svg` into the folder that `--into` names.
-fn write_plot(path: &Path, svg: &str, arguments: &StudyArguments, is_only: bool) -> Result<()> {
+/// Writes a figure as SVG to `path` and as PDF beside it, and as `STUDY.svg` or `STUDY-FIGURE.svg`
+/// into the folder that `--into` names.
+fn write_figure(
+    figure: &Sheet,
+    path: &Path,
+    arguments: &StudyArguments,
+    is_only: bool,
+) -> Result<()> {
+    let svg = figure.svg();
     write_file(path, svg.as_bytes())?;
+    write_file(&path.with_extension("pdf"), &figure.pdf())?;
     if let Some(folder) = &arguments.into {
         let stem = |path: &Path| path.file_stem().unwrap_or_default().display().to_string();
         let name = match is_only {

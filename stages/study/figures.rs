@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
+use coronet::draw::readable::Readable;
 use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
 use coronet::record::export::cell;
@@ -246,7 +247,7 @@ pub fn plots(
             None => None,
             Some(path) => Some(Reference::read(&folder.join(path), curves.clock)?),
         };
-        let words = curves.column.replace('_', " ");
+        let shown = Readable::of(&curves.column, most(measured, &curves.column));
         let mut labels: Vec<Option<&String>> = Vec::new();
         for trial in trials {
             let label = axis.map(|axis| &trial.labels[axis]);
@@ -266,23 +267,23 @@ pub fn plots(
             });
             let drawn = known.enumerate().map(|(k, (name, measures))| Curve {
                 label: name,
-                points: points(measures, &curves.column),
+                points: points(measures, &curves.column, shown.factor),
                 line: [Line::Solid, Line::Dashed][(k / PALETTE.len()).min(1)],
                 colour: PALETTE[k % PALETTE.len()],
             });
             let beside = references.iter().map(|table| Curve {
                 label: "reference".to_string(),
-                points: points(table, &curves.column),
+                points: points(table, &curves.column, shown.factor),
                 line: Line::Dashed,
                 colour: REFERENCE[0],
             });
             plots.push(Plot {
                 title: match label {
-                    Some(label) => format!("{words} {label}"),
-                    None => words.clone(),
+                    Some(label) => format!("{} {label}", shown.words),
+                    None => shown.words.clone(),
                 },
-                x: "time (ms)".to_string(),
-                y: words.clone(),
+                x: "time after contact (ms)".to_string(),
+                y: shown.label(),
                 curves: drawn.chain(beside).collect(),
                 from_zero: true,
             });
@@ -310,9 +311,19 @@ fn references<'a>(
     instants.iter().map(table).collect()
 }
 
-/// Times in ms and values of a column.
-fn points(table: &Series, column: &str) -> Vec<[f64; 2]> {
+/// The largest absolute value of a column in all points.
+fn most(measured: &[Option<Measured>], column: &str) -> f64 {
+    let points = measured.iter().flatten();
+    let values = points
+        .filter_map(|point| point.series.column(column))
+        .flatten();
+    let known = values.filter(|value| value.is_finite());
+    known.fold(0.0, |most, value| most.max(value.abs()))
+}
+
+/// Times in ms and values of a column, times `factor`.
+fn points(table: &Series, column: &str, factor: f64) -> Vec<[f64; 2]> {
     let values = table.column(column).unwrap_or(&[]);
     let times = table.time().iter().map(|time| 1e3 * time);
-    times.zip(values).map(|(t, v)| [t, *v]).collect()
+    times.zip(values).map(|(t, v)| [t, factor * v]).collect()
 }

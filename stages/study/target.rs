@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use coronet::measure::lamella::Lamella;
-use coronet::measure::series::{Reference, Series, compare_column};
+use coronet::measure::norm::compare_column;
+use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::{mean, period};
 use coronet::scene::quantity::{Unit, parse};
 use coronet::scene::{Clock, Scene};

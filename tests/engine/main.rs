@@ -2,6 +2,7 @@
 
 mod allocation;
 mod cloud;
+mod draw_figure;
 mod draw_surface;
 mod effect_absent;
 mod effect_cap;
@@ -52,6 +53,7 @@ mod record_export;
 mod record_hostile;
 mod record_log;
 mod record_reader;
+mod record_select;
 mod record_spoiled;
 mod ring;
 mod scene_error;

@@ -1,6 +1,6 @@
 //! Shape, spread, front and surface area against known bodies; which scene gets which.
 
-use coronet::measure::gauge::{Gauge, Kind, contact_time, strikes_wall};
+use coronet::measure::gauge::{Gauge, Kind, contact, contact_time, strikes_wall};
 use coronet::measure::lamella::Lamella;
 use coronet::measure::raster::Raster;
 use coronet::measure::series::Row;
@@ -168,13 +168,26 @@ fn the_scene_decides_what_is_measured() {
     let pool = pool_scene(Dimension::Three, 0.5);
     assert!(matches!(Kind::new(&pool), Kind::Pool(_)));
     // As it falls freely: v t + g t^2 / 2 is the gap.
-    let contact = contact_time(&pool);
-    let gap = 3.13 * contact + 0.5 * 9.81 * contact * contact;
-    assert!((gap / 0.313e-3 - 1.0).abs() < 1e-9, "{contact}");
+    let time = contact_time(&pool);
+    let gap = 3.13 * time + 0.5 * 9.81 * time * time;
+    assert!((gap / 0.313e-3 - 1.0).abs() < 1e-9, "{time}");
+    assert_eq!(Clock::after_contact(0.5 * time, contact(&pool)), None);
+    assert_eq!(
+        Clock::after_contact(1.5 * time, contact(&pool)),
+        Some(1.5 * time - time)
+    );
+    // A drop that lies on the pool touches it from the start, without falling.
+    let mut lying = pool.clone();
+    lying.bodies[1].motion = Motion::Uniform([0.0; 3]);
+    if let Shape::Sphere { centre, .. } = &mut lying.bodies[1].shape {
+        centre[2] -= 0.313e-3 + 1e-9;
+    }
+    assert_eq!(contact(&lying), Some(0.0));
     let mut rest = pool.clone();
     rest.bodies.pop();
     assert!(matches!(Kind::new(&rest), Kind::Level));
-    assert_eq!(contact_time(&rest), 0.0);
+    assert_eq!((contact_time(&rest), contact(&rest)), (0.0, None));
+    assert_eq!(Clock::after_contact(1.0, contact(&rest)), None);
     let mut floating = without_pool(Dimension::Three, 0.5);
     floating.effects.gravity = None;
     floating.bodies[0].motion = Motion::Uniform([0.0; 3]);

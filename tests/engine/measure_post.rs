@@ -2,17 +2,15 @@
 
 use std::path::Path;
 
-use coronet::draw::canvas::{Anchor, Canvas, INK, WHITE};
-use coronet::draw::field::Field;
-use coronet::draw::letter;
-use coronet::draw::plot::{Curve, Line, Plot};
+use coronet::draw::canvas::{Canvas, WHITE};
+use coronet::draw::field::{Bounds, Field, Scales};
 use coronet::draw::post::{Post, PostError};
 use coronet::draw::report::Report;
 use coronet::draw::section::{self, Section};
 use coronet::draw::view::{self, Camera};
 use coronet::measure::gauge::Kind;
 use coronet::particle::Frame;
-use coronet::scene::{Clock, Dimension, Reference, Scene};
+use coronet::scene::{Clock, Dimension, FigureStyle, Reference, Scene};
 
 use crate::measure_splash::{SIDE, Splash, pool_scene, splash};
 
@@ -109,7 +107,16 @@ fn a_run_becomes_a_table_plots_pictures_and_a_page() {
             assert!(!page.contains(loads), "{loads}");
         }
         let pictures = page.matches("data:image/png;base64,").count();
-        assert_eq!(pictures, if dimension == Dimension::Three { 6 } else { 3 });
+        // A field has one for its pixels and one for its colour bar.
+        assert_eq!(pictures, if dimension == Dimension::Three { 7 } else { 4 });
+        for name in ["plots/crater-depth", "fields/01"] {
+            for ending in ["svg", "pdf", "png"] {
+                assert!(
+                    out.join(format!("{name}.{ending}")).is_file(),
+                    "{name}.{ending}"
+                );
+            }
+        }
         assert!(page.matches("<svg").count() >= 4);
     }
 }
@@ -219,31 +226,21 @@ fn a_source_flow_averages_to_its_radial_profile() {
                 "{bin:?}"
             );
         }
-        let picture = field.draw(field.top(), 10e-3);
+        let fields = [field];
+        let figure = Bounds {
+            top: fields[0].top(),
+            level: 10e-3,
+            scales: Scales::of(&fields),
+        };
+        let picture = fields[0]
+            .draw(&figure, &FigureStyle::default())
+            .canvas(100.0);
         assert!(has(&picture, |c| c == WHITE) > 1000 && has(&picture, is_blue_green) > 1000);
     }
 }
 
 fn is_blue_green(c: [u8; 3]) -> bool {
     i32::from(c[2]) > i32::from(c[0]) + 30
-}
-
-#[test]
-fn every_letter_of_the_labels_can_be_drawn() {
-    for letter in "t = -0123456789.5 ms z (mm) r (mm) p (kPa) 1.5 m/s p (Pa)".chars() {
-        assert!(letter::known(letter), "{letter:?}");
-    }
-    assert!(!letter::known('Q'));
-    let mut canvas = Canvas::new(80, 30, WHITE);
-    canvas.text([40.0, 20.0], 10.0, "10 ms", Anchor::Middle, INK);
-    let dark: Vec<usize> = (0..80)
-        .filter(|&x| (0..30).any(|y| canvas.get(x, y)[0] < 128))
-        .collect();
-    let (left, right) = (dark[0], dark[dark.len() - 1]);
-    assert!(
-        left > 10 && right < 70 && (left + right).abs_diff(79) <= 8,
-        "{left}..{right}"
-    );
 }
 
 #[test]
@@ -261,56 +258,6 @@ fn a_png_reads_back_pixel_by_pixel() {
         (&pixels[..3], &pixels[102..]),
         (&[1, 2, 3][..], &[250, 0, 9][..])
     );
-}
-
-#[test]
-fn a_plot_breaks_at_blanks_and_names_its_axes() {
-    let points = vec![
-        [0.0, 1.0],
-        [1.0, f64::NAN],
-        [2.0, 3.0],
-        [3.0, 2.0],
-        [4.0, 5.0],
-    ];
-    let curve = |line, points| Curve {
-        label: "depth & co".into(),
-        points,
-        line,
-        colour: [9, 8, 7],
-    };
-    let mut plot = Plot {
-        title: "Crater depth".into(),
-        x: "time (ms)".into(),
-        y: "depth (mm)".into(),
-        curves: vec![curve(Line::Solid, points)],
-        from_zero: true,
-    };
-    let svg = plot.svg().unwrap();
-    for text in ["Crater depth", "time (ms)", "depth (mm)", "depth &amp; co"] {
-        assert!(svg.contains(text), "{text}");
-    }
-    // The sample in the legend, and one line for each side of the blank.
-    assert_eq!(svg.matches("<polyline").count(), 3 + count_axes(&plot));
-    plot.curves = vec![curve(Line::Solid, vec![[f64::NAN, 1.0]])];
-    assert!(!plot.has_points());
-    assert_eq!(plot.file_name(), "crater-depth.svg");
-}
-
-/// Lines of an empty plot's axes.
-fn count_axes(plot: &Plot) -> usize {
-    let mut empty = plot.clone();
-    empty.curves.clear();
-    // The same ranges, without a curve in sight of the legend or of the axes.
-    let corner = |p| Curve {
-        label: String::new(),
-        points: vec![p],
-        line: Line::Dashed,
-        colour: [0; 3],
-    };
-    empty.curves = vec![corner([0.0, 1.0]), corner([4.0, 5.0])];
-    let svg = empty.svg().unwrap();
-    // Three dashes for each of the two samples.
-    svg.matches("<polyline").count() - 6
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The table of a run, its file, and the comparison with a reference.
 
-use coronet::measure::series::{Reference, Series, SeriesError, compare};
+use coronet::measure::norm::compare;
+use coronet::measure::series::{Reference, Series, SeriesError};
 use coronet::scene::Clock;
 
 fn row(values: &[(&str, f64)]) -> Vec<(String, f64)> {
@@ -91,7 +92,6 @@ fn a_bad_reference_is_named_with_line_and_column() {
         Series::read(&path).unwrap_err().to_string()
     };
     assert!(message("t,depth\n0,1\n").contains("`time_s`"));
-    assert!(message("time_s,time_after_contact_s\n0,1\n").contains("needs one column of times"));
     let bad = message("time_s,crater_depth_m\n0,1\n1,deep\n");
     assert!(bad.contains("line 3") && bad.contains("crater_depth_m") && bad.contains("deep"));
     assert!(message("time_s,a\n1,1\n0,1\n").contains("does not increase"));
@@ -114,5 +114,30 @@ fn a_reference_counts_as_its_column_or_its_clock_says() {
         assert_eq!(reference.shift(0.25), shift, "{column} {clock:?}");
         assert_eq!(reference.table.names, ["time_s", "a"]);
         assert_eq!(reference.table.time(), [0.0, 1.0]);
+    }
+}
+
+/// As `measures.csv`: both clocks, no time before contact.
+#[test]
+fn a_table_with_both_clocks_is_read_by_either() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("measures.csv");
+    let text = "time_s,time_after_contact_s,a\n0,,1\n0.25,0,2\n1,0.75,3\n";
+    std::fs::write(&path, text).unwrap();
+    let start = Reference::read(&path, None).unwrap();
+    assert_eq!(
+        (start.shift(0.25), start.table.time()),
+        (0.0, &[0.0, 0.25, 1.0][..])
+    );
+    let contact = Reference::read(&path, Some(Clock::Contact)).unwrap();
+    assert_eq!(
+        (contact.shift(0.25), contact.table.time()),
+        (0.25, &[0.0, 0.75][..])
+    );
+    assert_eq!(contact.table.names, ["time_s", "a"]);
+    assert_eq!(contact.table.column("a"), Some(&[2.0, 3.0][..]));
+    for reference in [start, contact] {
+        let norms = compare(&Series::read(&path).unwrap(), &reference.table, "r", 0.0);
+        assert_eq!(norms.len(), 1, "a clock is not a measure: {norms:?}");
     }
 }

@@ -56,6 +56,7 @@ pub fn scene(dimension: Dimension, size: [f64; 3], shape: Shape) -> Scene {
             panels: vec![],
             fields: vec![],
             references: vec![],
+            figures: FigureStyle::default(),
         },
     }
 }

@@ -1,11 +1,11 @@
 //! Exports: each file is taken apart by its format's rules, not by our writer.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use coronet::particle::{Particles, State};
 use coronet::record::Checkpoint;
-use coronet::record::export::{Format, export_checkpoint, export_log};
+use coronet::record::export::{ExportError, Exported, Format, LIST, Selection, export_checkpoints};
 use coronet::record::layout::Layout;
 use coronet::record::log::LogWriter;
 use serde_json::Value;
@@ -45,7 +45,7 @@ fn vtp_array(bytes: &[u8], name: &str) -> (String, usize, Vec<u8>) {
     )
 }
 
-fn f32s(bytes: &[u8]) -> Vec<f32> {
+pub fn f32s(bytes: &[u8]) -> Vec<f32> {
     let numbers = bytes.chunks_exact(4);
     numbers
         .map(|b| f32::from_le_bytes(b.try_into().unwrap()))
@@ -59,12 +59,21 @@ fn i64s(bytes: &[u8]) -> Vec<i64> {
         .collect()
 }
 
-fn write_log(folder: &Path) -> std::path::PathBuf {
+pub fn write_log(folder: &Path) -> std::path::PathBuf {
     let mut writer = LogWriter::create(folder, 0, None, &setup()).unwrap();
     let path = writer.path().to_path_buf();
     (0..3).for_each(|k| writer.frame(frame(k)).unwrap());
     writer.finish().unwrap();
     path
+}
+
+pub fn export_log(log: &Path, folder: &Path, format: Format) -> Result<Exported, ExportError> {
+    coronet::record::export::export_log(log, folder, format, &Selection::default())
+}
+
+fn export_checkpoint(path: &Path, folder: &Path, format: Format) -> Result<PathBuf, ExportError> {
+    let exported = export_checkpoints(&[path.to_path_buf()], folder, format)?;
+    Ok(exported.files[0].clone())
 }
 
 fn state() -> State {
@@ -147,10 +156,14 @@ fn a_checkpoint_becomes_csv_and_ply() {
     assert_eq!(text, folder.path().join("state.csv"));
     let lines = fs::read_to_string(&text).unwrap();
     let expected = "position_x,position_y,position_z,id,body,velocity_x,velocity_y,velocity_z,\
-         density,method/shift_x,method/shift_y\n\
-         0.1,0.2,0.3,7,0,1.0,2.0,3.0,998.0,8.0,9.0\n\
-         0.2,0.30000000000000004,0.4,3,1,1.1,2.1,3.1,1000.0,8.1,9.1\n";
-    assert_eq!(lines, expected);
+         density,method/shift_x,method/shift_y,mass,radius\n\
+         0.1,0.2,0.3,7,0,1.0,2.0,3.0,998.0,8.0,9.0,1e-8,";
+    assert!(lines.starts_with(expected), "{lines}");
+    let cells: Vec<&str> = lines.lines().last().unwrap().split(',').collect();
+    assert_eq!(cells[..4], ["0.2", "0.30000000000000004", "0.4", "3"]);
+    let radius: f64 = cells[12].parse().unwrap();
+    // 4/3 pi r^3 is the volume of 1e-8 kg of 1000 kg/m^3.
+    assert!((4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) - 1e-11).abs() < 1e-22);
 
     let ply = fs::read(export_checkpoint(&path, folder.path(), Format::Ply).unwrap()).unwrap();
     let end = b"end_header\n";
@@ -160,7 +173,7 @@ fn a_checkpoint_becomes_csv_and_ply() {
     assert!(header.contains("\nelement vertex 2\nproperty double x\nproperty double y\n"));
     assert!(header.contains("\nproperty uint id\nproperty uchar body\n"));
     assert!(header.contains("\nproperty double method_shift_x\n"));
-    let row = 3 * 8 + 4 + 1 + 3 * 8 + 8 + 2 * 8;
+    let row = 3 * 8 + 4 + 1 + 3 * 8 + 8 + 2 * 8 + 2 * 8;
     assert_eq!(ply.len() - at, 2 * row);
     assert_eq!(ply[at + row..at + row + 8], 0.2f64.to_le_bytes());
     assert_eq!(ply[at + row + 24..at + row + 28], 3u32.to_le_bytes());
@@ -178,12 +191,21 @@ fn a_log_becomes_a_csv_series() {
     let files = export_log(&log, folder.path(), Format::Csv).unwrap().files;
     let index = fs::read_to_string(&files[0]).unwrap();
     let lines: Vec<_> = index.lines().collect();
-    assert_eq!(lines[0], "time_s,file,kinetic_energy_J,mass_kg");
+    assert_eq!(
+        lines[0],
+        "time_s,time_after_contact_s,file,kinetic_energy_J,mass_kg"
+    );
+    assert!(
+        lines[1].starts_with("0.0,,frame-00000.csv,"),
+        "{}",
+        lines[1]
+    );
     assert_eq!(lines.len(), 4);
     let cells: Vec<_> = lines[3].split(',').collect();
     assert_eq!(cells[0].parse::<f64>(), Ok(frame(2).time));
+    assert_eq!(cells[1].parse::<f64>(), Ok(frame(2).time - frame(1).time));
     assert_eq!(
-        (cells[1], cells[2].parse::<f64>()),
+        (cells[2], cells[3].parse::<f64>()),
         ("frame-00002.csv", Ok(0.2))
     );
     let last = fs::read_to_string(&files[3]).unwrap();
@@ -226,6 +248,7 @@ fn an_export_leaves_nothing_of_an_earlier_one_and_everything_else() {
         assert_eq!(fs::read_to_string(out.join(name)).unwrap(), name);
     }
     let mut expected: Vec<_> = exported.files.clone();
+    expected.push(out.join(LIST));
     expected.extend(kept.map(|name| out.join(name)));
     expected.push(out.join("frame-00009.vtp"));
     let entries = fs::read_dir(&out).unwrap();
@@ -234,14 +257,24 @@ fn an_export_leaves_nothing_of_an_earlier_one_and_everything_else() {
     expected.sort();
     assert_eq!(found, expected);
 
-    // Each format has its own files; a log that cannot be read costs none of them.
+    // Another format replaces them; what has not been exported stays. A log that cannot be read
+    // costs no file.
     let csv = export_log(&log, &out, Format::Csv).unwrap();
-    let ply = export_log(&log, &out, Format::Ply).unwrap();
-    assert_eq!((csv.removed, ply.removed), (0, 1));
-    let all = || exported.files.iter().chain(&csv.files).chain(&ply.files);
+    assert_eq!(
+        csv.removed,
+        4 + 1,
+        "three frames, their index, the stranger's frames.csv"
+    );
+    assert!(exported.files.iter().all(|file| !file.exists()));
+    assert!(out.join("my-frame-00003.vtp").exists());
+    let checkpoint = folder.path().join("state.checkpoint");
+    Checkpoint::from(state()).write(&checkpoint, 1).unwrap();
+    let file = export_checkpoint(&checkpoint, &out, Format::Ply).unwrap();
+    assert!(csv.files.iter().all(|file| !file.exists()));
     fs::write(&log, "no log").unwrap();
     assert!(export_log(&log, &out, Format::Vtk).unwrap_err().is_damage());
-    assert!(all().all(|file| file.is_file()));
+    assert!(file.is_file());
+    fs::write(&log, "").unwrap();
 }
 
 /// A frame number of a folder: the write fails there.
@@ -257,7 +290,7 @@ fn an_export_that_fails_midway_has_no_index_and_no_temporary_file() {
     let entries = fs::read_dir(&out).unwrap();
     let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
     names.sort();
-    assert_eq!(names, ["frame-00000.vtp", "frame-00001.vtp"]);
+    assert_eq!(names, [LIST, "frame-00000.vtp", "frame-00001.vtp"]);
 }
 
 #[test]

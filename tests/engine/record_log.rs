@@ -30,6 +30,7 @@ pub fn setup() -> LogSetup {
         spacing: 0.25e-3,
         dimension: Dimension::Three,
         time_scale: 2.0,
+        contact: Some(INTERVAL),
         colour: Colouring::Body,
         speed_scale: 3.0,
         pressure_scale: 1000.0,
@@ -118,6 +119,7 @@ fn frames_come_back_bit_for_bit() {
     assert_eq!(told.bodies, setup.bodies);
     assert_eq!(told.scene_text, setup.scene_text);
     assert_eq!((told.spacing, told.time_scale), (0.25e-3, 2.0));
+    assert_eq!(told.contact, Some(frame(1).time));
     assert_eq!(told.dimension, Dimension::Three);
     assert_eq!(told.provenance, setup.provenance.into_iter().collect());
 }

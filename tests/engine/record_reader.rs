@@ -100,12 +100,19 @@ fn a_reader_of_another_language_decodes_every_frame() {
     }
     assert_eq!(found["clouds"]["/wall"]["counts"], serde_json::json!([2]));
     assert_eq!(found["transforms"], serde_json::json!([["world", "box"]]));
-    let names = ["time_s", "kinetic_energy_J", "mass_kg"];
+    let names = [
+        "time_s",
+        "time_after_contact_s",
+        "kinetic_energy_J",
+        "mass_kg",
+    ];
     assert_eq!(found["measure_names"], Value::from(names.to_vec()));
     for k in 0..7 {
         let frame = frame(k);
-        let expected = [frame.time, frame.scalars[0].1, frame.scalars[1].1];
-        assert_eq!(reals(&found["measures"][k]), expected);
+        let after = (k > 0).then(|| frame.time - setup().contact.unwrap());
+        assert_eq!(found["measures"][k][1].as_f64(), after);
+        let others = [0, 2, 3].map(|n| found["measures"][k][n].as_f64().unwrap());
+        assert_eq!(others, [frame.time, frame.scalars[0].1, frame.scalars[1].1]);
     }
     assert_eq!(found["attachments"]["pipeline.toml"], setup().scene_text);
     assert_eq!(found["metadata"]["coronet"]["time_scale"], "2");

@@ -123,11 +123,15 @@ fn figures_are_those_of_the_measures() {
     assert_eq!(page.matches("| - |").count(), 4, "{page}");
     // One plot a method, one curve a seed.
     for method in ["wcsph", "isph"] {
-        let plot = read(&format!("study/speed-max-m-s-{method}.svg")).unwrap();
+        let plot = read(&format!("study/speed-max-{method}.svg")).unwrap();
         for seed in ["71", "72"] {
-            assert!(plot.contains(&format!(">\n{seed}\n</text>")), "{plot}");
+            assert!(plot.contains(&format!("aria-label=\"{seed}\"")), "{plot}");
         }
-        assert!(plot.contains(">\nreference\n</text>"), "{plot}");
+        for text in ["reference", "time after contact (ms)", "speed max (m/s)"] {
+            assert!(plot.contains(&format!("aria-label=\"{text}\"")), "{plot}");
+        }
+        let pdf = program.path(&format!("artifacts/latest/study/speed-max-{method}.pdf"));
+        assert!(fs::read(pdf).unwrap().starts_with(b"%PDF-1."));
     }
     let again = program.call(&["study", "study.toml"]).well();
     assert_eq!(again.err.matches("fresh").count(), 4, "{}", again.err);

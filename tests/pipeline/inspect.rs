@@ -22,6 +22,7 @@ fn write_log(program: &Program, number: u32, count: usize) -> Vec<u8> {
         spacing: 1e-3,
         dimension: Dimension::Three,
         time_scale: 1.0,
+        contact: None,
         colour: Colouring::Body,
         speed_scale: 1.0,
         pressure_scale: 1.0,
@@ -109,7 +110,7 @@ fn an_export_over_a_longer_one_leaves_no_stale_frame() {
     fs::write(program.path("export/mine.vtp"), "mine").unwrap();
     let second = export("segment-001.mcap");
     assert!(
-        second.out.contains("26 frames of an earlier export"),
+        second.out.contains("27 files of an earlier export"),
         "{}",
         second.out
     );
@@ -119,6 +120,7 @@ fn an_export_over_a_longer_one_leaves_no_stale_frame() {
     assert_eq!(
         names,
         [
+            "coronet-export.json",
             "frame-00000.vtp",
             "frame-00001.vtp",
             "frames.pvd",

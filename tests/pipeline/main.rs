@@ -5,6 +5,7 @@ mod cleanup;
 mod disk;
 #[cfg(target_os = "linux")]
 mod edge;
+mod export;
 mod fault;
 mod figures;
 mod golden;

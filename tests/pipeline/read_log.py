@@ -50,7 +50,9 @@ def main(path):
             elif channel.topic == "/measures":
                 names = [field.name for field in decoded.DESCRIPTOR.fields]
                 found["measure_names"] = names
-                found["measures"].append([getattr(decoded, name) for name in names])
+                values = [getattr(decoded, name) for name in names]
+                # JSON has no NaN.
+                found["measures"].append([None if v != v else v for v in values])
             elif schema.name == "foxglove.FrameTransform":
                 found["transforms"].append([decoded.parent_frame_id, decoded.child_frame_id])
         found["attachments"] = {a.name: a.data.decode() for a in reader.iter_attachments()}

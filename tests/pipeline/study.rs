@@ -186,8 +186,8 @@ fn what_repeats_and_what_costs_is_said_in_the_study() {
     let plot = fs::read_to_string(plot).unwrap();
     assert!(plot.contains("memory of the impact (MB)"));
     // The worst of each spacing is joined to the next, the other is a small ring.
-    assert_eq!(plot.matches("r=\"5\"").count(), 3 + 1, "{plot}");
-    assert_eq!(plot.matches("r=\"3\"").count(), 3, "{plot}");
+    assert_eq!(plot.matches("r=\"3\"").count(), 3 + 1, "{plot}");
+    assert_eq!(plot.matches("r=\"1.8\"").count(), 3, "{plot}");
     fs::write(
         program.path("study.toml"),
         study.replacen("title", "cost = \"money\"\ntitle", 1),

@@ -2,10 +2,11 @@
 
 use super::{Post, PostError, draw_error};
 use crate::draw::canvas::{Canvas, WHITE};
-use crate::draw::field::Field;
+use crate::draw::field::{Bounds, Field, Scales};
 use crate::draw::figure::Figures;
 use crate::draw::render::artist::{Artist, Style, Survey};
 use crate::draw::report::Report;
+use crate::draw::sheet::Sheet;
 use crate::draw::view;
 
 impl Post {
@@ -33,8 +34,9 @@ impl Post {
         }
         .plots();
         for plot in plots {
-            let svg = plot.svg().map_err(|e| draw_error(&plot.title, &e))?;
-            self.write(&format!("plots/{}", plot.file_name()), svg.as_bytes())?;
+            let sheet = plot.sheet(&self.scene.post.figures);
+            let sheet = sheet.map_err(|e| draw_error(&plot.title, &e))?;
+            let svg = self.write_figure(&sheet, &format!("plots/{}", plot.file_name()))?;
             report.plots.push(svg);
         }
         Ok(())
@@ -75,12 +77,27 @@ impl Post {
         let fields = std::mem::take(&mut self.averages);
         let top = fields.iter().map(Field::top).fold(0.0, f64::max);
         let level = self.gauge.start.level.unwrap_or(0.0);
+        let bounds = Bounds {
+            top,
+            level,
+            scales: Scales::of(&fields),
+        };
         for (n, field) in fields.iter().enumerate() {
-            let png = encode(&field.draw(top, level), "field")?;
-            self.write(&format!("fields/{:02}.png", n + 1), &png)?;
-            report.fields.push((field.label.clone(), png));
+            let sheet = field.draw(&bounds, &self.scene.post.figures);
+            let svg = self.write_figure(&sheet, &format!("fields/{:02}", n + 1))?;
+            report.fields.push((field.label.clone(), svg));
         }
         Ok(())
+    }
+
+    /// Writes a figure in all its formats; returns it as SVG. `name`: without ending.
+    fn write_figure(&mut self, sheet: &Sheet, name: &str) -> Result<String, PostError> {
+        let svg = sheet.svg();
+        self.write(&format!("{name}.svg"), svg.as_bytes())?;
+        self.write(&format!("{name}.pdf"), &sheet.pdf())?;
+        let png = encode(&sheet.canvas(self.scene.post.figures.dpi), name)?;
+        self.write(&format!("{name}.png"), &png)?;
+        Ok(svg)
     }
 }
 

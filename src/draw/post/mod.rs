@@ -1,7 +1,7 @@
 //! Evaluation: from the frames of a run, in their order, to measures, pictures and the report.
 //!
-//! Writes `measures.csv`, `picture.png`, `plots/*.svg`, `panels/*.png`, `fields/*.png` and
-//! `report.html`.
+//! Writes `measures.csv`, `picture.png`, `plots/*` and `fields/*` as SVG, PDF and PNG,
+//! `panels/*.png` and `report.html`.
 
 mod draw;
 mod instants;
@@ -19,13 +19,14 @@ use super::view::{self, Camera};
 use crate::measure::answer;
 use crate::measure::gauge::{Gauge, Kind, Start, contact_time};
 use crate::measure::loss;
+use crate::measure::norm::{Norm, compare};
 use crate::measure::pool::Axis;
-use crate::measure::series::{Norm, Reference, Row, Series, SeriesError, compare};
+use crate::measure::series::{Reference, Row, Series, SeriesError};
 use crate::measure::summary;
 use crate::measure::whole::Unfold;
 use crate::particle::Frame;
 use crate::scene::sanity::Warning;
-use crate::scene::{Dimension, Scene, numbers};
+use crate::scene::{Clock, Dimension, Scene, numbers};
 
 /// An evaluation that failed.
 #[derive(Debug, thiserror::Error)]
@@ -339,10 +340,17 @@ impl Post {
         if self.shift > 0.0 {
             notes.push(format!(
                 "Plots count time from the contact of the drop, {:.3} ms after the start; \
-                 measures.csv counts from the start; a reference as its columns state.",
+                 measures.csv has both times.",
                 1e3 * self.shift
             ));
         }
+        notes.extend(self.references.iter().map(|(label, reference)| {
+            let zero = match reference.clock {
+                Clock::Start => "the start of its run",
+                Clock::Contact => "the contact of its drop",
+            };
+            format!("The reference {label} counts time from {zero}.")
+        }));
         notes.extend(self.missed());
         notes
     }

@@ -6,12 +6,12 @@ use super::overlay::Overlay;
 use super::trace::V;
 use super::{Look, Material, draw, linear};
 use crate::draw::canvas::{Canvas, Colour};
+use crate::draw::scale::{Plain, Scale};
 use crate::draw::section::body_colour;
 use crate::draw::surface::Field;
 use crate::measure::gauge::contact_time;
 use crate::measure::whole::Unfold;
 use crate::particle::Frame;
-use crate::record::log::viridis;
 use crate::record::mesh::Mesh;
 use crate::scene::{Dimension, Scene, Side};
 
@@ -62,9 +62,10 @@ impl Default for Style {
 pub struct Survey {
     /// Low and high corner, without the last thousandth of the particles on each side, m.
     corners: Option<[V; 2]>,
-    /// Exceeded by a hundredth of the particles, m/s and Pa.
+    /// Exceeded by a hundredth of the particles, m/s.
     speed: f64,
-    pressure: f64,
+    /// A hundredth of the particles are below, a hundredth above, Pa.
+    pressure: [f64; 2],
 }
 
 /// The value that a part of all exceed; 0 of none.
@@ -94,8 +95,9 @@ impl Survey {
         let [x, y, z] = &frame.velocity;
         let speed = (0..x.len()).map(|i| V::new(x[i], y[i], z[i]).norm());
         self.speed = self.speed.max(f64::from(exceeded(speed.collect(), 0.01)));
-        let pressure = exceeded(frame.pressure.clone(), 0.01);
-        self.pressure = self.pressure.max(f64::from(pressure));
+        let pressure = |part: f64| f64::from(exceeded(frame.pressure.clone(), part));
+        let [low, high] = self.pressure;
+        self.pressure = [low.min(pressure(0.99)), high.max(pressure(0.01))];
     }
 }
 
@@ -105,8 +107,8 @@ pub struct Artist {
     unfold: Unfold,
     style: Style,
     corners: [V; 2],
-    /// Top of the colour map.
-    most: f64,
+    /// Colours of speed or pressure.
+    scale: Scale,
 }
 
 impl Artist {
@@ -125,22 +127,22 @@ impl Artist {
                 corners[1][a] = size[a];
             }
         }
-        let most = match style.material {
+        let range = match style.material {
             Material::Pressure => survey.pressure,
-            _ => survey.speed,
+            _ => [0.0, survey.speed],
         };
         Artist {
             unfold: Unfold::new(part),
             scene,
             style,
             corners,
-            most: if most > 0.0 { most } else { 1.0 },
+            scale: Scale::new(range, Plain::Viridis),
         }
     }
 
     /// Linear colours of the particles, if the material has them.
     fn colours(&self, frame: &Frame) -> Vec<[f32; 3]> {
-        let map = |value: f32| linear(viridis(value / self.most as f32)).into();
+        let map = |value: f32| linear(self.scale.colour(f64::from(value))).into();
         let velocity = |i: usize| V::from([0, 1, 2].map(|a| frame.velocity[a][i]));
         let all = 0..frame.id.len();
         match self.style.material {
@@ -208,8 +210,11 @@ impl Artist {
             overlay.caption(text);
         }
         match style.material {
-            Material::Speed => overlay.colours(self.most, "m/s"),
-            Material::Pressure => overlay.colours(self.most, "Pa"),
+            Material::Speed => overlay.colours(&self.scale, 1.0, "m/s"),
+            Material::Pressure if self.scale.range[1] >= 2000.0 => {
+                overlay.colours(&self.scale, 1e3, "kPa");
+            }
+            Material::Pressure => overlay.colours(&self.scale, 1.0, "Pa"),
             _ => {}
         }
         canvas

@@ -4,7 +4,6 @@ pub mod artist;
 pub mod camera;
 mod flat;
 mod floor;
-mod lettering;
 mod optics;
 mod overlay;
 mod shade;

@@ -1,8 +1,7 @@
 //! What stands over a picture: clock, scale bar, caption, the bar of a colour map.
 
-use super::lettering::write;
 use crate::draw::canvas::{Anchor, Canvas, Colour, INK};
-use crate::record::log::viridis;
+use crate::draw::scale::Scale;
 
 /// Texts on a dark background.
 const PALE: Colour = [240, 242, 245];
@@ -31,7 +30,8 @@ impl<'a> Overlay<'a> {
     pub fn clock(&mut self, time: f64) {
         let text = format!("{:.1} ms", 1e3 * time).replace("-0.0", "0.0");
         let at = [self.size, 1.6 * self.size];
-        write(self.canvas, at, self.size, &text, (Anchor::Left, self.ink));
+        self.canvas
+            .text(at, self.size, &text, Anchor::Left, self.ink);
     }
 
     /// A text in the middle of the lower edge.
@@ -40,7 +40,8 @@ impl<'a> Overlay<'a> {
             0.5 * self.canvas.width as f32,
             self.canvas.height as f32 - self.size,
         ];
-        write(self.canvas, at, self.size, text, (Anchor::Middle, self.ink));
+        self.canvas
+            .text(at, self.size, text, Anchor::Middle, self.ink);
     }
 
     /// A bar of a round length in the lower left corner; `pixel`: metres.
@@ -62,45 +63,37 @@ impl<'a> Overlay<'a> {
         self.canvas
             .line([left, y], [right, y], 0.16 * self.size, self.ink);
         let at = [0.5 * (left + right), y - 0.4 * self.size];
-        write(
-            self.canvas,
-            at,
-            self.size,
-            &text,
-            (Anchor::Middle, self.ink),
-        );
+        self.canvas
+            .text(at, self.size, &text, Anchor::Middle, self.ink);
     }
 
-    /// The map viridis from 0 to `most`, along the right edge.
-    pub fn colours(&mut self, most: f64, unit: &str) {
+    /// The bar of a colour map, along the right edge; `unit`: of the values over `factor`.
+    pub fn colours(&mut self, scale: &Scale, factor: f64, unit: &str) {
         let (width, height) = (self.canvas.width as f32, self.canvas.height as f32);
         let (top, bottom) = (0.25 * height, 0.75 * height);
         let [left, right] = [width - 1.6 * self.size, width - self.size];
+        let [low, high] = scale.range;
+        let row_of = |value: f64| bottom - ((value - low) / (high - low)) as f32 * (bottom - top);
         for row in top as usize..bottom as usize {
-            let part = (bottom - row as f32) / (bottom - top);
+            let part = f64::from((bottom - row as f32) / (bottom - top));
             let at = [left, row as f32];
-            self.canvas
-                .rectangle(at, [right, row as f32 + 1.0], viridis(part));
+            let colour = scale.colour(low + part * (high - low));
+            self.canvas.rectangle(at, [right, row as f32 + 1.0], colour);
         }
-        let text = |value: f64| match value {
-            v if v >= 100.0 => format!("{v:.0} {unit}"),
-            v => format!("{v:.2} {unit}"),
-        };
-        let look = (Anchor::Right, self.ink);
         let size = 0.8 * self.size;
-        write(
-            self.canvas,
-            [right, top - 0.5 * size],
-            size,
-            &text(most),
-            look,
-        );
-        write(
-            self.canvas,
-            [right, bottom + 1.2 * size],
-            size,
-            &format!("0 {unit}"),
-            look,
-        );
+        let text = |value: f64| match value / factor {
+            v if v.abs() >= 100.0 => format!("{v:.0} {unit}"),
+            0.0 => format!("0 {unit}"),
+            v => format!("{v:.2} {unit}").replace('-', "\u{2212}"),
+        };
+        let mut write = |value: f64, at: [f32; 2]| {
+            self.canvas
+                .text(at, size, &text(value), Anchor::Right, self.ink);
+        };
+        write(high, [right, top - 0.5 * size]);
+        write(low, [right, bottom + 1.2 * size]);
+        if low < 0.0 {
+            write(0.0, [left - 0.4 * size, row_of(0.0) + 0.36 * size]);
+        }
     }
 }

@@ -49,13 +49,16 @@ pub fn write(table: &Table, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// The index of a series: time, file, scalars.
+/// The index of a series: times from the start and from contact (blank before it), file, scalars.
 pub fn index(entries: &[Entry]) -> io::Result<Vec<u8>> {
     let scalars = entries.first().into_iter().flat_map(|entry| &entry.scalars);
     let names = scalars.map(|(name, _)| name.as_str());
-    let mut text = header(["time_s", "file"].into_iter().chain(names))?;
+    let first = ["time_s", "time_after_contact_s", "file"].into_iter();
+    let mut text = header(first.chain(names))?;
     for entry in entries {
-        write!(text, "{:?},{}", entry.time, entry.file)?;
+        let after = entry.after_contact.map(|after| format!("{after:?}"));
+        let after = after.unwrap_or_default();
+        write!(text, "{:?},{after},{}", entry.time, entry.file)?;
         for (_, value) in &entry.scalars {
             write!(text, ",{value:?}")?;
         }

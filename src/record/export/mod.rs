@@ -1,16 +1,23 @@
 //! Export of checkpoints and logs: for ParaView and PyVista (`.vtp`, with a `.pvd` index of times),
-//! spreadsheets (`.csv`) and mesh viewers (`.ply`).
+//! spreadsheets (`.csv`), mesh viewers (`.ply`) and NumPy (`.npz`).
+//!
+//! Besides what a frame or checkpoint holds, each particle has `mass`, kg (kg/m in 2-D), and
+//! `radius`, m: that of a sphere (2-D: a disc) of its volume, mass over density.
 
+mod choice;
 mod csv;
+mod folder;
+mod npz;
 mod ply;
 mod pvd;
 mod table;
 mod vtp;
 
 pub use self::csv::cell;
+pub use choice::Which;
+pub use folder::LIST;
 pub use table::{Column, Table};
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -18,6 +25,8 @@ use super::atomic;
 use super::checkpoint::{self, CheckpointError};
 use super::log::{self, LogError};
 use crate::file::FileError;
+use crate::scene::Clock;
+use folder::List;
 
 /// An export that failed.
 #[derive(Debug, thiserror::Error)]
@@ -32,10 +41,42 @@ pub enum ExportError {
     #[error(transparent)]
     Log(#[from] LogError),
     /// The format does not exist.
-    #[error("{name:?} is not an export format; choose vtk, csv or ply")]
+    #[error("{name:?} is not an export format; choose vtk, csv, ply or npz")]
     Format {
         /// Its name as given.
         name: String,
+    },
+    /// The run has no frame near an instant.
+    #[error(
+        "there is no frame at {} ms: the frames are from {} to {} ms", 1e3 * at, 1e3 * first,
+        1e3 * last
+    )]
+    Outside {
+        /// The instant, s.
+        at: f64,
+        /// Time of the first frame, s.
+        first: f64,
+        /// Time of the last frame, s.
+        last: f64,
+    },
+    /// The run has no such body.
+    #[error("there is no body `{name}`; the bodies are {known}")]
+    Body {
+        /// Its name as given.
+        name: String,
+        /// Names of the bodies.
+        known: String,
+    },
+    /// The list of an earlier export is not one.
+    #[error(
+        "{} is not the list of an export ({problem}): remove it, or export to another folder",
+        path.display()
+    )]
+    List {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
     },
 }
 
@@ -45,18 +86,38 @@ impl ExportError {
         match self {
             ExportError::Checkpoint(error) => error.is_damage(),
             ExportError::Log(error) => error.is_damage(),
-            ExportError::Io(_) | ExportError::Format { .. } => false,
+            _ => false,
         }
+    }
+
+    /// Whether something was asked for that does not exist.
+    pub fn is_usage(&self) -> bool {
+        use ExportError::{Body, Format, List, Outside};
+        matches!(
+            self,
+            Body { .. } | Format { .. } | List { .. } | Outside { .. }
+        )
     }
 }
 
-/// Result of the export of a log.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Result of an export.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exported {
     /// The new files, the index first.
     pub files: Vec<PathBuf>,
-    /// Number of frames of an earlier export that were removed.
+    /// Times of the exported frames, s from the start of the run; of a log only.
+    pub times: Vec<f64>,
+    /// Number of files of an earlier export that were removed.
     pub removed: usize,
+}
+
+/// What of a log is exported; by default all of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// Which frames.
+    pub which: Which,
+    /// Names of the bodies whose particles are exported; all if empty.
+    pub bodies: Vec<String>,
 }
 
 /// A format to export to.
@@ -68,6 +129,8 @@ pub enum Format {
     Csv,
     /// Binary little-endian polygon file, vertices only.
     Ply,
+    /// NumPy's archive of arrays.
+    Npz,
 }
 
 impl FromStr for Format {
@@ -78,17 +141,21 @@ impl FromStr for Format {
             "vtk" => Ok(Format::Vtk),
             "csv" => Ok(Format::Csv),
             "ply" => Ok(Format::Ply),
+            "npz" => Ok(Format::Npz),
             _ => Err(ExportError::Format { name: name.into() }),
         }
     }
 }
 
 impl Format {
+    const ALL: [Format; 4] = [Format::Vtk, Format::Csv, Format::Ply, Format::Npz];
+
     fn extension(self) -> &'static str {
         match self {
             Format::Vtk => "vtp",
             Format::Csv => "csv",
             Format::Ply => "ply",
+            Format::Npz => "npz",
         }
     }
 
@@ -98,51 +165,27 @@ impl Format {
             Format::Vtk => "frames.pvd",
             Format::Csv => "frames.csv",
             Format::Ply => "frames-ply.csv",
+            Format::Npz => "frames-npz.csv",
         }
+    }
+
+    /// Endings of all its files.
+    fn extensions(self) -> [&'static str; 2] {
+        let index = self.index();
+        [self.extension(), &index[index.len() - 3..]]
     }
 
     fn frame(self, number: usize) -> String {
         format!("frame-{number:05}.{}", self.extension())
     }
 
-    /// Whether `name` is that of a frame, or of a frame that a killed export was writing.
+    /// Whether `name` is that of a frame.
     fn is_frame(self, name: &str) -> bool {
-        let number = |name: &str| name.strip_prefix("frame-")?.split('.').next()?.parse().ok();
-        let is = |name: &str, whole: fn(&str, &str) -> bool| {
-            number(name).is_some_and(|number| whole(name, &self.frame(number)))
-        };
-        match name.strip_prefix('.') {
-            None => is(name, |name, frame| name == frame),
-            Some(hidden) => {
-                atomic::is_temporary(Path::new(name))
-                    && is(hidden, |name, frame| {
-                        name.strip_prefix(frame)
-                            .is_some_and(|rest| rest.starts_with('.'))
-                    })
-            }
-        }
-    }
-
-    /// Removes the index and the frames of an earlier export; returns the number of frames.
-    fn clear(self, folder: &Path) -> Result<usize, FileError> {
-        let mut removed = 0;
-        for entry in fs::read_dir(folder).map_err(FileError::new(folder, "list"))? {
-            let entry = entry.map_err(FileError::new(folder, "list"))?;
-            let (name, path) = (entry.file_name(), entry.path());
-            let Some(name) = name.to_str() else { continue };
-            let is_frame = self.is_frame(name);
-            if !is_frame && name != self.index() {
-                continue;
-            }
-            let kind = entry
-                .file_type()
-                .map_err(FileError::new(&path, "examine"))?;
-            if kind.is_file() {
-                fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
-                removed += usize::from(is_frame && !name.starts_with('.'));
-            }
-        }
-        Ok(removed)
+        let number = name
+            .strip_prefix("frame-")
+            .and_then(|rest| rest.split('.').next());
+        let number = number.and_then(|number| number.parse().ok());
+        number.is_some_and(|number| self.frame(number) == name)
     }
 
     /// Writes one table of particles to `path`, atomically.
@@ -154,63 +197,102 @@ impl Format {
             Format::Vtk => vtp::write(table, out),
             Format::Csv => csv::write(table, out),
             Format::Ply => ply::write(table, out),
+            Format::Npz => npz::write(table, out),
         })?)
     }
 }
 
-/// Exports the checkpoint at `path` to `folder/STEM.EXTENSION`; returns the new file.
+/// Exports checkpoints to `folder/STEM.EXTENSION`, in place of an earlier export there.
 ///
 /// # Errors
-/// If the checkpoint cannot be read, contains no particles, or the file cannot be written.
-pub fn export_checkpoint(
+/// If a checkpoint cannot be read or contains no particles, or a file cannot be written or removed.
+pub fn export_checkpoints(
+    paths: &[PathBuf],
+    folder: &Path,
+    format: Format,
+) -> Result<Exported, ExportError> {
+    let mut tables = Vec::new();
+    let mut names = Vec::new();
+    for path in paths {
+        tables.push(Table::try_from(checkpoint::read(path)?)?);
+        // Not `with_extension`: a stem may contain a dot.
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        names.push(format!("{stem}.{}", format.extension()));
+    }
+    let removed = folder::clear(folder, format)?;
+    List::new(Vec::new(), names.clone()).write(folder)?;
+    let mut exported = Exported {
+        removed,
+        ..Exported::default()
+    };
+    for (table, name) in tables.iter().zip(names) {
+        let out = folder.join(name);
+        format.write(table, &out)?;
+        exported.files.push(out);
+    }
+    Ok(exported)
+}
+
+/// Exports frames of the log at `path` to `folder/frame-00000.EXTENSION` ..., and an index:
+/// `frames.pvd` for VTK, `frames.csv`, `frames-ply.csv` and `frames-npz.csv` with the scalars for
+/// the others.
+///
+/// The files of an earlier export to the folder are removed first, whatever their format; other
+/// files stay. The index is written last: an export without one is incomplete.
+///
+/// # Errors
+/// If the log cannot be read to its end, then no file is removed; if what is selected is not in the
+/// log; or if a file cannot be written or removed.
+pub fn export_log(
     path: &Path,
     folder: &Path,
     format: Format,
-) -> Result<PathBuf, ExportError> {
-    let table = Table::try_from(checkpoint::read(path)?)?;
-    // Not `with_extension`: a stem may contain a dot.
-    let mut name = path.file_stem().unwrap_or_default().to_os_string();
-    name.push(".");
-    name.push(format.extension());
-    let out = folder.join(name);
-    format.write(&table, &out)?;
-    Ok(out)
-}
+    selection: &Selection,
+) -> Result<Exported, ExportError> {
+    let info = log::info(path)?;
+    let bodies = choice::bodies(&selection.bodies, &info.bodies)?;
+    let times = log::times(path)?;
+    let chosen = selection.which.of(&times)?;
+    let mut names = vec![format.index().to_string()];
+    names.extend((0..chosen.len()).map(|number| format.frame(number)));
+    let removed = folder::clear(folder, format)?;
+    let known = info.bodies.iter().map(|body| body.name.clone()).collect();
+    List::new(known, names.clone()).write(folder)?;
 
-/// Exports every frame of the log at `path` to `folder/frame-00000.EXTENSION` ..., and an index:
-/// `frames.pvd` for VTK, `frames.csv` and `frames-ply.csv` with the scalars for the others.
-///
-/// Frames of an earlier export to this format are removed first, so that the folder never contains
-/// frames of two runs; other files stay. The index is written last: an export without one is
-/// incomplete.
-///
-/// # Errors
-/// If the log cannot be read to its end, or a file cannot be written or removed.
-pub fn export_log(path: &Path, folder: &Path, format: Format) -> Result<Exported, ExportError> {
-    let mut frames = log::read_frames(path)?;
-    // If the log cannot be read, earlier frames stay.
-    let mut next = frames.next().transpose()?;
-    let removed = format.clear(folder)?;
-    let mut files = Vec::new();
     let mut index = Vec::new();
-    while let Some(frame) = next {
-        let name = format.frame(files.len());
+    let mut left = chosen.iter().peekable();
+    for (number, frame) in log::read_frames(path)?.enumerate() {
+        if left.peek().is_none() {
+            break;
+        }
+        let frame = frame?;
+        if left.next_if(|next| **next == number).is_none() {
+            continue;
+        }
+        let name = names[index.len() + 1].clone();
+        let after = Clock::after_contact(frame.time, info.contact);
         index.push(pvd::Entry {
             time: frame.time,
+            after_contact: after,
             file: name.clone(),
             scalars: frame.scalars.clone(),
         });
-        let out = folder.join(name);
-        format.write(&Table::from(frame), &out)?;
-        files.push(out);
-        next = frames.next().transpose()?;
+        let mut table = Table::of_frame(frame, info.dimension);
+        table.after_contact = after;
+        if let Some(bodies) = &bodies {
+            table.keep_bodies(bodies);
+        }
+        format.write(&table, &folder.join(name))?;
     }
     let out = folder.join(format.index());
     let text = match format {
         Format::Vtk => pvd::text(&index).into_bytes(),
-        Format::Csv | Format::Ply => csv::index(&index).map_err(FileError::new(&out, "write"))?,
+        _ => csv::index(&index).map_err(FileError::new(&out, "write"))?,
     };
     atomic::write_file(&out, &text)?;
-    files.insert(0, out);
-    Ok(Exported { files, removed })
+    Ok(Exported {
+        files: names.iter().map(|name| folder.join(name)).collect(),
+        times: index.iter().map(|entry| entry.time).collect(),
+        removed,
+    })
 }

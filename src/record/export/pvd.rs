@@ -6,6 +6,8 @@ use super::vtp::escape;
 pub struct Entry {
     /// Simulated time, s.
     pub time: f64,
+    /// Time after contact, s; `None` before it.
+    pub after_contact: Option<f64>,
     /// Name, relative to the index.
     pub file: String,
     pub scalars: Vec<(String, f64)>,

@@ -1,7 +1,10 @@
 //! Particles as named columns, from frames and checkpoints.
 
+use std::f64::consts::PI;
+
 use crate::particle::Frame;
 use crate::record::checkpoint::{Array, Checkpoint, CheckpointError};
+use crate::scene::Dimension;
 
 /// A quantity of every particle: one array for each component (1 or 3), of equal type and length.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +20,8 @@ pub struct Column {
 pub struct Table {
     /// Simulated time, s.
     pub time: f64,
+    /// Time after contact, s; `None` before it, and where it is not known.
+    pub after_contact: Option<f64>,
     /// Positions, m, three components.
     pub position: Column,
     /// The other quantities.
@@ -51,8 +56,9 @@ impl Table {
     }
 }
 
-impl From<Frame> for Table {
-    fn from(frame: Frame) -> Self {
+impl Table {
+    /// The particles of a frame. Without a scalar `mass_kg` they have neither mass nor radius.
+    pub fn of_frame(frame: Frame, dimension: Dimension) -> Table {
         let vector = |name: &str, components: [Vec<f32>; 3]| Column {
             name: name.into(),
             components: components.map(Array::F32).into(),
@@ -61,19 +67,96 @@ impl From<Frame> for Table {
             name: name.into(),
             components: vec![array],
         };
+        let mut scalars = frame.scalars.iter();
+        let total = scalars.find(|(name, _)| name == "mass_kg");
+        let mass = total.map(|(_, total)| total / frame.id.len() as f64);
+        let mut columns = vec![
+            column("id", Array::U32(frame.id)),
+            column("body", Array::U8(frame.body)),
+            vector("velocity", frame.velocity),
+            column("pressure", Array::F32(frame.pressure)),
+        ];
+        if let Some(mass) = mass {
+            let radius = |density: &f32| radius(mass, f64::from(*density), dimension) as f32;
+            let radii = frame.density.iter().map(radius).collect();
+            let masses = vec![mass as f32; frame.density.len()];
+            columns.push(column("mass", Array::F32(masses)));
+            columns.push(column("radius", Array::F32(radii)));
+        }
+        columns.push(column("density", Array::F32(frame.density)));
+        columns.push(column("surface", Array::U8(frame.surface)));
         Table {
             time: frame.time,
+            after_contact: None,
             position: vector("position", frame.position),
-            columns: vec![
-                column("id", Array::U32(frame.id)),
-                column("body", Array::U8(frame.body)),
-                vector("velocity", frame.velocity),
-                column("pressure", Array::F32(frame.pressure)),
-                column("density", Array::F32(frame.density)),
-                column("surface", Array::U8(frame.surface)),
-            ],
+            columns,
             scalars: frame.scalars,
         }
+    }
+
+    /// Removes the particles of all other bodies. A table without a column `body` stays as it is.
+    pub fn keep_bodies(&mut self, bodies: &[u8]) {
+        let own = self.columns.iter().find(|column| column.name == "body");
+        let Some([Array::U8(own)]) = own.map(|column| column.components.as_slice()) else {
+            return;
+        };
+        let kept: Vec<bool> = own.iter().map(|body| bodies.contains(body)).collect();
+        fn keep<T>(values: &mut Vec<T>, kept: &[bool]) {
+            let mut kept = kept.iter();
+            values.retain(|_| *kept.next().expect("columns of one length"));
+        }
+        let columns = std::iter::once(&mut self.position).chain(&mut self.columns);
+        for array in columns.flat_map(|column| &mut column.components) {
+            match array {
+                Array::F64(values) => keep(values, &kept),
+                Array::F32(values) => keep(values, &kept),
+                Array::U64(values) => keep(values, &kept),
+                Array::U32(values) => keep(values, &kept),
+                Array::U8(values) => keep(values, &kept),
+            }
+        }
+    }
+
+    /// Adds mass and radius to the particles of a checkpoint that holds the mass of one and the
+    /// density of each. A checkpoint does not state its dimension: in 2-D all y are equal.
+    fn add_mass(&mut self) {
+        let named = |name: &str| self.columns.iter().find(|column| column.name == name);
+        let mass = self.scalars.iter().find(|(name, _)| name == "mass");
+        let density = named("density").map(|column| column.components.as_slice());
+        let (Some((_, mass)), Some([Array::F64(density)])) = (mass, density) else {
+            return;
+        };
+        if named("mass").is_some() || named("radius").is_some() {
+            return;
+        }
+        let is_plane = match &self.position.components[1] {
+            Array::F64(y) => y.windows(2).all(|pair| pair[0] == pair[1]),
+            _ => return,
+        };
+        let dimension = if is_plane {
+            Dimension::Two
+        } else {
+            Dimension::Three
+        };
+        let radii = density
+            .iter()
+            .map(|density| radius(*mass, *density, dimension));
+        let (radii, masses) = (radii.collect(), vec![*mass; density.len()]);
+        for (name, values) in [("mass", masses), ("radius", radii)] {
+            self.columns.push(Column {
+                name: name.into(),
+                components: vec![Array::F64(values)],
+            });
+        }
+    }
+}
+
+/// Radius of a sphere or, in 2-D, of a disc of the volume mass over density, m.
+fn radius(mass: f64, density: f64, dimension: Dimension) -> f64 {
+    let volume = mass / density;
+    match dimension {
+        Dimension::Two => (volume / PI).sqrt(),
+        Dimension::Three => (0.75 * volume / PI).cbrt(),
     }
 }
 
@@ -127,12 +210,15 @@ impl TryFrom<Checkpoint> for Table {
             .iter()
             .position(|column| column.name == "position" && column.components.len() == 3);
         let position = position.map(|index| columns.remove(index)).ok_or(missing)?;
-        Ok(Table {
+        let mut table = Table {
             time: checkpoint.time,
+            after_contact: None,
             position,
             columns,
             scalars: checkpoint.scalars,
-        })
+        };
+        table.add_mass();
+        Ok(table)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The scalars of a frame as a self-describing protobuf message: `coronet.Measures`, one `double`
-//! field for each scalar, `time_s` (the exact simulated time) first. Viewers plot
+//! field for each scalar, after `time_s` (the exact simulated time) and `time_after_contact_s` (NaN
+//! before the contact of the drop, and where nothing meets). Viewers plot
 //! `/measures.kinetic_energy_J`.
 
 use prost::Message as _;
@@ -10,6 +11,7 @@ use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, Fi
 pub const NAME: &str = "coronet.Measures";
 
 const TIME: &str = "time_s";
+const AFTER: &str = "time_after_contact_s";
 
 /// Longest permitted descriptor, bytes: some thousand scalars. A parsed hostile one of empty fields
 /// takes a hundred times its length.
@@ -18,10 +20,12 @@ const LONGEST: usize = 256 << 10;
 /// protobuf wire type of a double.
 const FIXED64: u64 = 1;
 
-/// Names of the scalars, in the order of their field numbers from 2; field 1 is the time.
+/// Names of the scalars, in the order of their field numbers from 3; fields 1 and 2 are the times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schema {
     names: Vec<String>,
+    /// Number of fields of times: logs of earlier versions have one.
+    times: usize,
 }
 
 impl Schema {
@@ -34,11 +38,11 @@ impl Schema {
             if !first || !letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
                 return Err(format!("{name:?} is not a valid name of a scalar"));
             }
-            if name == TIME || names[..index].contains(name) {
+            if name == TIME || name == AFTER || names[..index].contains(name) {
                 return Err(format!("scalar {name:?} appears twice"));
             }
         }
-        Ok(Schema { names })
+        Ok(Schema { names, times: 2 })
     }
 
     /// Whether `scalars` have these names in this order.
@@ -48,7 +52,8 @@ impl Schema {
 
     /// The `FileDescriptorSet` that readers decode messages with.
     pub fn descriptor(&self) -> Vec<u8> {
-        let names = std::iter::once(TIME).chain(self.names.iter().map(String::as_str));
+        let times = [TIME, AFTER].into_iter();
+        let names = times.chain(self.names.iter().map(String::as_str));
         let field = |(index, name): (usize, &str)| FieldDescriptorProto {
             name: Some(name.to_string()),
             number: Some(index as i32 + 1),
@@ -92,14 +97,20 @@ impl Schema {
         if names.next()?? != TIME {
             return None;
         }
-        let names = names.collect::<Option<_>>()?;
-        Some(Schema { names })
+        let mut names = names.collect::<Option<Vec<String>>>()?;
+        let times = match names.first() {
+            Some(name) if name == AFTER => 2,
+            _ => 1,
+        };
+        names.drain(..times - 1);
+        Some(Schema { names, times })
     }
 
-    /// One message; `time` in s.
-    pub fn encode(time: f64, scalars: &[(String, f64)]) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(10 * (scalars.len() + 1));
-        let values = std::iter::once(time).chain(scalars.iter().map(|(_, value)| *value));
+    /// One message; times in s from the start and from contact.
+    pub fn encode(time: f64, after: Option<f64>, scalars: &[(String, f64)]) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(10 * (scalars.len() + 2));
+        let times = [time, after.unwrap_or(f64::NAN)].into_iter();
+        let values = times.chain(scalars.iter().map(|(_, value)| *value));
         for (tag, value) in (1..).zip(values) {
             prost::encoding::double::encode(tag, &value, &mut bytes);
         }
@@ -108,7 +119,7 @@ impl Schema {
 
     /// Time, s, and scalars of a message.
     pub fn decode(&self, mut bytes: &[u8]) -> Option<(f64, Vec<(String, f64)>)> {
-        let mut values = vec![0.0; self.names.len() + 1];
+        let mut values = vec![0.0; self.times + self.names.len()];
         while !bytes.is_empty() {
             let key = prost::encoding::decode_varint(&mut bytes).ok()?;
             let (value, rest) = bytes.split_first_chunk::<8>()?;
@@ -119,7 +130,8 @@ impl Schema {
             *values.get_mut(index)? = f64::from_le_bytes(*value);
             bytes = rest;
         }
-        let scalars = self.names.iter().cloned().zip(values[1..].iter().copied());
+        let scalars = values[self.times..].iter().copied();
+        let scalars = self.names.iter().cloned().zip(scalars);
         Some((values[0], scalars.collect()))
     }
 }

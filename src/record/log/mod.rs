@@ -6,10 +6,11 @@
 //! | `/tf` | `foxglove.FrameTransform` world -> box | once |
 //! | `/wall` | `foxglove.PointCloud` | once, if there are walls |
 //! | `/body/NAME` | `foxglove.PointCloud`, one for each body | every frame |
-//! | `/measures` | `coronet.Measures`, one double for each scalar, `time_s` first | every frame |
+//! | `/measures` | `coronet.Measures`, one double for each scalar, after two times | every frame |
 //!
 //! Log time is simulated time x `time_scale`, in nanoseconds. Metadata: `coronet` (format, spacing,
-//! dimension, time scale), `bodies`, `provenance`; attachment: `pipeline.toml`.
+//! dimension, time scale, time of contact if there is one), `bodies`, `provenance`; attachment:
+//! `pipeline.toml`.
 //!
 //! A chunk ends only between frames, so a log that is cut off contains whole frames. A run writes
 //! one *segment* from each start or resumption; [`merge`] makes of them the log of an uninterrupted
@@ -24,12 +25,14 @@ mod output;
 mod read;
 mod records;
 mod setup;
+mod times;
 
 pub use background::{Flush, LogWriter};
 pub use cloud::viridis;
 pub use merge::{Merged, Recovered, Segment, merge, recover, segments};
 pub use read::{Frames, Info, content_digest, info, read_frames};
 pub use setup::{LogBody, LogSetup};
+pub use times::times;
 
 use std::path::{Path, PathBuf};
 

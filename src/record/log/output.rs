@@ -14,6 +14,7 @@ use prost::Message as _;
 use super::{LogError, LogSetup, cloud, log_time, measures};
 use crate::particle::Frame;
 use crate::record::atomic::FileError;
+use crate::scene::Clock;
 
 /// A chunk ends at the first end of a frame after this many bytes. A chunk contains at least a
 /// frame; smaller chunks would compress worse and need a larger index.
@@ -234,7 +235,8 @@ pub fn write_frame(
         schema: &schema.descriptor(),
         metadata: &BTreeMap::new(),
     };
-    let bytes = measures::Schema::encode(frame.time, &frame.scalars);
+    let after = Clock::after_contact(frame.time, setup.contact);
+    let bytes = measures::Schema::encode(frame.time, after, &frame.scalars);
     output.message(channel, time, &bytes)?;
     output.end_frame()
 }

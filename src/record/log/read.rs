@@ -288,6 +288,8 @@ pub struct Info {
     pub dimension: Dimension,
     /// Log time = simulated time x this.
     pub time_scale: f64,
+    /// Time of contact of the drop, s; `None` if nothing meets, and in logs of earlier versions.
+    pub contact: Option<f64>,
     /// Text of the pipeline file.
     pub scene_text: String,
     /// Names and values: keys, versions, settings.
@@ -341,6 +343,7 @@ pub fn info(path: &Path) -> Result<Info, LogError> {
                 _ => return None,
             },
             time_scale: number("time_scale")?,
+            contact: number("contact_s"),
             scene_text: scene_text.clone(),
             provenance: provenance.clone(),
         })

@@ -27,6 +27,8 @@ pub struct LogSetup {
     pub dimension: Dimension,
     /// Log time = simulated time x this.
     pub time_scale: f64,
+    /// Time of contact of the drop, s from the start of the run; `None` if nothing meets.
+    pub contact: Option<f64>,
     /// What the colour of a particle shows.
     pub colour: Colouring,
     /// Speed at the top of the colour map, m/s.
@@ -42,6 +44,7 @@ pub struct LogSetup {
 impl LogSetup {
     /// Setup of the log of a problem. The colour maps reach to the largest initial speed U (that of
     /// falling through the box at rest) and to rho U^2 plus the hydrostatic pressure of the box.
+    /// Without a time of contact.
     pub fn new(
         problem: &Problem,
         frames: &Frames,
@@ -71,6 +74,7 @@ impl LogSetup {
             spacing: problem.spacing,
             dimension: problem.dimension,
             time_scale: frames.time_scale,
+            contact: None,
             colour: frames.colour,
             speed_scale: if speed > 0.0 { speed } else { 1.0 },
             pressure_scale: if pressure > 0.0 { pressure } else { 1.0 },
@@ -87,6 +91,8 @@ impl LogSetup {
             ("dimension", self.dimension.count().to_string()),
             ("time_scale", self.time_scale.to_string()),
         ];
+        let contact = self.contact.map(|time| ("contact_s", time.to_string()));
+        let facts = facts.into_iter().chain(contact);
         let facts = facts.map(|(name, value)| (name.to_string(), value));
         let bodies = self.bodies.iter().enumerate().map(|(index, body)| {
             let [r, g, b] = body.colour;
@@ -94,7 +100,7 @@ impl LogSetup {
             (format!("{index:03}"), value)
         });
         vec![
-            ("coronet", facts.into_iter().collect()),
+            ("coronet", facts.collect()),
             ("bodies", bodies.collect()),
             ("provenance", self.provenance.iter().cloned().collect()),
         ]

@@ -43,6 +43,7 @@ pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneE
     found.take(times(scene, tree));
     found.take(stop::check(scene, tree));
     found.take(references(scene, tree, folder));
+    found.take(figures(scene, tree));
     found.told()
 }
 
@@ -337,6 +338,19 @@ fn steps(method: &str, settings: &Projection, tree: &Tree<'_>) -> Result<(), Sce
     let problem = format!("is above the longest step of {longest}");
     let key = format!("method.{method}.shortest");
     Err(tree.fault(&key, &problem, "make it shorter"))
+}
+
+/// Pixels and letters of figures fit into memory and onto paper.
+fn figures(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
+    let style = &scene.post.figures;
+    for (key, length) in [("width", style.width), ("height", style.height)] {
+        if !(0.03..=0.5).contains(&length) {
+            let key = format!("post.figures.{key}");
+            let problem = "is no size of a figure on paper";
+            return Err(tree.fault(&key, problem, "give 30 mm to 500 mm"));
+        }
+    }
+    Ok(())
 }
 
 fn references(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneError> {

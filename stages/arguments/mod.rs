@@ -1,11 +1,15 @@
 //! Arguments of the command line.
 
+mod output;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
-use crate::command::render;
+pub use output::{ExportArguments, Format, Material, RenderArguments};
+
+use crate::command::{export, render};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -57,6 +61,7 @@ pub enum Command {
     /// Show the content of a checkpoint, a log or a result
     Show(ShowArguments),
     /// Write a checkpoint or the frames of a run in a format for other programs
+    #[command(after_help = export::EXAMPLES)]
     Export(ExportArguments),
     /// Draw the liquid surface of a run: a picture, a film, or a mesh
     #[command(after_help = render::EXAMPLES)]
@@ -275,116 +280,6 @@ pub struct ShowArguments {
     /// One JSON object on standard output, for scripts
     #[arg(long)]
     pub json: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct ExportArguments {
-    /// A checkpoint, a log, or the folder of a run
-    pub path: PathBuf,
-    /// Format
-    #[arg(long, value_name = "FORMAT")]
-    pub to: Format,
-    /// Folder for the files; frames of an earlier export there are removed [default: `export` in
-    /// the current folder]
-    #[arg(long, value_name = "DIR", default_value = "export")]
-    pub output: PathBuf,
-    /// One JSON object on standard output, for scripts
-    #[arg(long)]
-    pub json: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Format {
-    /// ParaView: `.vtp` files and a `.pvd` time index
-    Vtk,
-    /// Tables
-    Csv,
-    /// Point clouds
-    Ply,
-}
-
-#[derive(Debug, Args)]
-pub struct RenderArguments {
-    /// A name in `latest/`, a log, or the folder of a result; the run may be under way
-    pub run: String,
-    /// The new file; its ending is the format: .png, .gif, .mp4, .ply, .obj, .glb, .vtp
-    #[arg(long, short, value_name = "FILE", default_value = "render.png")]
-    pub output: PathBuf,
-    /// The frame nearest to this time from the start [default: all in a film, else the last]
-    #[arg(long, value_name = "TIME", value_parser = render::time,
-          conflicts_with_all = ["from", "until", "every"])]
-    pub at: Option<f64>,
-    /// First time of a film or of a series of numbered files
-    #[arg(long, value_name = "TIME", value_parser = render::time)]
-    pub from: Option<f64>,
-    /// Last time
-    #[arg(long, value_name = "TIME", value_parser = render::time)]
-    pub until: Option<f64>,
-    /// Least time between two frames
-    #[arg(long, value_name = "TIME", value_parser = render::time)]
-    pub every: Option<f64>,
-    /// Pictures a second of a film
-    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = render::rate)]
-    pub rate: f64,
-    /// Pixels of a picture
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = render::size)]
-    pub size: [usize; 2],
-    /// What the liquid is, or what its colour shows
-    #[arg(long, value_enum, default_value_t)]
-    pub material: Material,
-    /// Colour behind the liquid and of the floor
-    #[arg(long, value_name = "#RRGGBB", default_value = "#e2e6ec", value_parser = render::colour)]
-    pub background: [u8; 3],
-    /// Direction of the camera about the vertical
-    #[arg(long, value_name = "ANGLE", default_value = "28 deg", value_parser = render::angle,
-          allow_hyphen_values = true)]
-    pub azimuth: f64,
-    /// Direction of the camera above the horizon
-    #[arg(long, value_name = "ANGLE", default_value = "20 deg", value_parser = render::angle,
-          allow_hyphen_values = true)]
-    pub elevation: f64,
-    /// Enlarges what is in the middle of the picture
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = render::zoom)]
-    pub zoom: f64,
-    /// Point in the middle of the picture, as \"20 mm, 20 mm, 10 mm\" [default: of the liquid]
-    #[arg(long, value_name = "X, Y, Z", value_parser = render::point)]
-    pub target: Option<[f64; 3]>,
-    /// Rays a pixel along each side: 1 for a draft, 4 for print
-    #[arg(long, default_value_t = 2, value_parser = value_parser!(u8).range(1..=16))]
-    pub samples: u8,
-    /// No light and shadow on the floor
-    #[arg(long)]
-    pub no_shadows: bool,
-    /// Show a bar of a round length
-    #[arg(long)]
-    pub scale_bar: bool,
-    /// Show the time, from the contact of the drop
-    #[arg(long)]
-    pub clock: bool,
-    /// A text below the liquid
-    #[arg(long, value_name = "TEXT")]
-    pub caption: Option<String>,
-    /// Threads; pictures do not depend on their number [default: one per core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    #[command(flatten)]
-    pub store: StoreArguments,
-}
-
-/// What the liquid looks like.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub enum Material {
-    /// Clear and a little blue
-    #[default]
-    Water,
-    /// White
-    Milk,
-    /// The colours of the bodies
-    Body,
-    /// Coloured by speed
-    Speed,
-    /// Coloured by pressure
-    Pressure,
 }
 
 #[derive(Debug, Args)]

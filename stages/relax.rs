@@ -59,7 +59,7 @@ impl Stage for Relax<'_> {
             }
         };
         let mut rest = Rest { calm_since };
-        let particle_mass = state.particles.mass;
+        let particle_mass = state.particles.mean_mass();
         let damping = relax.damping;
         let built = method::build(problem, state, Phase::Relax { damping }, None);
         let mut solver = built.map_err(StageError::failed)?;

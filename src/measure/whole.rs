@@ -47,6 +47,10 @@ impl Unfold {
     /// for each axis, and zero momentum along it.
     pub fn frame(&self, frame: &Frame) -> Frame {
         let mut whole = frame.clone();
+        if self.is_axial {
+            // Each ring appears on both sides of the section.
+            whole.mass.clear();
+        }
         for &(axis, side, size) in &self.axes {
             let count = whole.id.len();
             let next = whole.id.iter().max().map_or(0, |id| id + 1);

@@ -76,6 +76,13 @@ pub fn of(time: f64, p: &Particles, fields: &Fields, scalars: Vec<(String, f64)>
             .iter()
             .map(|&i| (fields.surface)(i as usize) as u8)
             .collect(),
+        mass: match p.weight.is_empty() {
+            true => Vec::new(),
+            false => order
+                .iter()
+                .map(|&i| (p.mass * p.weight[i as usize]) as f32)
+                .collect(),
+        },
         scalars,
     }
 }

@@ -63,6 +63,14 @@ impl Particles {
         }
     }
 
+    /// Mass of a particle on average, kg.
+    pub fn mean_mass(&self) -> f64 {
+        match self.weight.is_empty() {
+            true => self.mass,
+            false => self.total_mass() / self.len() as f64,
+        }
+    }
+
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.id.len()
@@ -157,6 +165,8 @@ pub struct Frame {
     pub density: Vec<f32>,
     /// 1 at the free surface, else 0.
     pub surface: Vec<u8>,
+    /// kg, where particles are rings, whose masses differ; else empty.
+    pub mass: Vec<f32>,
     /// Scalars that the solver computes in f64, by name with unit suffix
     /// (`kinetic_energy_J`, `mass_kg`, `mass_removed_kg`, `time_step_s` ...), in a fixed order.
     pub scalars: Vec<(String, f64)>,

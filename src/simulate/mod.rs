@@ -105,8 +105,9 @@ pub fn relax(scene: &Scene, packed: Particles) -> Result<Particles, Error> {
     let phase = Phase::Relax {
         damping: relax.damping,
     };
-    let mass = packed.mass;
-    let mut solver = method::build(&problem, method::resting(&problem, &packed), phase, None)?;
+    let state = method::resting(&problem, &packed);
+    let mass = state.particles.mean_mass();
+    let mut solver = method::build(&problem, state, phase, None)?;
     let mut rest = Rest::default();
     while !rest.look(solver.as_ref(), mass, &relax).1 {
         solver.advance(&mut |_| ())?;

@@ -55,6 +55,7 @@ pub fn frame(k: usize) -> Frame {
         pressure: reals(500.0),
         density: reals(998.0),
         surface: (0..count).map(|i| u8::from(i % 5 == 0)).collect(),
+        mass: Vec::new(),
         scalars: vec![
             ("kinetic_energy_J".into(), 1.0 / (k as f64 + 3.0)),
             ("mass_kg".into(), 0.0),
@@ -122,6 +123,22 @@ fn frames_come_back_bit_for_bit() {
     assert_eq!(told.contact, Some(frame(1).time));
     assert_eq!(told.dimension, Dimension::Three);
     assert_eq!(told.provenance, setup.provenance.into_iter().collect());
+}
+
+#[test]
+fn masses_of_rings_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut frame = frame(0);
+    frame.mass = frame
+        .id
+        .iter()
+        .map(|id| 1e-9 * (*id as f32 + 1.0))
+        .collect();
+    let mut writer = LogWriter::create(folder.path(), 0, None, &setup()).unwrap();
+    writer.frame(frame.clone()).unwrap();
+    let path = writer.path().to_path_buf();
+    writer.finish().unwrap();
+    assert_eq!(read(&path), [frame]);
 }
 
 #[test]

@@ -161,6 +161,7 @@ fn a_frame_unfolds_to_the_whole() {
         pressure: vec![6.0; 2],
         density: vec![7.0; 2],
         surface: vec![0, 1],
+        mass: Vec::new(),
         scalars: [
             ("mass_kg", 1.0),
             ("kinetic_energy_J", 2.0),

@@ -41,6 +41,7 @@ fn write_log(program: &Program, number: u32, count: usize) -> Vec<u8> {
             pressure: reals(),
             density: reals(),
             surface: vec![0, 1],
+            mass: Vec::new(),
             scalars: vec![("mass_kg".into(), 1.0)],
         };
         log.frame(frame).unwrap();

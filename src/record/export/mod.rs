@@ -2,7 +2,8 @@
 //! spreadsheets (`.csv`), mesh viewers (`.ply`) and NumPy (`.npz`).
 //!
 //! Besides what a frame or checkpoint holds, each particle has `mass`, kg (kg/m in 2-D), and
-//! `radius`, m: that of a sphere (2-D: a disc) of its volume, mass over density.
+//! `radius`, m: that of a sphere (2-D: a disc) of its volume, mass over density; of a ring that of
+//! a disc of its area in the half-plane.
 
 mod choice;
 mod csv;

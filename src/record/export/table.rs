@@ -76,7 +76,14 @@ impl Table {
             vector("velocity", frame.velocity),
             column("pressure", Array::F32(frame.pressure)),
         ];
-        if let Some(mass) = mass {
+        if !frame.mass.is_empty() {
+            let [r, ..] = &frame.position;
+            let rings = frame.mass.iter().zip(&frame.density).zip(r);
+            let radii =
+                rings.map(|((m, rho), r)| section_radius([*m, *rho, *r].map(f64::from)) as f32);
+            columns.push(column("radius", Array::F32(radii.collect())));
+            columns.push(column("mass", Array::F32(frame.mass)));
+        } else if let Some(mass) = mass {
             let radius = |density: &f32| radius(mass, f64::from(*density), dimension) as f32;
             let radii = frame.density.iter().map(radius).collect();
             let masses = vec![mass as f32; frame.density.len()];
@@ -138,10 +145,21 @@ impl Table {
         } else {
             Dimension::Three
         };
-        let radii = density
-            .iter()
-            .map(|density| radius(*mass, *density, dimension));
-        let (radii, masses) = (radii.collect(), vec![*mass; density.len()]);
+        let weight = named("weight").map(|column| column.components.as_slice());
+        let (radii, masses) = match (weight, &self.position.components[0]) {
+            (Some([Array::F64(weight)]), Array::F64(r)) => {
+                let masses: Vec<f64> = weight.iter().map(|weight| mass * weight).collect();
+                let rings = masses.iter().zip(density).zip(r);
+                let radii = rings.map(|((m, rho), r)| section_radius([*m, *rho, *r]));
+                (radii.collect(), masses)
+            }
+            _ => {
+                let radii = density
+                    .iter()
+                    .map(|density| radius(*mass, *density, dimension));
+                (radii.collect(), vec![*mass; density.len()])
+            }
+        };
         for (name, values) in [("mass", masses), ("radius", radii)] {
             self.columns.push(Column {
                 name: name.into(),
@@ -149,6 +167,12 @@ impl Table {
             });
         }
     }
+}
+
+/// Radius of a disc of the area that a ring has in the half-plane, m: of its mass, kg, density,
+/// kg/m^3, and distance from the axis, m.
+fn section_radius([mass, density, distance]: [f64; 3]) -> f64 {
+    (mass / density / (2.0 * PI * distance) / PI).sqrt()
 }
 
 /// Radius of a sphere or, in 2-D, of a disc of the volume mass over density, m.

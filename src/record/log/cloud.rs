@@ -15,8 +15,11 @@ pub const BOX: &str = "box";
 /// Bytes of one particle; the last three are padding, so that every number is aligned.
 const STRIDE: usize = 48;
 
-/// Name, offset and type of the numbers of a particle.
-const FIELDS: [(&str, usize, NumericType); 15] = [
+/// Bytes of one ring: its mass follows.
+const RING_STRIDE: usize = 52;
+
+/// Name, offset and type of the numbers of a particle; the last is of rings alone.
+const FIELDS: [(&str, usize, NumericType); 16] = [
     ("x", 0, NumericType::Float32),
     ("y", 4, NumericType::Float32),
     ("z", 8, NumericType::Float32),
@@ -32,7 +35,16 @@ const FIELDS: [(&str, usize, NumericType); 15] = [
     ("blue", 42, NumericType::Uint8),
     ("alpha", 43, NumericType::Uint8),
     ("surface", 44, NumericType::Uint8),
+    ("mass", STRIDE, NumericType::Float32),
 ];
+
+/// How many [`FIELDS`] particles with or without a mass of their own have, and their bytes.
+fn layout(has_mass: bool) -> (&'static [(&'static str, usize, NumericType)], usize) {
+    match has_mass {
+        true => (&FIELDS, RING_STRIDE),
+        false => (&FIELDS[..FIELDS.len() - 1], STRIDE),
+    }
+}
 
 /// Number of the repeated member `fields` of `foxglove.PointCloud`.
 const FIELDS_TAG: u32 = 5;
@@ -68,7 +80,8 @@ const VIRIDIS: [[f32; 3]; 9] = [
 /// Point cloud of the particles of `body` in `frame`.
 pub fn encode(frame: &Frame, body: u8, setup: &LogSetup, log_time: u64) -> Vec<u8> {
     let count = frame.body.iter().filter(|b| **b == body).count();
-    let mut data = Vec::with_capacity(count * STRIDE);
+    let (fields, stride) = layout(!frame.mass.is_empty());
+    let mut data = Vec::with_capacity(count * stride);
     let own = setup.bodies[usize::from(body)].colour;
     let [x, y, z] = &frame.position;
     let [vx, vy, vz] = &frame.velocity;
@@ -98,8 +111,11 @@ pub fn encode(frame: &Frame, body: u8, setup: &LogSetup, log_time: u64) -> Vec<u
         }
         data.extend_from_slice(&frame.id[i].to_le_bytes());
         data.extend_from_slice(&[r, g, b, 255, frame.surface[i], 0, 0, 0]);
+        if let Some(mass) = frame.mass.get(i) {
+            data.extend_from_slice(&mass.to_le_bytes());
+        }
     }
-    message(&FIELDS, STRIDE, data, log_time)
+    message(fields, stride, data, log_time)
 }
 
 /// Point cloud of the walls, at log time 0.
@@ -117,16 +133,17 @@ pub fn encode_wall(position: &[Vec<f64>; 3]) -> Vec<u8> {
 /// The cloud of a message of [`encode`].
 pub fn parse(bytes: &[u8]) -> Result<PointCloud, String> {
     let described = count_fields(bytes).map_err(|error| error.to_string())?;
-    if described != FIELDS.len() {
+    if described + 1 < FIELDS.len() || described > FIELDS.len() {
         return Err("its point clouds have other fields".into());
     }
     let cloud = PointCloud::decode(bytes).map_err(|error| error.to_string())?;
-    let stride = cloud.point_stride as usize;
+    let (fields, stride) = layout(described == FIELDS.len());
     let fits = |(field, (name, offset, number)): (&PackedElementField, &(_, usize, _))| {
         field.name == *name && field.offset as usize == *offset && field.r#type == *number as i32
     };
-    let same = cloud.fields.len() == FIELDS.len() && cloud.fields.iter().zip(&FIELDS).all(fits);
-    if !same || stride != STRIDE || cloud.data.len() % STRIDE != 0 {
+    let same = cloud.fields.len() == fields.len() && cloud.fields.iter().zip(fields).all(fits);
+    let is_whole = cloud.point_stride as usize == stride && cloud.data.len() % stride == 0;
+    if !same || !is_whole {
         return Err("its point clouds have other fields".into());
     }
     Ok(cloud)
@@ -138,7 +155,7 @@ pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
     let real = |point: &[u8], at: usize| {
         f32::from_le_bytes(point[at..at + 4].try_into().expect("4 bytes"))
     };
-    for point in cloud.data.chunks_exact(STRIDE) {
+    for point in cloud.data.chunks_exact(cloud.point_stride as usize) {
         for axis in 0..3 {
             frame.position[axis].push(real(point, 4 * axis));
             frame.velocity[axis].push(real(point, 12 + 4 * axis));
@@ -149,6 +166,9 @@ pub fn decode(bytes: &[u8], body: u8, frame: &mut Frame) -> Result<(), String> {
         frame.id.push(id);
         frame.surface.push(point[44]);
         frame.body.push(body);
+        if point.len() == RING_STRIDE {
+            frame.mass.push(real(point, STRIDE));
+        }
     }
     Ok(())
 }

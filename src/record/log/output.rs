@@ -251,7 +251,12 @@ fn check(frame: &Frame, setup: &LogSetup) -> Result<(), LogError> {
         frame.density.len(),
         frame.surface.len(),
     ];
-    if lengths.chain(others).any(|length| length != count) {
+    let of_mass = Some(frame.mass.len()).filter(|length| *length > 0);
+    if lengths
+        .chain(others)
+        .chain(of_mass)
+        .any(|length| length != count)
+    {
         return Err(LogError::Frame("its arrays differ in length".into()));
     }
     if let Some(body) = frame

@@ -275,6 +275,9 @@ fn sort_by_id(frame: &mut Frame) {
     permute(&mut frame.pressure, &order);
     permute(&mut frame.density, &order);
     permute(&mut frame.surface, &order);
+    if !frame.mass.is_empty() {
+        permute(&mut frame.mass, &order);
+    }
 }
 
 /// Facts that a log states once, at its beginning.

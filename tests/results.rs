@@ -236,10 +236,16 @@ fn results_have_no_figures_in_prose() {
     none(&faults);
 }
 
+/// The arguments of the program, as they are declared.
+fn arguments() -> String {
+    let of = |name: &str| text(&root().join("stages/arguments").join(name));
+    of("mod.rs") + &of("output.rs")
+}
+
 /// Commands, options and scenes that code blocks of the pages name are those of the program.
 #[test]
 fn pages_name_commands_that_exist() {
-    let arguments = text(&root().join("stages/arguments.rs"));
+    let arguments = arguments();
     let mut faults = Vec::new();
     let mut count = 0;
     for path in pages() {
@@ -271,7 +277,7 @@ fn pages_name_commands_that_exist() {
 /// The page of the command line has every option.
 #[test]
 fn every_option_is_described() {
-    let arguments = text(&root().join("stages/arguments.rs"));
+    let arguments = arguments();
     let page = text(&root().join("docs/reference/command-line.md"));
     let options = arguments.split("#[arg(long").skip(1);
     let options = options.filter(|rest| !rest.starts_with(", hide"));
@@ -325,7 +331,7 @@ fn every_measure_is_described() {
 /// The page of exit codes has those of `coronet --help`.
 #[test]
 fn every_exit_code_is_described() {
-    let arguments = text(&root().join("stages/arguments.rs"));
+    let arguments = arguments();
     let (_, help) = arguments.split_once("Exit codes:\n").unwrap();
     let help = help.split("\";").next().unwrap();
     let starts = help

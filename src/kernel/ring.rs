@@ -12,11 +12,13 @@
 //! (3) F = (M_0 + M_1 / (8 p)) / (2 pi sqrt(p)),  M_k(y) = INT w(sqrt(y + t^2)) t^2k dt;
 //!     what is left out is below 1e-6 of it. M_k is u^(4.5 + k) times a polynomial in q,
 //!     u = 1 - q^2 / 4, fitted by least squares to it and to its derivative.
-//! Elsewhere (1) is interpolated in a table of q and s = 1 / sqrt(1 + p).
+//! Elsewhere (1) is interpolated in a table of q and 1 / (1 + sqrt(p)), times powers of
+//! s = 1 / sqrt(1 + p).
 //! Tests: tests/engine/ring.rs.
 
 use super::{Kernel, WendlandC2};
 use crate::space::lane::{Real, WIDTH};
+use crate::space::sweep::{Pair, Payload};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -46,9 +48,9 @@ const M1: [f32; 7] = [
     -0.011_205_646,
 ];
 
-/// Nodes of the table, in q and in s, and of that for a ring and itself, in s.
+/// Nodes of the table, in q and in 1 / (1 + sqrt(p)), and of that for a ring and itself.
 const ACROSS: usize = 160;
-const ALONG: usize = 96;
+const ALONG: usize = 128;
 const OWN: usize = 1024;
 
 /// Least q where second derivatives are divided by it.
@@ -103,11 +105,12 @@ fn mean(q: f64, p: f64) -> [f64; 6] {
 
 impl Table {
     fn new() -> Self {
-        let p_of = |s: f64| 1.0 / (s * s) - 1.0;
+        let p_of = |place: f64| (1.0 / place.max(1e-3) - 1.0).powi(2);
+        let scale = |p: f64| 1.0 / (1.0 + p).sqrt();
         let (mut first, mut second) = (Vec::new(), Vec::new());
         for j in 0..=ALONG {
-            let s = (j as f64 / ALONG as f64).max(1e-3);
-            let p = p_of(s);
+            let p = p_of(j as f64 / ALONG as f64);
+            let s = scale(p);
             for i in 0..=ACROSS {
                 let q = (2.0 * i as f64 / ACROSS as f64).max(1e-6);
                 let [f, fy, fp, fyy, fyp, fpp] = mean(q, p);
@@ -118,8 +121,9 @@ impl Table {
             }
         }
         let own = (0..=OWN).map(|j| {
-            let s = (j as f64 / OWN as f64).max(1e-3);
-            let [f, _, fp, _, _, fpp] = mean(1e-9, p_of(s).max(1e-12));
+            let p = p_of(j as f64 / OWN as f64).max(1e-9);
+            let s = scale(p);
+            let [f, _, fp, _, _, fpp] = mean(1e-9, p);
             [f / s, fp / s.powi(3), fpp / s.powi(5)]
         });
         Table {
@@ -210,7 +214,7 @@ impl Rings {
             return [scale * f, scale * fy, q.splat(0.0) - scale * inverse * fp];
         }
         let s = p.splat(1.0) / (p + 1.0).sqrt();
-        let [f, fy, fp] = interpolated(&self.0.first, q, s);
+        let [f, fy, fp] = interpolated(&self.0.first, q, p);
         [f * s, fy * s, fp * s * s * s]
     }
 
@@ -231,7 +235,7 @@ impl Rings {
             return [scale * yy, q.splat(0.0) - by_p * yp, by_p * inverse * pp];
         }
         let s = p.splat(1.0) / (p + 1.0).sqrt();
-        let [yy, yp, pp] = interpolated(&self.0.second, q, s);
+        let [yy, yp, pp] = interpolated(&self.0.second, q, p);
         let z = q.mul_add(q, p).sqrt().at_least(TINY);
         let (s2, q) = (s * s, q.at_least(TINY));
         [yy * s / q, yp * s2 / z, pp * s2 * s2 / z]
@@ -241,7 +245,7 @@ impl Rings {
     #[inline(always)]
     pub fn own(self, radius: f64) -> [f64; 3] {
         let s = 1.0 / (1.0 + radius * radius).sqrt();
-        let place = s * OWN as f64;
+        let place = OWN as f64 / (1.0 + radius);
         let j = (place as usize).min(OWN - 1);
         let part = place - j as f64;
         let (low, high) = (&self.0.own[j], &self.0.own[j + 1]);
@@ -250,10 +254,93 @@ impl Rings {
     }
 }
 
-/// The first three columns of a table at q and s, bilinear.
+/// What a ring adds to its own sums.
+#[derive(Clone, Copy)]
+pub struct Own {
+    /// F.
+    pub value: f64,
+    /// g_r of a pair of rings at the same place: r F_p.
+    pub gradient: f64,
+    /// F_p.
+    pub turn: f64,
+}
+
+/// Distances of points from the axis: of liquid, then of walls, m.
+#[derive(Clone, Copy)]
+pub struct Radii<'a> {
+    /// Of the liquid, m.
+    pub liquid: &'a [f64],
+    /// Of wall particles, m.
+    pub wall: &'a [f64],
+    /// Smoothing length, m.
+    pub length: f64,
+    /// The kernel.
+    pub rings: Rings,
+}
+
+impl Radii<'_> {
+    /// Of a record, in smoothing lengths.
+    #[inline(always)]
+    pub fn of(&self, target: usize) -> [f32; 3] {
+        let radius = match target.checked_sub(self.liquid.len()) {
+            None => self.liquid[target],
+            Some(j) => self.wall[j],
+        };
+        [(radius / self.length) as f32, 0.0, 0.0]
+    }
+
+    /// Of a liquid ring and itself.
+    pub fn own(&self, i: usize) -> Own {
+        let radius = self.liquid[i] / self.length;
+        let [value, turn, _] = self.rings.own(radius);
+        Own {
+            value,
+            gradient: radius * turn,
+            turn,
+        }
+    }
+}
+
+/// The kernel of eight pairs and its derivatives, in units of norm / h^3.
+pub struct Between<F> {
+    /// F.
+    pub value: F,
+    /// F_y.
+    pub slope: F,
+    /// F_p.
+    pub turn: F,
+    /// g_r of the target and of the other; g_z of the target is that of the other turned round.
+    pub radial: [F; 2],
+    /// g_z of the target.
+    pub axial: F,
+}
+
+/// Of a pair whose target has its radius in `extra`.
 #[inline(always)]
-fn interpolated<F: Real>(table: &[[f32; 4]], q: F, s: F) -> [F; 3] {
-    let (across, along) = (q * (0.5 * ACROSS as f32), s * ALONG as f32);
+pub fn between<F: Real, P: Payload>(rings: Rings, pair: &Pair<F, P>) -> Between<F> {
+    let own = pair.extra[0];
+    let other = (own - pair.d[0]).at_least(0.0);
+    let is_far = own.less_mask(own.splat(FAR)) == 0;
+    let [value, slope, turn] = rings.first(is_far, pair.q2, own * other);
+    let twice = slope * 2.0;
+    let along = twice * pair.d[0];
+    Between {
+        value,
+        slope,
+        turn,
+        radial: [
+            other.mul_add(turn, along),
+            own.mul_add(turn, own.splat(0.0) - along),
+        ],
+        axial: twice * pair.d[2],
+    }
+}
+
+/// The first three columns of a table at q and p, bilinear.
+#[inline(always)]
+fn interpolated<F: Real>(table: &[[f32; 4]], q: F, p: F) -> [F; 3] {
+    let across = q * (0.5 * ACROSS as f32);
+    let along = q.splat(ALONG as f32) / (p.sqrt() + 1.0);
     let (across, along) = (across.to_array(), along.to_array());
     let mut found = [[0.0; WIDTH]; 3];
     for k in 0..WIDTH {

@@ -43,8 +43,8 @@ impl Unfold {
     }
 
     /// The frame of the whole, of rings the section through the axis. Images have new ids, after
-    /// those of the particles. Masses, energies and momenta are those of the whole: twice the part's
-    /// for each axis, and zero momentum along it.
+    /// those of the particles. Masses, energies and momenta are those of the whole: twice the
+    /// part's for each axis, and zero momentum along it.
     pub fn frame(&self, frame: &Frame) -> Frame {
         let mut whole = frame.clone();
         if self.is_axial {

@@ -35,8 +35,8 @@ impl Default for Rest {
 }
 
 impl Rest {
-    /// Looks at a body; the second value says whether its relaxation ends here. `mass`: of a particle on
-    /// average, kg.
+    /// Looks at a body; the second value says whether its relaxation ends here. `mass`: of a
+    /// particle on average, kg.
     pub fn look(&mut self, solver: &dyn Solver, mass: f64, relax: &Relax) -> (Unrest, bool) {
         let (energy, spread) = solver.unrest();
         let energy = energy / (solver.len() as f64 * mass);

@@ -7,96 +7,14 @@
 //! (3) viscosity (Morris, Fox & Zhu 1997, averaged over the angle, for v_r turns with it), with
 //!     K = 2 mu m_b (1/rho_a^2 + 1/rho_b^2) norm / h^5:
 //!     dv_z/dt += SUM K F_y (v_z,a - v_z,b), dv_r/dt += SUM K (F_y v_r,a - (F_y - F_p / 2) v_r,b)
-//! Sums leave a ring itself out; [`Own`] is what it adds.
+//! Sums leave a ring itself out; [`crate::kernel::ring::Own`] is what it adds.
 //! Tests: tests/engine/ring.rs.
 
 use super::pass::{Moving, Sparing, WallSums};
-use crate::kernel::ring::{FAR, Rings};
+use crate::kernel::ring::{Radii, between};
 use crate::payload;
 use crate::space::lane::Real;
-use crate::space::sweep::{Pair, Pass, Payload};
-
-/// What a ring adds to its own sums.
-#[derive(Clone, Copy)]
-pub struct Own {
-    /// F.
-    pub value: f64,
-    /// g_r of a pair of rings at the same place: r F_p.
-    pub gradient: f64,
-    /// F_p.
-    pub turn: f64,
-}
-
-/// Distances of points from the axis: of liquid, then of walls, m.
-#[derive(Clone, Copy)]
-pub struct Radii<'a> {
-    /// Of the liquid, m.
-    pub liquid: &'a [f64],
-    /// Of wall particles, m.
-    pub wall: &'a [f64],
-    /// Smoothing length, m.
-    pub length: f64,
-    /// The kernel.
-    pub rings: Rings,
-}
-
-impl Radii<'_> {
-    /// Of a record, in smoothing lengths.
-    #[inline(always)]
-    pub fn of(&self, target: usize) -> [f32; 3] {
-        let radius = match target.checked_sub(self.liquid.len()) {
-            None => self.liquid[target],
-            Some(j) => self.wall[j],
-        };
-        [(radius / self.length) as f32, 0.0, 0.0]
-    }
-
-    /// Of a liquid ring and itself.
-    pub fn own(&self, i: usize) -> Own {
-        let radius = self.liquid[i] / self.length;
-        let [value, turn, _] = self.rings.own(radius);
-        Own {
-            value,
-            gradient: radius * turn,
-            turn,
-        }
-    }
-}
-
-/// The kernel of eight pairs and its derivatives, in units of norm / h^3.
-pub struct Between<F> {
-    /// F.
-    pub value: F,
-    /// F_y.
-    pub slope: F,
-    /// F_p.
-    pub turn: F,
-    /// g_r of the target and of the other; g_z of the target is that of the other turned round.
-    pub radial: [F; 2],
-    /// g_z of the target.
-    pub axial: F,
-}
-
-/// Of a pair whose target has its radius in `extra`.
-#[inline(always)]
-pub fn between<F: Real, P: Payload>(rings: Rings, pair: &Pair<F, P>) -> Between<F> {
-    let own = pair.extra[0];
-    let other = (own - pair.d[0]).at_least(0.0);
-    let is_far = own.less_mask(own.splat(FAR)) == 0;
-    let [value, slope, turn] = rings.first(is_far, pair.q2, own * other);
-    let twice = slope * 2.0;
-    let along = twice * pair.d[0];
-    Between {
-        value,
-        slope,
-        turn,
-        radial: [
-            other.mul_add(turn, along),
-            own.mul_add(turn, own.splat(0.0) - along),
-        ],
-        axial: twice * pair.d[2],
-    }
-}
+use crate::space::sweep::{Pair, Pass};
 
 payload! {
     /// [`Moving`] of a ring.

@@ -125,7 +125,7 @@ impl Cloud {
             p.id.push(p.id.len() as u32);
             p.body.push(0);
             if is_axial {
-                p.weight.push(TAU * at[0]);
+                p.weight.push(TAU * (at[0].floor() + 0.5));
             }
         }
         let mut walls = if sides.concat().contains(&Side::Wall) {

@@ -8,7 +8,7 @@
 
 use super::Tension;
 use crate::effect::surface::Surface;
-use crate::method::ring::{Radii, between};
+use crate::kernel::ring::{FAR, Radii, between};
 use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
@@ -82,25 +82,20 @@ impl Pass<2> for Pull<'_> {
         let w = between(rings, pair);
         let own = pair.extra[0];
         let other = (own - pair.d[0]).at_least(0.0);
-        let is_far = own.less_mask(own.splat(crate::kernel::ring::FAR)) == 0;
+        let is_far = own.less_mask(own.splat(FAR)) == 0;
         let [yy, yp, pp] = rings.second(is_far, pair.q2, own * other);
         let [r, z] = [pair.d[0] * 2.0, pair.d[2] * 2.0];
+        let zero = pair.q2.splat(0.0);
         // By r_a and r_b of F_y, and of F_p.
-        let y = [
-            other.mul_add(yp, r * yy),
-            own.mul_add(yp, r.mul_add(r.splat(-1.0) * yy, r.splat(0.0))),
-        ];
-        let p = [
-            other.mul_add(pp, r * yp),
-            own.mul_add(pp, r.splat(0.0) - r * yp),
-        ];
+        let y = [other.mul_add(yp, r * yy), own.mul_add(yp, zero - r * yy)];
+        let p = [other.mul_add(pp, r * yp), own.mul_add(pp, zero - r * yp)];
         let twice = w.slope * 2.0;
         // d2W/dx_a dx_a, which is symmetric, then d2W/dx_b dx_a: of [a][b], the first by x_a.
         let rr = twice + r.mul_add(y[0], other * p[0]);
         let rz = z * y[0];
         let zz = twice + z * z * yy;
         let mixed_rr = w.turn - twice + r.mul_add(y[1], other * p[1]);
-        let mixed_rz = rz.splat(0.0) - z * y[0];
+        let mixed_rz = zero - z * y[0];
         let mixed_zr = z * y[1];
         let e = a.slope + b.slope;
         let radial = e * w.radial[0]

@@ -4,10 +4,10 @@
 use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::kernel::ring::Rings;
+use crate::kernel::ring::{Radii, Rings};
 use crate::method::flow::Flow;
 use crate::method::pass::{Moving, Sparing, Surroundings};
-use crate::method::ring::{Compressed, Continuity, Extrapolation, Force, Radii, Ring, Surrounded};
+use crate::method::ring::{Compressed, Continuity, Extrapolation, Force, Ring, Surrounded};
 use crate::particle::{Particles, Wall};
 use crate::space::parallel::each_mut;
 

@@ -31,7 +31,7 @@ const M0: [f32; 10] = [
     -1.009_096_7,
     0.304_886_98,
     2.063_587_2,
-    -4.984_620_3,
+    -4.984_62,
     6.444_17,
     -5.248_798_2,
     2.654_988_5,
@@ -160,7 +160,7 @@ fn polynomial<F: Real, const N: usize, const SECOND: bool>(a: &[f32; N], q: F, y
         k -= 1;
     }
     if SECOND {
-        curve = curve + q.splat(0.75 * a[2]) / q.at_least(TINY);
+        curve += q.splat(0.75 * a[2]) / q.at_least(TINY);
     }
     [value.mul_add(y, q.splat(a[0])), slope, curve]
 }

@@ -315,12 +315,24 @@ pub struct Between<F> {
     pub axial: F,
 }
 
+/// Radii of a pair whose target has its own in `extra`, and whether it is far from the axis.
+#[inline(always)]
+pub fn places<F: Real, P: Payload>(pair: &Pair<F, P>) -> ([F; 2], bool) {
+    let own = pair.extra[0];
+    let other = (own - pair.d[0]).at_least(0.0);
+    ([own, other], own.less_mask(own.splat(FAR)) == 0)
+}
+
+/// The mass of the other ring; none for padding, which is at the place of the target.
+#[inline(always)]
+pub fn mass_apart<F: Real>(mass: F, q2: F) -> F {
+    mass.if_less(q2.splat(0.0), q2)
+}
+
 /// Of a pair whose target has its radius in `extra`.
 #[inline(always)]
 pub fn between<F: Real, P: Payload>(rings: Rings, pair: &Pair<F, P>) -> Between<F> {
-    let own = pair.extra[0];
-    let other = (own - pair.d[0]).at_least(0.0);
-    let is_far = own.less_mask(own.splat(FAR)) == 0;
+    let ([own, other], is_far) = places(pair);
     let [value, slope, turn] = rings.first(is_far, pair.q2, own * other);
     let twice = slope * 2.0;
     let along = twice * pair.d[0];

@@ -11,7 +11,7 @@
 //! Tests: tests/engine/ring.rs.
 
 use super::pass::{Moving, Sparing, WallSums};
-use crate::kernel::ring::{Radii, between};
+use crate::kernel::ring::{Radii, between, mass_apart};
 use crate::payload;
 use crate::space::lane::Real;
 use crate::space::sweep::{Pair, Pass};
@@ -45,12 +45,6 @@ impl Ring {
     }
 }
 
-/// Mass of the other ring; none for padding, which is at the place of the target.
-#[inline(always)]
-fn mass<F: Real>(mass: F, q2: F) -> F {
-    mass.if_less(q2.splat(0.0), q2)
-}
-
 /// (3), and the kernel sum.
 pub struct Surrounded<'a> {
     /// Where rings are.
@@ -70,7 +64,7 @@ impl Pass<3> for Surrounded<'_> {
     fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 3]) {
         let (own, other) = (&pair.own, &pair.other);
         let w = between(self.radii.rings, pair);
-        let m = mass(other.mass, pair.q2);
+        let m = mass_apart(other.mass, pair.q2);
         let k = m * (own.weight + other.weight) * self.viscosity;
         let across = w.turn.mul_add(pair.q2.splat(-0.5), w.slope);
         let radial = w.slope * own.radial - across * other.radial;
@@ -134,7 +128,7 @@ impl Pass<2> for Continuity<'_> {
     fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 2]) {
         let (own, other) = (&pair.own, &pair.other);
         let w = between(self.radii.rings, pair);
-        let m = mass(other.mass, pair.q2);
+        let m = mass_apart(other.mass, pair.q2);
         let held = pair.d[2] * self.held;
         let evened = (own.excess - other.excess) * self.diffusion - held;
         let spared = own.spared.max(other.spared);
@@ -168,7 +162,7 @@ impl Pass<2> for Force<'_> {
     fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 2]) {
         let w = between(self.radii.rings, pair);
         let p = pair.own.pressure + pair.other.pressure;
-        let push = pair.q2.splat(0.0) - mass(pair.other.mass, pair.q2) * p;
+        let push = pair.q2.splat(0.0) - mass_apart(pair.other.mass, pair.q2) * p;
         sum[0] = push.mul_add(w.radial[0], sum[0]);
         sum[1] = push.mul_add(w.axial, sum[1]);
     }
@@ -195,7 +189,7 @@ impl Pass<7> for Extrapolation<'_> {
     fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 7]) {
         let other = &pair.other;
         let w = between(self.radii.rings, pair);
-        let m = mass(other.mass, pair.q2);
+        let m = mass_apart(other.mass, pair.q2);
         let value = m * w.value;
         sum[0] += value;
         sum[1] = value.mul_add(other.pressure / other.weight.abs(), sum[1]);

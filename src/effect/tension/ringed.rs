@@ -8,7 +8,7 @@
 
 use super::Tension;
 use crate::effect::surface::Surface;
-use crate::kernel::ring::{FAR, Radii, between};
+use crate::kernel::ring::{Radii, between, mass_apart, places};
 use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
@@ -37,7 +37,7 @@ impl Pass<3> for Look<'_> {
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Heavy>, sum: &mut [F; 3]) {
         let w = between(self.radii.rings, pair);
-        let m = pair.other.mass.if_less(pair.q2.splat(0.0), pair.q2);
+        let m = mass_apart(pair.other.mass, pair.q2);
         sum[0] = m.mul_add(w.radial[0], sum[0]);
         sum[1] = m.mul_add(w.axial, sum[1]);
         sum[2] = m.mul_add(w.value, sum[2]);
@@ -78,11 +78,9 @@ impl Pass<2> for Pull<'_> {
     fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 2]) {
         let rings = self.radii.rings;
         let (a, b) = (&pair.own, &pair.other);
-        let m = b.mass.if_less(pair.q2.splat(0.0), pair.q2);
+        let m = mass_apart(b.mass, pair.q2);
         let w = between(rings, pair);
-        let own = pair.extra[0];
-        let other = (own - pair.d[0]).at_least(0.0);
-        let is_far = own.less_mask(own.splat(FAR)) == 0;
+        let ([own, other], is_far) = places(pair);
         let [yy, yp, pp] = rings.second(is_far, pair.q2, own * other);
         let [r, z] = [pair.d[0] * 2.0, pair.d[2] * 2.0];
         let zero = pair.q2.splat(0.0);

@@ -72,7 +72,7 @@ struct Table {
 static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
 
 /// F, F_y, F_p, F_yy, F_yp, F_pp of (1) by the midpoint rule, which ends with the support.
-fn mean(q: f64, p: f64) -> [f64; 6] {
+pub fn mean(q: f64, p: f64) -> [f64; 6] {
     let y = q * q;
     let reach = (4.0 - y).max(0.0) / (4.0 * p.max(1e-30));
     let end = match reach < 1.0 {

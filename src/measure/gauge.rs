@@ -3,6 +3,7 @@
 use super::contact::Contact;
 use super::drop::{Front, Shape, Spread};
 use super::energy;
+use super::force::{self, Impulse};
 use super::pool::{self, Axis, Pool};
 use super::raster::Raster;
 use super::region::Region;
@@ -163,13 +164,15 @@ pub struct Gauge {
     pub start: Start,
 }
 
-/// Reference values from the first frame.
+/// Reference values from the first frame, and from the last one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Start {
     /// Initial level of the pool above the floor, m.
     pub level: Option<f64>,
     /// Energies of motion, height, compression and surface less the work done until then, J.
     pub energy: Option<f64>,
+    /// Momentum in the last frame.
+    pub impulse: Option<Impulse>,
 }
 
 impl Gauge {
@@ -230,6 +233,7 @@ impl Gauge {
             let first = *start.energy.get_or_insert(energy);
             row.put("energy_unexplained_J", energy - first);
         }
+        start.impulse = force::put(&self.scene, frame, start.impulse, &mut row.0);
         (row.0, start)
     }
 

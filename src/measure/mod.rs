@@ -10,6 +10,7 @@ pub mod contact;
 pub mod drop;
 pub mod ending;
 mod energy;
+mod force;
 pub mod gauge;
 pub mod lamella;
 pub mod loss;

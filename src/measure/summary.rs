@@ -169,7 +169,7 @@ fn rayleigh(scene: &Scene) -> Option<f64> {
             ..
         } => match scene.dimension {
             Dimension::Three => ((a * b * c).cbrt(), true),
-            Dimension::Two if scene.domain.revolved => ((a * a * c).cbrt(), true),
+            Dimension::Two if scene.domain.is_revolved() => ((a * a * c).cbrt(), true),
             Dimension::Two => ((a * c).sqrt(), true),
         },
         _ => (1.0, false),

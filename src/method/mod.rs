@@ -193,7 +193,7 @@ fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
         &case.effects,
         &case.sph,
         &case.domain,
-        d,
+        case.dimension.count(),
         lengths,
         case.density,
     );

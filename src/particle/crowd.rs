@@ -243,7 +243,7 @@ fn grid(region: &Region, support: f64) -> Result<Grid, TooSmall> {
         size: [0, 1, 2].map(|k| high[k] - low[k]),
         boundary: [0, 1, 2].map(side),
         wall_velocity: [[[0.0; 3]; 2]; 3],
-        revolved: false,
+        revolved: None,
     };
     let cutoff = support + SLACK;
     let mut grid = Grid::new(

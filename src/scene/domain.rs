@@ -42,8 +42,28 @@ pub struct Domain {
     pub boundary: [[Side; 2]; 3],
     /// Velocity of each wall, m/s, `wall_velocity[axis][low/high][component]`; zero at rest.
     pub wall_velocity: [[[f64; 3]; 2]; 3],
-    /// Whether the plane of a 2-D box is a section through an axis of revolution.
-    pub revolved: bool,
+    /// Of a box that is a section through an axis of revolution: what its rings may become.
+    pub revolved: Option<Rings>,
+}
+
+/// Areas of rings in the half-plane, in cells of the lattice, beyond which they merge or split.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Rings {
+    /// A ring with less merges with one beside it; 0: never.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0))]
+    pub merge: f64,
+    /// A ring with more becomes two; a large number: never.
+    #[schemars(extend("exclusiveMinimum" = 1.0))]
+    pub split: f64,
+}
+
+impl Default for Rings {
+    fn default() -> Self {
+        Rings {
+            merge: 0.5,
+            split: 2.0,
+        }
+    }
 }
 
 /// One word for both sides, or one for each.
@@ -93,6 +113,10 @@ pub struct BoxTable {
     /// on, in which particles are rings; walls in x and y are then one cylinder.
     #[serde(default)]
     pub symmetry: Option<Symmetry>,
+    /// Of rings: areas beyond which they merge or split, over that of a cell; 0.5 and 2 if left
+    /// out.
+    #[serde(default)]
+    pub rings: Option<Rings>,
     /// Velocities of sliding walls.
     #[serde(default)]
     pub wall_velocity: WallVelocity,
@@ -138,6 +162,7 @@ impl BoxTable {
             y,
             z,
             symmetry: None,
+            rings: domain.revolved.filter(|rings| *rings != Rings::default()),
             wall_velocity: WallVelocity {
                 x_low: velocity(0, 0),
                 x_high: velocity(0, 1),
@@ -175,8 +200,20 @@ impl BoxTable {
             size,
             boundary,
             wall_velocity,
-            revolved: false,
+            revolved: self.revolved(tree)?,
         })
+    }
+
+    fn revolved(&self, tree: &Tree<'_>) -> Result<Option<Rings>, SceneError> {
+        match (self.symmetry, self.rings) {
+            (Some(Symmetry::Axis), rings) => Ok(Some(rings.unwrap_or_default())),
+            (_, None) => Ok(None),
+            (_, Some(_)) => {
+                let problem = "is for rings about an axis";
+                let remedy = "write `box.symmetry = \"axis\"`, or remove it";
+                Err(tree.fault("box.rings", problem, remedy))
+            }
+        }
     }
 
     fn velocities(

@@ -40,7 +40,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 pub use body::{Body, Motion, Shape};
-pub use domain::{AXES, Domain, ENDS, Side};
+pub use domain::{AXES, Domain, ENDS, Rings, Side};
 pub use effects::{
     Effects, SurfaceTension, TensionForm, TensionLevel, TensionStrength, Viscosity, ViscosityForm,
 };

@@ -84,7 +84,7 @@ impl Problem {
 
     /// Number of dimensions of the space that the liquid fills: 3 where particles are rings.
     pub fn space(&self) -> usize {
-        match self.domain.revolved {
+        match self.domain.is_revolved() {
             true => 3,
             false => self.dimension.count(),
         }

@@ -71,7 +71,7 @@ impl Shape {
         }
         let volume = self.parts(domain) * self.volume(domain, dimension);
         match dimension {
-            Dimension::Two if domain.revolved => {
+            Dimension::Two if domain.is_revolved() => {
                 let [a, _, c] = match self {
                     Shape::Ellipsoid { semi_axes, .. } => *semi_axes,
                     _ => [0.0; 3],

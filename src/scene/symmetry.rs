@@ -38,6 +38,11 @@ impl Domain {
         self.boundary[0][0] == Side::Axis
     }
 
+    /// Whether the plane of a 2-D box is a section through an axis of revolution.
+    pub fn is_revolved(&self) -> bool {
+        self.revolved.is_some()
+    }
+
     /// The same box with a mirror plane in place of an axis: areas of the half-plane are filled
     /// evenly.
     pub fn planar(mut self) -> Self {
@@ -220,7 +225,6 @@ fn revolve(scene: &mut Problem, tree: &Tree<'_>) -> Result<(), SceneError> {
     halve(scene, 0);
     let domain = &mut scene.domain;
     domain.boundary[0][0] = Side::Axis;
-    domain.revolved = true;
     domain.boundary[1] = [Side::Periodic; 2];
     domain.size[1] = 0.0;
     domain.wall_velocity[1] = Default::default();

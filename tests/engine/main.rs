@@ -21,6 +21,7 @@ mod measure_conservation;
 mod measure_contact;
 mod measure_drop;
 mod measure_ending;
+mod measure_force;
 mod measure_lamella;
 mod measure_loss;
 mod measure_pool;

@@ -5,6 +5,7 @@
 //! CORONET_PRESETS (`modern,corrected,paper` if unset) of the method CORONET_METHOD (`wcsph`);
 //! CORONET_SET adds overrides, separated by `;`; CORONET_INTO names a CSV that gets the rows. A
 //! test fails if preset `modern` misses what that page says it meets.
+mod axis;
 mod contact;
 mod drop;
 mod flow;
@@ -16,7 +17,7 @@ mod wall;
 
 use coronet::method::rest::Rest;
 use coronet::method::{self, Diverged, Phase, Solver};
-use coronet::particle::{Frame, Particles, pack::pack};
+use coronet::particle::{Frame, Particles, State, pack::pack};
 use coronet::scene::input::RelaxInput;
 use coronet::scene::{Scene, TensionStrength, file};
 use std::ops::ControlFlow::Continue;
@@ -101,8 +102,8 @@ pub fn relax(scene: &Scene, index: usize, body: &Particles) -> Result<Particles,
     Ok(method::relaxed(problem, &solver.state()))
 }
 
-/// Packs, relaxes, calibrates, builds.
-pub fn start(scene: &Scene) -> Result<Box<dyn Solver>, Diverged> {
+/// Packs, relaxes and calibrates: the state at the start, and the strength of the tension.
+pub fn begin(scene: &Scene) -> Result<(State, Option<f64>), Diverged> {
     let mut bodies = Vec::new();
     for b in 0..scene.bodies.len() {
         let packed = pack(&scene.pack_input(b), &mut |_| Continue(()))
@@ -120,7 +121,12 @@ pub fn start(scene: &Scene) -> Result<Box<dyn Solver>, Diverged> {
             Some(c.strength)
         }
     };
-    let state = method::initial(&scene.impact_input(), &bodies);
+    Ok((method::initial(&scene.impact_input(), &bodies), strength))
+}
+
+/// The same, and builds the solver.
+pub fn start(scene: &Scene) -> Result<Box<dyn Solver>, Diverged> {
+    let (state, strength) = begin(scene)?;
     Ok(method::build(scene, state, Phase::Impact, strength).expect("builds"))
 }
 

@@ -34,7 +34,7 @@ use super::shore::Shore;
 use crate::effect::Account;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::particle::Particles;
+use crate::particle::{Particles, weight_of};
 use crate::space::lane::Real;
 use crate::space::parallel::{each_mut, sum_in};
 use crate::space::sweep::{self, Pair, Pass};
@@ -185,7 +185,8 @@ impl Tension {
             Some(shore) => {
                 let dry = |j: usize| shore.dry_energy[j] as f64;
                 let [near] = sum_in(&mut parts, shore.sums.len(), |k| {
-                    [of(&shore.sums[k]) - dry(shore.near[k] as usize)]
+                    let j = shore.near[k] as usize;
+                    [weight_of(&shore.weights, j) * (of(&shore.sums[k]) - dry(j))]
                 });
                 let [under] = sum_in(&mut parts, shore.under.len(), |j| {
                     [if shore.under[j] { dry(j) } else { 0.0 }]
@@ -255,9 +256,11 @@ impl Tension {
         force.resize(self.reached.len(), [0.0; 3]);
         let [x, y, z] = std::mem::take(&mut self.payload);
         let mut words = [std::mem::take(&mut self.energy.slope), x, y, z];
-        self.hold_lines::<K>(flow, &mut words, &pass);
         match flow.weights {
-            None => self.runs(flow, &words, (&self.reached, &pass), &mut force),
+            None => {
+                self.hold_lines(flow, (&mut words, &[0, 1, 2, 3]), (&pass, 1.0));
+                self.runs(flow, &words, (&self.reached, &pass), &mut force);
+            }
             Some(weights) => self.pull_rings(flow, weights, &mut words, pass.factor, &mut force),
         }
         let [slope, x, y, z] = words;
@@ -279,16 +282,21 @@ impl Tension {
             return;
         };
         let (unit, n) = (self.unit::<K>(flow), flow.density.len());
-        let Some(shore) = &mut self.energy.shore else {
+        let Some(mut shore) = self.energy.shore.take() else {
             return;
         };
-        self.band.members_of(flow.grid, wall.start, &mut shore.near);
-        shore.sums.resize(shore.near.len(), [0.0; 4]);
-        let field = flow.about(flow.wall, flow.of_liquid(), &[], self.length);
-        let pass = Look::<K>(PhantomData);
-        sweep::runs(field, &shore.near, &pass, &mut shore.sums);
-        shore.see(flow);
-        shore.add_walls::<K>(flow.wall, self.length);
+        match flow.weights {
+            None => {
+                self.band.members_of(flow.grid, wall.start, &mut shore.near);
+                shore.sums.resize(shore.near.len(), [0.0; 4]);
+                let field = flow.about(flow.wall, flow.of_liquid(), &[], self.length);
+                let pass = Look::<K>(PhantomData);
+                sweep::runs(field, &shore.near, &pass, &mut shore.sums);
+                shore.see(flow);
+                shore.add_walls::<K>(flow.wall, self.length);
+            }
+            Some(weights) => self.look_from_walls(flow, weights, K::w(0.0), &mut shore),
+        }
         if shore.dry_energy.len() != shore.dry.len() {
             let of = |dry: &[f32; 4]| {
                 complete::<K>(self.dimension, unit, &mut dry.clone()).energy as f32
@@ -305,6 +313,7 @@ impl Tension {
             self.energy.slope[i] = (cosine * e.slope) as f32;
             (0..3).for_each(|a| self.payload[a][i] = (cosine * e.gradient[a]) as f32);
         }
+        self.energy.shore = Some(shore);
         flow.share(&mut self.energy.slope);
         flow.turn(&mut self.payload);
     }

@@ -7,12 +7,13 @@
 //! The curvature about the axis is in them.
 
 use super::Tension;
+use super::shore::Shore;
 use crate::effect::surface::Surface;
 use crate::kernel::ring::{Radii, between, mass_apart, places};
 use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
-use crate::space::sweep::{Pair, Pass};
+use crate::space::sweep::{self, Pair, Pass};
 
 payload! {
     /// What [`Look`] reads.
@@ -164,6 +165,37 @@ impl Tension {
         self.energy.masses = masses;
     }
 
+    /// The same sums of all wall rings over liquid and wall; `own` as above.
+    pub(super) fn look_from_walls(
+        &mut self,
+        flow: &Surface,
+        weights: [&[f64]; 2],
+        own: f64,
+        shore: &mut Shore,
+    ) {
+        let walls = flow.wall[0].len();
+        if shore.dry.len() != walls {
+            shore.dry = shore.rings_alone(flow.wall, self.length, own);
+            shore.weights = weights[1].to_vec();
+            shore.near = (0..walls as u32).collect();
+            shore.under = vec![false; walls];
+        }
+        let words = [self.masses(flow, weights)];
+        let radii = Radii {
+            liquid: &flow.wall[0],
+            ..self.radii(flow)
+        };
+        shore.sums.resize(walls, [0.0; 4]);
+        let field = flow.about(flow.wall, flow.of_liquid(), &words, self.length);
+        sweep::runs(field, &shore.near, &Look { radii }, &mut shore.sums);
+        let dry = &shore.dry;
+        each_mut(&mut shore.sums[..], |j, sums| {
+            (0..4).for_each(|a| sums[a] += dry[j][a]);
+        });
+        let [masses] = words;
+        self.energy.masses = masses;
+    }
+
     /// (2), from e' and g that `words` has: its third place is free.
     pub(super) fn pull_rings(
         &mut self,
@@ -176,6 +208,7 @@ impl Tension {
         let masses = std::mem::take(&mut self.energy.masses);
         let empty = std::mem::replace(&mut words[2], masses);
         let radii = self.radii(flow);
+        self.hold_lines(flow, (words, &[0, 1, 3]), (&Pull { radii }, factor));
         self.runs(flow, words, (&self.reached, &Pull { radii }), force);
         let reached = &self.reached;
         each_mut(&mut force[..reached.len()], |k, force| {

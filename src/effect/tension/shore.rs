@@ -15,12 +15,13 @@
 //! Tests: tests/engine/effect_energy.rs.
 
 use super::Tension;
-use super::pass::Pull;
 use crate::effect::surface::Surface;
 use crate::effect::wetting::friction::Hold;
 use crate::effect::wetting::survey::nearest;
 use crate::kernel::Kernel;
+use crate::kernel::ring::{Rings, mean};
 use crate::particle::lattice::cells;
+use crate::particle::ring;
 use crate::particle::shape::axes;
 use crate::particle::wall::is_wall;
 use crate::scene::{Dimension, Domain};
@@ -45,7 +46,9 @@ pub struct Shore {
     pub dry: Vec<[f32; 4]>,
     /// e of those, of the whole of them.
     pub dry_energy: Vec<f32>,
-    /// Wall particles near a surface.
+    /// Masses of wall particles over the nominal one, where they are rings.
+    pub weights: Vec<f64>,
+    /// Wall particles near a surface; of rings all.
     pub near: Vec<u32>,
     /// Whether each of the others is under liquid.
     pub under: Vec<bool>,
@@ -65,6 +68,7 @@ impl Shore {
             spacing,
             dry: Vec::new(),
             dry_energy: Vec::new(),
+            weights: Vec::new(),
             near: Vec::new(),
             under: Vec::new(),
             sums: Vec::new(),
@@ -75,6 +79,7 @@ impl Shore {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         16 * (self.dry.capacity() + self.sums.capacity())
+            + 8 * self.weights.capacity()
             + 4 * (self.near.capacity() + self.dry_energy.capacity())
             + 24 * self.pulls[0].capacity()
     }
@@ -149,10 +154,61 @@ impl Shore {
     }
 }
 
+impl Shore {
+    /// SUM g and SUM w of every wall ring over the others, and over itself but for the kernel at
+    /// its place in three dimensions, `own`, in walls without a back ([`super::ringed`]).
+    pub fn rings_alone(&self, wall: &[Vec<f64>; 3], length: f64, own: f64) -> Vec<[f32; 4]> {
+        let (mut count, mut pitch) = ([1; 3], [0.0; 3]);
+        for a in [0, 2] {
+            (count[a], pitch[a]) = cells(self.domain.size[a], self.spacing);
+        }
+        // Columns near the axis are moved by less than a cell.
+        let reach = [0, 2].map(|a| (2.0 * length / pitch[a]).floor() as i64 + 1);
+        let column = |i: i64| {
+            let mut radius = (i as f64 + 0.5) * pitch[0];
+            let mass = ring::settle(&mut radius, self.spacing);
+            (radius / length, mass)
+        };
+        // Two rings see each other by their columns and by how many layers they are apart.
+        let mut known = HashMap::new();
+        let mut pair = |i: i64, other: i64, layers: i64| {
+            *known.entry((i, other, layers.abs())).or_insert_with(|| {
+                let (own, other) = (column(i).0, column(other).0);
+                let apart = layers as f64 * pitch[2] / length;
+                let [f, fy, fp, ..] = mean((own - other).hypot(apart), own * other);
+                [f, fy, fp]
+            })
+        };
+        let of = |j: usize| {
+            let [i, k] = [0, 2].map(|a| (wall[a][j] / pitch[a]).floor() as i64);
+            let (radius, mass) = column(i);
+            let [value, turn, _] = Rings::default().own(radius);
+            let mut sum = [mass * radius * turn, 0.0, 0.0, mass * value - own];
+            for other in (i - reach[0]).max(0)..=i + reach[0] {
+                for layer in -reach[1]..=reach[1] {
+                    let is_self = other == i && layer == 0;
+                    let index = [other, 0, k + layer];
+                    if is_self || !is_wall(self.domain.boundary, index, count) {
+                        continue;
+                    }
+                    let (beside, mass) = column(other);
+                    let [f, fy, fp] = pair(i, other, layer);
+                    let down = -(layer as f64) * pitch[2] / length;
+                    sum[0] += mass * (fp * beside + 2.0 * fy * (radius - beside));
+                    sum[2] += mass * 2.0 * fy * down;
+                    sum[3] += mass * f;
+                }
+            }
+            sum.map(|s| s as f32)
+        };
+        (0..wall[0].len()).map(of).collect()
+    }
+}
+
 /// What others do to a target that has nothing itself.
 struct Others<'a, P>(&'a P);
 
-impl<P: Pass<3, Out = [f32; 3]>> Pass<3> for Others<'_, P> {
+impl<const N: usize, P: Pass<N, Out = [f32; 3]>> Pass<N> for Others<'_, P> {
     type Payload = P::Payload;
     type Out = [f32; 3];
     #[inline(always)]
@@ -160,23 +216,28 @@ impl<P: Pass<3, Out = [f32; 3]>> Pass<3> for Others<'_, P> {
         P::Payload::default()
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload>, sum: &mut [F; 3]) {
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.0.extra(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload>, sum: &mut [F; N]) {
         self.0.pair(pair, sum)
     }
     #[inline(always)]
-    fn finish(&self, target: usize, sum: [f32; 3], out: &mut [f32; 3]) {
+    fn finish(&self, target: usize, sum: [f32; N], out: &mut [f32; 3]) {
         self.0.finish(target, sum, out);
     }
 }
 
 impl Tension {
     /// Friction of lines with hysteresis; then gives walls, so far of cos theta = 1, the angles
-    /// that lines have. `words`: e' and g.
-    pub(super) fn hold_lines<K: Kernel>(
+    /// that lines have. `words`: what `pull` reads, of which those of `scaled` go with the cosine;
+    /// its sums times `factor` are accelerations.
+    pub(super) fn hold_lines<const N: usize, P: Pass<N, Out = [f32; 3]>>(
         &mut self,
         flow: &Surface,
-        words: &mut [Vec<f32>; 4],
-        pull: &Pull<K>,
+        (words, scaled): (&mut [Vec<f32>; 4], &[usize]),
+        (pull, factor): (&P, f64),
     ) {
         let (Some(wetting), Some(shore)) = (&mut self.wetting, &mut self.energy.shore) else {
             return;
@@ -186,14 +247,16 @@ impl Tension {
             sums.resize(reached.len(), [0.0; 3]);
             let field = flow.about(flow.position, flow.of_wall(), words, length);
             sweep::runs(field, reached, &Others(pull), sums);
+            let whole = |s: f32| (factor * s as f64) as f32;
+            each_mut(&mut sums[..], |_, sum| *sum = sum.map(whole));
         };
         let [of_wet, of_lines] = &mut shore.pulls;
         look(words, of_wet);
         for &j in &shore.near {
             let cosine = wetting.cosines[j as usize] as f32;
-            words.iter_mut().for_each(|w| w[n + j as usize] *= cosine);
+            scaled.iter().for_each(|&w| words[w][n + j as usize] *= cosine);
         }
-        let [slope, vector @ ..] = words;
+        let [slope, vector @ ..] = &mut *words;
         flow.share(slope);
         flow.turn(vector);
         look(words, of_lines);

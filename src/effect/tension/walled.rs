@@ -41,7 +41,7 @@ impl Tension {
         wetting: &mut Wetting,
     ) {
         wetting.find::<K>(flow, is_surface);
-        self.sum_liquid::<K>(flow);
+        self.sum_liquid::<K>(flow, wetting);
         for _ in 0..if wetting.rubs() { TIMES } else { 0 } {
             wetting.colour::<K>(flow);
             self.sum_walls::<K>(flow, wetting);
@@ -50,12 +50,18 @@ impl Tension {
     }
 
     /// n of the liquid by itself.
-    fn sum_liquid<K: Kernel>(&mut self, flow: &Surface) {
+    fn sum_liquid<K: Kernel>(&mut self, flow: &Surface, wetting: &Wetting) {
         let mut normals = std::mem::take(&mut self.normals);
         normals.resize(self.near.len(), Default::default());
-        let field = flow.about(flow.position, flow.of_liquid(), &[], self.length);
-        let pass = Gradient::<K>(PhantomData);
-        sweep::runs(field, &self.near, &pass, &mut normals);
+        let (liquid, areas) = (flow.of_liquid(), &wetting.areas);
+        if areas[0].is_empty() {
+            let field = flow.about(flow.position, liquid, &[], self.length);
+            let pass = Gradient::<K>(PhantomData);
+            sweep::runs(field, &self.near, &pass, &mut normals);
+        } else {
+            let field = flow.about(flow.position, liquid, areas, self.length);
+            sweep::runs(field, &self.near, &Walls::<K>(PhantomData), &mut normals);
+        }
         self.normals = normals;
     }
 
@@ -73,8 +79,9 @@ impl Tension {
 
     /// The angles of contact lines from the normals of the liquid at them.
     fn measure_lines<K: Kernel>(&mut self, flow: &Surface, wetting: &mut Wetting) {
-        let gradient = K::norm(self.dimension) / self.length.powi(self.dimension as i32 + 1);
-        let factor = gradient * flow.mass / self.density * self.length;
+        let dimension = wetting.setting.dimension;
+        let gradient = K::norm(dimension) / self.length.powi(dimension as i32 + 1);
+        let factor = gradient * wetting.mass(flow) / self.density * self.length;
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         wetting.lines.clear(flow);
         for (k, (normal, _)) in self.normals.iter().enumerate() {

@@ -50,9 +50,10 @@ use crate::space::sweep::{self, Field};
 use friction::Friction;
 use line::Lines;
 pub(super) use line::TIMES;
-use pass::Sheared;
+use pass::{Sheared, Weighed};
 pub(super) use pass::Walls;
 use rise::Rises;
+use std::f64::consts::TAU;
 use std::marker::PhantomData;
 use survey::{Place, survey};
 
@@ -81,9 +82,9 @@ pub struct Setting {
     pub domain: Domain,
     /// Kernel of all sums.
     pub kernel: KernelName,
-    /// 2 or 3.
+    /// 2 or 3; 2 for rings, of which the half-plane counts.
     pub dimension: usize,
-    /// s0, H, m.
+    /// s0, m.
     pub spacing: f64,
     /// Smoothing length H of the tension, m.
     pub length: f64,
@@ -117,6 +118,8 @@ pub struct Wetting {
     facing: [Vec<u32>; 3],
     slopes: Vec<([f32; 3], [f32; 3])>,
     sums: Vec<f32>,
+    /// Areas of rings in the half-plane over that of a lattice cell; empty for particles.
+    pub areas: [Vec<f32>; 1],
     /// Per `near`: n of wall particles, then sqrt(c_w |T|) n / |n| / rho0.
     pub normals: Vec<([f32; 3], [f32; 3])>,
     /// The latter of every wall particle, in three dimensions only.
@@ -156,6 +159,7 @@ impl Wetting {
             facing: Default::default(),
             slopes: Vec::new(),
             sums: Vec::new(),
+            areas: Default::default(),
             normals: Vec::new(),
             roots: Default::default(),
             walls: Vec::new(),
@@ -177,6 +181,7 @@ impl Wetting {
         let pairs = self.slopes.capacity() + self.normals.capacity() + of_liquid;
         std::mem::size_of::<Place>() * self.places.capacity()
             + 4 * (self.colour.capacity() + self.sums.capacity() + lists + roots)
+            + 4 * self.areas[0].capacity()
             + 12 * (self.shear[0].capacity() + self.force.capacity())
             + 24 * self.foot[0].capacity()
             + 8 * self.cosines.capacity()
@@ -219,10 +224,41 @@ impl Wetting {
             let j = j as usize;
             (0..3).for_each(|a| self.foot[a][j] = places[j].face(flow.wall, j, a));
         }
-        let field = flow.about(&self.foot, flow.of_liquid(), &[], self.sideways());
+        self.measure_areas(flow);
         self.slopes.resize(self.near.len(), Default::default());
-        let gradient = Gradient::<K>(PhantomData);
-        sweep::runs(field, &self.near, &gradient, &mut self.slopes);
+        let length = self.sideways();
+        let (near, slopes) = (&self.near, &mut self.slopes);
+        match self.areas[0].is_empty() {
+            true => {
+                let field = flow.about(&self.foot, flow.of_liquid(), &[], length);
+                sweep::runs(field, near, &Gradient::<K>(PhantomData), slopes);
+            }
+            false => {
+                let field = flow.about(&self.foot, flow.of_liquid(), &self.areas, length);
+                sweep::runs(field, near, &Walls::<K>(PhantomData), slopes);
+            }
+        }
+    }
+
+    /// Finds the areas of rings in the half-plane.
+    fn measure_areas(&mut self, flow: &Surface) {
+        let Some([liquid, _]) = flow.weights else {
+            return;
+        };
+        let (spacing, areas) = (self.setting.spacing, &mut self.areas[0]);
+        let circle = |r: &f64| TAU * (r / spacing).max(0.5);
+        let of = liquid.iter().zip(&flow.position[0]);
+        areas.clear();
+        areas.extend(of.map(|(weight, r)| (weight / circle(r)) as f32));
+        areas.resize(flow.at[0].len(), 1.0);
+    }
+
+    /// Mass of a particle of `flow`, kg; of rings that of a cell of the half-plane, kg/m.
+    pub fn mass(&self, flow: &Surface) -> f64 {
+        match flow.weights {
+            None => flow.mass,
+            Some(_) => self.setting.density * self.setting.spacing.powi(2),
+        }
     }
 
     /// (1): colours of what was found.
@@ -230,18 +266,24 @@ impl Wetting {
         self.lean::<K>(flow);
         let (dimension, spacing) = (self.setting.dimension, self.setting.spacing);
         let length = self.setting.length;
-        let field = Field {
-            cutoff: 2.0 * length * self.setting.angle.stretch() + flow.slack,
-            ..flow.about(&self.foot, flow.of_liquid(), &[], length)
-        };
+        let cutoff = 2.0 * length * self.setting.angle.stretch() + flow.slack;
+        let is_plain = self.areas[0].is_empty();
         let norm = K::norm(dimension) / length.powi(dimension as i32);
-        let factor = 2.0 * flow.mass / self.setting.density * norm;
+        let factor = 2.0 * self.mass(flow) / self.setting.density * norm;
         let (lean, kernel) = (&self.shear, PhantomData::<K>);
         for axis in 0..3 {
             let facing = &self.facing[axis];
             self.sums.resize(facing.len(), 0.0);
             let pass = Sheared { axis, lean, kernel };
-            sweep::runs(field, facing, &pass, &mut self.sums);
+            if is_plain {
+                let field = flow.about(&self.foot, flow.of_liquid(), &[], length);
+                let field = Field { cutoff, ..field };
+                sweep::runs(field, facing, &pass, &mut self.sums);
+            } else {
+                let field = flow.about(&self.foot, flow.of_liquid(), &self.areas, length);
+                let field = Field { cutoff, ..field };
+                sweep::runs(field, facing, &Weighed(pass), &mut self.sums);
+            }
             for (&j, sum) in facing.iter().zip(&self.sums) {
                 let beyond = (factor * *sum as f64 - 0.5) / self.edge;
                 let part = 0.5 + beyond / spacing;
@@ -263,7 +305,7 @@ impl Wetting {
     fn lean<K: Kernel>(&mut self, flow: &Surface) {
         let (setting, d) = (&self.setting, self.setting.dimension);
         let mean = Angle::cotangent(setting.angle.angle);
-        let volume = flow.mass / setting.density / self.sideways().powi(d as i32);
+        let volume = self.mass(flow) / setting.density / self.sideways().powi(d as i32);
         let least = FLAT / (K::norm(d) * volume);
         let domain = &self.setting.domain;
         for (&j, (slope, _)) in self.near.iter().zip(&self.slopes) {
@@ -284,7 +326,7 @@ impl Wetting {
                 let mut x = place.face(flow.wall, j, a) - shear * place.side * place.depth;
                 let [low, high] = domain.boundary[a];
                 let image = match x {
-                    x if x < 0.0 && low == Side::Mirror => -x,
+                    x if x < 0.0 && matches!(low, Side::Mirror | Side::Axis) => -x,
                     x if x > domain.size[a] && high == Side::Mirror => 2.0 * domain.size[a] - x,
                     x => x,
                 };

@@ -3,7 +3,7 @@
 use crate::effect::normal::Coloured;
 use crate::kernel::Kernel;
 use crate::space::lane::{Real, dot};
-use crate::space::sweep::{Pair, Pass};
+use crate::space::sweep::{Pair, Pass, Payload};
 use std::marker::PhantomData;
 
 /// SUM w with separations sheared along a wall normal to `axis`: (2).
@@ -12,6 +12,21 @@ pub struct Sheared<'a, K> {
     /// The shear of each target.
     pub lean: &'a [Vec<f32>; 3],
     pub kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Sheared<'_, K> {
+    /// w of a pair.
+    #[inline(always)]
+    fn w<F: Real, P: Payload>(&self, pair: &Pair<F, P>) -> F {
+        let height = pair.d[self.axis];
+        let mut d = pair.d;
+        for (d, shear) in d.iter_mut().zip(pair.extra) {
+            *d = shear.mul_add(height, *d);
+        }
+        let w = K::w_lanes(dot(d, d).sqrt());
+        // Lanes without a pair are far away, but their separation is not.
+        w.if_less(pair.q2, pair.q2.splat(NONE))
+    }
 }
 
 impl<K: Kernel> Pass<1> for Sheared<'_, K> {
@@ -24,14 +39,27 @@ impl<K: Kernel> Pass<1> for Sheared<'_, K> {
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 1]) {
-        let height = pair.d[self.axis];
-        let mut d = pair.d;
-        for (d, shear) in d.iter_mut().zip(pair.extra) {
-            *d = shear.mul_add(height, *d);
-        }
-        let w = K::w_lanes(dot(d, d).sqrt());
-        // Lanes without a pair are far away, but their separation is not.
-        sum[0] += w.if_less(pair.q2, pair.q2.splat(NONE));
+        sum[0] += self.w(pair);
+    }
+    #[inline(always)]
+    fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
+        *out = sum[0];
+    }
+}
+
+/// The same of rings, whose areas differ: SUM c w.
+pub struct Weighed<'a, K>(pub Sheared<'a, K>);
+
+impl<K: Kernel> Pass<1> for Weighed<'_, K> {
+    type Payload = Coloured;
+    type Out = f32;
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.0.extra(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Coloured>, sum: &mut [F; 1]) {
+        sum[0] = pair.other.colour.mul_add(self.0.w(pair), sum[0]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {

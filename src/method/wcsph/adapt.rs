@@ -1,10 +1,10 @@
 //! Splitting and merging of rings, so that the area of each in the half-plane stays near that of a
 //! lattice cell: m = 2 pi r rho A is kept, and A falls where a ring moves outwards.
 //!
-//! Two rings of one body, each the nearest of the other, merge where one has less than [`LEAST`] of
-//! a cell and both together less than a cell, if they are near and hardly move apart: mass,
+//! Two rings of one body, each the nearest of the other, merge where one has less than half
+//! ([`crate::scene::Rings`]) of a cell and both together less than a cell, if they are near and hardly move apart: mass,
 //! momentum, centre of mass and volume are kept, and the kinetic energy that is lost is booked. A
-//! ring of more than [`MOST`] cells becomes two halves beside each other in the direction in which
+//! ring of more than two cells becomes two halves beside each other in the direction in which
 //! it has the fewest neighbours: what it has of energy is kept, but for that of the surface, which
 //! is booked too.
 
@@ -14,10 +14,6 @@ use crate::kernel::Kernel;
 use crate::particle::column::{Columns, Duplicate, Retain, Scalar, Scalars};
 use crate::particle::{Particles, State};
 use std::f64::consts::{PI, TAU};
-
-/// Areas in cells below which a ring merges, and above which it splits.
-const LEAST: f64 = 0.5;
-const MOST: f64 = 2.0;
 
 /// Distance below which rings merge, in spacings.
 const NEAR: f64 = 0.6;
@@ -119,6 +115,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn merging(&self) -> Vec<[u32; 2]> {
         let p = &self.liquid.flow.particles;
         let case = &self.liquid.case;
+        let Some(limits) = case.domain.revolved else {
+            return Vec::new();
+        };
         let near = NEAR * case.spacing;
         // What tension can hold together.
         let slow = case.effects.sigma().map_or(f64::INFINITY, |sigma| {
@@ -129,7 +128,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let fits = |j: usize, d: [f64; 2]| {
                 let other = self.area(j);
                 let apart = (0..3).map(|a| (p.velocity[a][i] - p.velocity[a][j]).powi(2));
-                area.min(other) < LEAST
+                area.min(other) < limits.merge
                     && area + other < 1.0
                     && p.body[i] == p.body[j]
                     && d[0].hypot(d[1]) < near
@@ -170,7 +169,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Rings that split.
     fn splits(&self) -> Vec<Split> {
-        let large = (0..self.liquid.len()).filter(|&i| self.area(i) > MOST);
+        let most = self.liquid.case.domain.revolved.unwrap_or_default().split;
+        let large = (0..self.liquid.len()).filter(|&i| self.area(i) > most);
         large.map(|i| self.divided(i)).collect()
     }
 

@@ -46,9 +46,6 @@ fn unfit(scene: &Problem) -> Option<(&'static str, &'static str)> {
     if viscosity.is_some_and(|viscosity| viscosity.form != ViscosityForm::Morris) {
         return Some(("needs the viscosity `morris`", modern));
     }
-    if scene.effects.wetting.is_some() {
-        return Some(("has no contact angle yet", "remove [effects.wetting]"));
-    }
     let mut bodies = scene.bodies.iter();
     bodies
         .any(|body| spins(&body.motion))

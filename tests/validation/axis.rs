@@ -1,0 +1,510 @@
+//! Rings about an axis: cases with known answers, method WCSPH, preset `modern`.
+
+use crate::{Figure, begin, run, start};
+use coronet::measure::gauge::Gauge;
+use coronet::measure::whole::Unfold;
+use coronet::method::{self, Phase, Solver};
+use coronet::particle::column::{Columns, Retain};
+use coronet::particle::{Frame, Particles, State};
+use coronet::scene::{Scene, file};
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+
+/// Distance from the axis and height, m.
+type Point = [f64; 2];
+
+/// A scene of `scenes/verification`, as rings.
+fn rings(name: &str, sets: &[&str]) -> Scene {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/verification");
+    let mut all = vec!["box.symmetry=axis".to_string()];
+    all.extend(sets.iter().map(|s| s.to_string()));
+    let extra = std::env::var("CORONET_SET").unwrap_or_default();
+    all.extend(extra.split(';').filter(|s| !s.is_empty()).map(String::from));
+    file::load(&root.join(format!("{name}.toml")), &all)
+        .expect("the scene is valid")
+        .scene
+}
+
+fn figure(case: &str, what: &str, got: f64, theory: Option<f64>, target: f64) -> bool {
+    let preset = "modern";
+    Figure {
+        case,
+        preset,
+        what,
+        got,
+        theory,
+        target,
+    }
+    .row()
+}
+
+/// Mean over rings of a frame, by mass, of those that `takes` takes.
+fn mean(f: &Frame, takes: impl Fn(Point) -> bool, of: impl Fn(usize, Point) -> f64) -> f64 {
+    let (mut sum, mut mass) = (0.0, 0.0);
+    for i in 0..f.id.len() {
+        let at = [f.position[0][i] as f64, f.position[2][i] as f64];
+        if takes(at) {
+            sum += f.mass[i] as f64 * of(i, at);
+            mass += f.mass[i] as f64;
+        }
+    }
+    sum / mass
+}
+
+/// Gives `state` the velocity `field`, m/s.
+fn stir(state: &mut State, field: impl Fn(Point) -> Point) {
+    let p = &mut state.particles;
+    for i in 0..p.len() {
+        let [u, w] = field([p.position[0][i], p.position[2][i]]);
+        (p.velocity[0][i], p.velocity[2][i]) = (u, w);
+    }
+}
+
+/// How much of `field` the velocities of a frame have: 1 where they are that field.
+fn share(f: &Frame, field: impl Fn(Point) -> Point) -> f64 {
+    let dot = |i: usize, at: Point| {
+        let [u, w] = field(at);
+        f.velocity[0][i] as f64 * u + f.velocity[2][i] as f64 * w
+    };
+    let square = |_: usize, at: Point| field(at).iter().map(|v| v * v).sum::<f64>();
+    mean(f, |_| true, dot) / mean(f, |_| true, square)
+}
+
+/// Times at which a signal changes sign, interpolated.
+fn crossings(track: &[(f64, f64)]) -> Vec<f64> {
+    let pairs = track.windows(2).map(|w| (w[0], w[1]));
+    let across = pairs.filter(|(a, b)| a.1 * b.1 < 0.0);
+    across
+        .map(|(a, b)| a.0 + (b.0 - a.0) * a.1 / (a.1 - b.1))
+        .collect()
+}
+
+/// Frequency, 1/s, and decay, 1/s, of a damped cosine: from its zeros, and from the areas of the
+/// half-waves between them.
+fn oscillation(track: &[(f64, f64)]) -> Option<[f64; 2]> {
+    let zeros = crossings(track);
+    let last = zeros.len().checked_sub(1).filter(|last| *last >= 2)?;
+    let half = (zeros[last] - zeros[0]) / last as f64;
+    let area = |k: usize| {
+        let inside = |t: f64| (zeros[k]..zeros[k + 1]).contains(&t);
+        let part = track.iter().filter(|(t, _)| inside(*t));
+        part.map(|(_, v)| v.abs()).sum::<f64>()
+    };
+    let fall = (area(0) / area(last - 1)).ln() / (last - 1) as f64;
+    Some([PI / half, fall / half])
+}
+
+/// Packs and relaxes, and builds with what `change` makes of that.
+fn changed(scene: &Scene, change: impl Fn(&mut State)) -> Box<dyn Solver> {
+    let (mut state, strength) = begin(scene).expect("packs and relaxes");
+    change(&mut state);
+    method::build(scene, state, Phase::Impact, strength).expect("builds")
+}
+
+#[test]
+fn column_at_rest() {
+    println!();
+    for spacing in ["1 mm", "0.5 mm", "0.25 mm"] {
+        let sets = [
+            "dimension=3",
+            "box.size=['20 mm','20 mm','25 mm']",
+            "box.y=wall",
+            &format!("pack.spacing={spacing}"),
+        ];
+        let scene = rings("hydrostatic", &sets);
+        let depth = 0.02;
+        let scale = scene.density * 9.81 * depth;
+        let mut solver = start(&scene).expect("starts");
+        let end = scene.impact.end;
+        let (mut errors, mut energy) = (Vec::new(), Vec::new());
+        run(solver.as_mut(), end, 0.02 * end, |f| {
+            let wrong = |i: usize, at: Point| {
+                (f.pressure[i] as f64 - scene.density * 9.81 * (depth - at[1])).powi(2)
+            };
+            let near = 4.0 * scene.spacing;
+            let off = mean(f, |_| true, wrong).sqrt() / scale;
+            let on = mean(f, |at| at[0] < near, wrong).sqrt() / scale;
+            errors.push([on, off]);
+            energy.push(crate::scalar(f, "kinetic_energy_J") / crate::scalar(f, "mass_kg"));
+        })
+        .expect("stays stable");
+        let half = errors.len() / 2;
+        let late = |k: usize| {
+            let late = errors[half..].iter().map(|e| e[k]);
+            late.sum::<f64>() / (errors.len() - half) as f64
+        };
+        let case = format!("column at rest, {spacing}");
+        figure(&case, "rms of p over rho g H", late(1), None, 0.005);
+        figure(&case, "the same on the axis", late(0), None, 0.005);
+        let part = |range: std::ops::Range<usize>| {
+            let n = range.len() as f64;
+            energy[range].iter().sum::<f64>() / n
+        };
+        let growth = part(half..energy.len()) / part(1..half);
+        figure(
+            &case,
+            "kinetic energy, second half over first",
+            growth,
+            None,
+            1.0,
+        );
+    }
+}
+
+#[test]
+fn drop_at_rest() {
+    println!();
+    for spacing in ["0.2 mm", "0.1 mm", "0.05 mm"] {
+        let scene = rings("static-drop", &[&format!("pack.spacing={spacing}")]);
+        let (radius, middle) = (0.002, 0.003);
+        let theory = 2.0 * scene.effects.sigma().unwrap() / radius;
+        let mut solver = start(&scene).expect("starts");
+        let end = scene.impact.end;
+        let mut found = [0.0; 3];
+        run(solver.as_mut(), end, 0.01 * end, |f| {
+            if f.time > 0.5 * end {
+                let p = |i: usize, _: Point| f.pressure[i] as f64;
+                let inside = |at: Point| at[0].hypot(at[1] - middle) < 0.6 * radius;
+                let near = |at: Point| inside(at) && at[0] < 4.0 * scene.spacing;
+                found[0] += mean(f, inside, p);
+                found[1] += mean(f, near, p);
+                found[2] += 1.0;
+            }
+        })
+        .expect("stays stable");
+        let case = format!("drop at rest, R = {:.0} s0", radius / scene.spacing);
+        let got = |k: usize| found[k] / found[2];
+        figure(&case, "pressure in the core, Pa", got(0), Some(theory), 0.01);
+        figure(&case, "the same on the axis", got(1), Some(theory), 0.01);
+    }
+}
+
+/// The velocity of a drop in mode `n`: the gradient of r^n P_n(cos t), 1 at the pole.
+fn mode(n: i32, radius: f64, middle: f64, [x, z]: Point) -> Point {
+    let z = z - middle;
+    // Solid harmonics of the axis and their gradients.
+    let [u, w] = match n {
+        2 => [-x, 2.0 * z],
+        3 => [-3.0 * x * z, 3.0 * z * z - 1.5 * x * x],
+        _ => [
+            -6.0 * x * z * z + 1.5 * x.powi(3),
+            4.0 * z.powi(3) - 6.0 * x * x * z,
+        ],
+    };
+    let scale = n as f64 * radius.powi(n - 1);
+    [u / scale, w / scale]
+}
+
+#[test]
+fn oscillating_drop() {
+    println!();
+    for spacing in ["0.125 mm", "0.0625 mm"] {
+        for n in [2, 3, 4] {
+            let sets = [
+                format!("pack.spacing={spacing}"),
+                "body.drop.stretch={rate=0}".into(),
+                format!("impact.end={} ms", [60, 32, 20][n as usize - 2]),
+            ];
+            let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+            let scene = rings("oscillating-drop", &sets);
+            let (radius, middle) = (0.002, 0.003);
+            let (sigma, rho) = (scene.effects.sigma().unwrap(), scene.density);
+            let nu = scene.effects.mu().unwrap() / rho;
+            let order = n as f64;
+            let square = order * (order - 1.0) * (order + 2.0) * sigma / (rho * radius.powi(3));
+            let decay = (order - 1.0) * (2.0 * order + 1.0) * nu / (radius * radius);
+            let omega = (square - decay * decay).sqrt();
+            let speed = 0.03 * radius * omega;
+            let field = |at: Point| mode(n, radius, middle, at);
+            let mut solver = changed(&scene, |state| {
+                stir(state, |at| field(at).map(|v| speed * v));
+            });
+            let mut track = Vec::new();
+            let end = scene.impact.end;
+            run(solver.as_mut(), end, 0.0025 * end, |f| {
+                track.push((f.time, share(f, field) / speed));
+            })
+            .expect("stays stable");
+            let [found, fall] = oscillation(&track).unwrap_or([f64::NAN; 2]);
+            let case = format!("mode {n}, R = {:.0} s0", radius / scene.spacing);
+            figure(&case, "frequency, 1/s", found, Some(omega), 0.01);
+            figure(&case, "decay, 1/s", fall, Some(decay), 0.15);
+        }
+    }
+}
+
+/// J0 and J1 or, with `sign` 1, I0 and I1.
+fn bessel(x: f64, sign: f64) -> [f64; 2] {
+    let (mut zeroth, mut first) = (1.0, 0.5 * x);
+    let (mut a, mut b) = (zeroth, first);
+    for k in 1..40 {
+        let k = k as f64;
+        a *= sign * x * x / (4.0 * k * k);
+        b *= sign * x * x / (4.0 * k * (k + 1.0));
+        (zeroth, first) = (zeroth + a, first + b);
+    }
+    [zeroth, first]
+}
+
+/// First zero of J1.
+const ZERO: f64 = 3.831_706;
+
+#[test]
+fn standing_wave() {
+    println!();
+    for spacing in ["1 mm", "0.5 mm", "0.25 mm"] {
+        let sets = [
+            "dimension=3",
+            "box.size=['40 mm','40 mm','25 mm']",
+            "box.y=wall",
+            "effects.viscosity.dynamic=1 mPa s",
+            "effects.tension.coefficient=72.8 mN/m",
+            "impact.end=0.5 s",
+            &format!("pack.spacing={spacing}"),
+        ];
+        let scene = rings("hydrostatic", &sets);
+        let (radius, depth) = (0.02, 0.02);
+        let k = ZERO / radius;
+        let stiff = 9.81 * k + scene.effects.sigma().unwrap() * k.powi(3) / scene.density;
+        let omega = (stiff * (k * depth).tanh()).sqrt();
+        let field = |[x, z]: Point| {
+            let [zeroth, first] = bessel(k * x, -1.0);
+            let scale = (k * depth).sinh();
+            [
+                -first * (k * z).cosh() / scale,
+                zeroth * (k * z).sinh() / scale,
+            ]
+        };
+        let speed = 2e-4 * omega;
+        let mut solver = changed(&scene, |state| stir(state, |at| field(at).map(|v| speed * v)));
+        let mut track = Vec::new();
+        let end = scene.impact.end;
+        run(solver.as_mut(), end, 0.002 * end, |f| {
+            track.push((f.time, share(f, field) / speed));
+        })
+        .expect("stays stable");
+        let [found, fall] = oscillation(&track).unwrap_or([f64::NAN; 2]);
+        println!("  decay {fall:.2} 1/s");
+        let case = format!("standing wave, R = {:.0} s0", radius / scene.spacing);
+        figure(&case, "frequency, 1/s", found, Some(omega), 0.01);
+    }
+}
+
+/// A liquid cylinder about the axis without walls, of `columns` spacings, in a box that is periodic
+/// along z.
+fn thread(state: &mut State, radius: f64) {
+    let p: &mut Particles = &mut state.particles;
+    let inside = |i: &u32| p.position[0][*i as usize] < radius;
+    let kept: Vec<u32> = (0..p.len() as u32).filter(inside).collect();
+    p.visit(&mut Retain(&kept));
+}
+
+#[test]
+fn pipe() {
+    println!();
+    for spacing in ["0.5 mm", "0.25 mm", "0.125 mm"] {
+        let scene = rings("pipe", &[&format!("pack.spacing={spacing}")]);
+        let radius = scene.domain.size[0];
+        let mu = scene.effects.mu().unwrap();
+        let force = -scene.density * scene.effects.gravity.unwrap()[2];
+        let top = force * radius * radius / (4.0 * mu);
+        let mut solver = start(&scene).expect("starts");
+        let end = scene.impact.end;
+        let (mut all, mut near) = (0.0, 0.0);
+        run(solver.as_mut(), end, 0.02 * end, |f| {
+            let wrong = |i: usize, [x, _]: Point| {
+                let exact = -top * (1.0 - (x / radius).powi(2));
+                ((f.velocity[2][i] as f64 - exact) / top).powi(2)
+            };
+            all = mean(f, |_| true, wrong).sqrt();
+            near = mean(f, |at| at[0] < 4.0 * scene.spacing, wrong).sqrt();
+        })
+        .expect("stays stable");
+        let case = format!("pipe, R = {:.0} s0", radius / scene.spacing);
+        figure(&case, "rms of v over its largest", all, None, 0.01);
+        figure(&case, "the same on the axis", near, None, 0.01);
+    }
+}
+
+#[test]
+fn rayleigh_plateau() {
+    println!();
+    for columns in [8.0, 16.0] {
+        let radius = 1e-3;
+        // The length of the fastest wave, in whole spacings.
+        let spacing = radius / columns;
+        let layers = (TAU * radius / 0.697 / spacing).round();
+        let length = layers * spacing;
+        let x = TAU * radius / length;
+        let sets = [
+            format!("pack.spacing={spacing} m"),
+            format!("box.size=['6 mm','6 mm','{length} m']"),
+            format!("body.water.layer.depth={length} m"),
+        ];
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        let scene = rings("thread", &sets);
+        let [zeroth, first] = bessel(x, 1.0);
+        let unit = (scene.effects.sigma().unwrap() / (scene.density * radius.powi(3))).sqrt();
+        let omega = unit * (x * (1.0 - x * x) * first / zeroth).sqrt();
+        let k = x / radius;
+        let field = |[r, z]: Point| {
+            let [zeroth, first] = bessel(k * r, 1.0);
+            let [_, edge] = bessel(x, 1.0);
+            [first * (k * z).cos() / edge, -zeroth * (k * z).sin() / edge]
+        };
+        let speed = 0.01 * radius * omega;
+        let mut solver = changed(&scene, |state| {
+            thread(state, radius);
+            stir(state, |at| field(at).map(|v| speed * v));
+        });
+        let mut track = Vec::new();
+        let end = 3.0 / omega;
+        run(solver.as_mut(), end, 0.005 * end, |f| {
+            track.push((f.time, share(f, field) / speed));
+        })
+        .expect("stays stable");
+        // From rest the velocity grows as cosh(omega t).
+        let grown = |size: f64| track.iter().find(|(_, v)| *v >= size);
+        let rate = |size: f64| grown(size).map_or(f64::NAN, |(t, v)| v.acosh() / t);
+        let case = format!("Rayleigh-Plateau, R = {columns} s0");
+        figure(
+            &case,
+            "growth until twice, 1/s",
+            rate(2.0),
+            Some(omega),
+            0.05,
+        );
+        figure(
+            &case,
+            "growth until four times, 1/s",
+            rate(4.0),
+            Some(omega),
+            0.05,
+        );
+    }
+}
+
+/// A cap on a wall: the angle of the circle through its outline, mean of the last fifth.
+#[test]
+fn contact_angle() {
+    println!();
+    for spacing in ["0.16 mm", "0.08 mm"] {
+        for angle in [30.0, 60.0, 90.0, 120.0, 150.0] {
+            let sets = [
+                format!("pack.spacing={spacing}"),
+                format!("effects.wetting.angle={angle} deg"),
+            ];
+            let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+            let scene = rings("cap", &sets);
+            let mut gauge = Gauge::new(&scene.whole());
+            let unfold = Unfold::new(&scene);
+            let mut solver = start(&scene).expect("starts");
+            let end = scene.impact.end;
+            let mut sums = [0.0; 4];
+            run(solver.as_mut(), end, 0.01 * end, |f| {
+                let row = gauge.measure(&unfold.whole(f));
+                let value = |name: &str| row.iter().find(|(n, _)| n == name).expect("a column").1;
+                if f.time > 0.8 * end {
+                    sums[0] += value("contact_angle_deg");
+                    sums[1] += value("contact_diameter_m");
+                    sums[2] += value("apex_height_m");
+                    sums[3] += 1.0;
+                }
+            })
+            .expect("stays stable");
+            let got = |k: usize| sums[k] / sums[3];
+            let case = format!("cap, {angle} deg, {spacing}");
+            let cosine = f64::cos(angle.to_radians());
+            let volume = PI / 6.0 * 2.68e-3f64.powi(3);
+            let round = (3.0 * volume / (PI * (2.0 - 3.0 * cosine + cosine.powi(3)))).cbrt();
+            let width = 2.0 * round * angle.to_radians().sin();
+            figure(&case, "angle, deg", got(0), Some(angle), 2.5 / angle);
+            figure(&case, "width, m", got(1), Some(width), 0.02);
+            figure(&case, "height, m", got(2), Some(round * (1.0 - cosine)), 0.02);
+        }
+    }
+}
+
+/// Weber number, first and second peak of the force over rho V^2 D^2: Sanjay et al. 2025.
+const PEAKS: [[f64; 3]; 4] = [
+    [10.0, 0.956, 1.84],
+    [50.0, 0.818, 0.369],
+    [100.0, 0.816, 0.370],
+    [400.0, 0.814, 0.372],
+];
+
+#[test]
+fn force_on_a_wall() {
+    println!();
+    let (diameter, density, sigma) = (2e-3, 1000.0, 0.0728);
+    for spacing in ["0.1 mm", "0.05 mm"] {
+        for [weber, first, second] in PEAKS {
+            let speed = f64::sqrt(weber * sigma / (density * diameter));
+            let sets = [
+                format!("pack.spacing={spacing}"),
+                format!("body.drop.velocity={speed} m/s"),
+            ];
+            let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+            let scene = rings("wall-force", &sets);
+            let mut gauge = Gauge::new(&scene.whole());
+            let unfold = Unfold::new(&scene);
+            let mut solver = start(&scene).expect("starts");
+            let turn = diameter / speed;
+            let swing = f64::sqrt(density * diameter.powi(3) / sigma);
+            let mut track = Vec::new();
+            run(solver.as_mut(), scene.impact.end, 0.02 * turn, |f| {
+                let row = gauge.measure(&unfold.whole(f));
+                let force = row.iter().find(|(n, _)| n == "wall_force_z_N");
+                let over = density * (speed * diameter).powi(2);
+                track.push((f.time, force.map_or(f64::NAN, |f| f.1) / over));
+            })
+            .expect("stays stable");
+            let contact = 0.1e-3 / speed;
+            let largest = |from: f64, to: f64| {
+                let inside = |t: f64| (from..to).contains(&(t - contact));
+                let part = track.iter().filter(|(t, force)| inside(*t) && force.is_finite());
+                part.fold((0.0, 0.0), |most, at| if at.1 > most.1 { *at } else { most })
+            };
+            // The first peak ends before the drop is flat, the second comes when it jumps.
+            let between = f64::min(0.6 * turn, 0.25 * swing);
+            let (when, peak) = largest(0.0, between);
+            let (later, jump) = largest(between, 0.8 * swing);
+            let case = format!("force on a wall, We {weber}, {spacing}");
+            figure(&case, "first peak over rho V^2 D^2", peak, Some(first), 0.05);
+            figure(&case, "second peak over rho V^2 D^2", jump, Some(second), 0.1);
+            println!(
+                "  first at {:.3} D / V, second at {:.3} sqrt(rho D^3 / sigma)",
+                (when - contact) / turn,
+                (later - contact) / swing
+            );
+        }
+    }
+}
+
+/// Contact time of drops that leave a wall of 180 degrees, Richard, Clanet & Quere 2002.
+#[test]
+fn bounce() {
+    println!();
+    let (radius, density, sigma) = (1e-3f64, 1000.0, 0.0728);
+    for weber in [3.0, 10.0, 30.0] {
+        let speed = f64::sqrt(weber * sigma / (density * radius));
+        let sets = [format!("body.drop.velocity={speed} m/s"), "impact.end=12 ms".into()];
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        let scene = rings("wall-force", &sets);
+        let mut solver = start(&scene).expect("starts");
+        let (mut touches, mut leaves) = (f64::NAN, f64::NAN);
+        run(solver.as_mut(), scene.impact.end, 2e-5, |f| {
+            let lowest = f.position[2].iter().fold(f32::INFINITY, |low, z| low.min(*z));
+            let is_near = (lowest as f64) < scene.spacing;
+            match (is_near, touches.is_nan()) {
+                (true, true) => touches = f.time,
+                (true, false) => leaves = f.time,
+                _ => {}
+            }
+        })
+        .expect("stays stable");
+        let theory = 2.6 * f64::sqrt(density * radius.powi(3) / sigma);
+        let case = format!("bounce, We {weber} with R");
+        figure(&case, "contact time, s", leaves - touches, Some(theory), 0.04);
+    }
+}

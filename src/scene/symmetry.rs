@@ -139,6 +139,22 @@ impl Scene {
         }
         whole
     }
+
+    /// The whole in three dimensions: of rings the body of revolution in the box from which its
+    /// half-plane was cut, else [`Scene::whole`]. Places of bodies are then those of the half-plane.
+    pub fn solid(&self) -> Scene {
+        if !self.domain.is_axial() {
+            return self.whole();
+        }
+        let mut solid = self.clone();
+        solid.dimension = Dimension::Three;
+        let (radius, side) = (self.domain.size[0], self.domain.boundary[0][1]);
+        for axis in 0..2 {
+            solid.domain.size[axis] = 2.0 * radius;
+            solid.domain.boundary[axis] = [side; 2];
+        }
+        solid
+    }
 }
 
 /// The image of a body behind a plane across an axis at `plane` m.

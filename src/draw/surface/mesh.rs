@@ -28,7 +28,12 @@ impl Field {
             Some(axis) => self.turned(axis),
             None => self.net(&tracer),
         };
-        let normal = |p: &V| tracer.turned_side(p).unwrap_or_else(|| tracer.normal(p)).into();
+        let normal = |p: &V| {
+            tracer
+                .turned_side(p)
+                .unwrap_or_else(|| tracer.normal(p))
+                .into()
+        };
         let colour = |p: &V| encoded(&V::from(tracer.colour(p)));
         Mesh {
             time,

@@ -264,7 +264,9 @@ pub fn export_log(
     names.extend((0..chosen.len()).map(|number| format.frame(number)));
     if selection.revolve.is_some() {
         let first = log::read_frames(path)?.next().transpose()?;
-        first.filter(|frame| !frame.mass.is_empty()).ok_or(ExportError::Plain)?;
+        first
+            .filter(|frame| !frame.mass.is_empty())
+            .ok_or(ExportError::Plain)?;
     }
     let removed = folder::clear(folder, format)?;
     let known = info.bodies.iter().map(|body| body.name.clone()).collect();

@@ -123,9 +123,7 @@ fn colour(frame: &Frame, i: usize, setup: &LogSetup) -> [u8; 3] {
     let [u, v, w] = [0, 1, 2].map(|a| frame.velocity[a][i]);
     match setup.colour {
         Colouring::Body => setup.bodies[usize::from(frame.body[i])].colour,
-        Colouring::Speed => {
-            viridis((u * u + v * v + w * w).sqrt() / setup.speed_scale as f32)
-        }
+        Colouring::Speed => viridis((u * u + v * v + w * w).sqrt() / setup.speed_scale as f32),
         Colouring::Pressure => viridis(frame.pressure[i] / setup.pressure_scale as f32),
     }
 }
@@ -138,7 +136,9 @@ pub fn encode_revolved(frame: &Frame, setup: &LogSetup, log_time: u64) -> Vec<u8
     let widest = r.iter().copied().fold(0.0, f32::max);
     let is_shown = |i: &usize| frame.surface[*i] == 1 || r[*i] > widest - spacing;
     let all = (0..r.len()).filter(is_shown);
-    let all = all.map(|i| std::f32::consts::TAU * r[i] / spacing).sum::<f32>();
+    let all = all
+        .map(|i| std::f32::consts::TAU * r[i] / spacing)
+        .sum::<f32>();
     let part = (REVOLVED / all).min(1.0);
     // What is left of the number of points goes to the next ring.
     let mut rest = 0.0;

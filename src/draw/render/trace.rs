@@ -73,7 +73,7 @@ impl<'a> Tracer<'a> {
     #[inline]
     pub fn value(&self, p: &V) -> f32 {
         if let Some(off) = self.off_axis(p) {
-            return self.field.at(off.norm(), p.z);
+            return self.field.at(off.norm(), p.z, &self.inverse).0;
         }
         let count = self.field.count;
         let mut cell = [0; 3];
@@ -129,8 +129,9 @@ impl<'a> Tracer<'a> {
             (z - field.step.z).max(self.low.z),
             (z + field.step.z).min(last.z),
         );
-        let away = (field.at(near.abs(), z) - field.at(far, z)) / (far - near);
-        let up = (field.at(r, low) - field.at(r, high)) / (high - low);
+        let at = |r: f32, z: f32| field.at(r, z, &self.inverse).0;
+        let away = (at(near.abs(), z) - at(far, z)) / (far - near);
+        let up = (at(r, low) - at(r, high)) / (high - low);
         let normal = outward * away + V::z() * up;
         normal.try_normalize(0.0).unwrap_or(V::z())
     }
@@ -262,7 +263,7 @@ impl<'a> Tracer<'a> {
         let look = |t: f32| {
             let p = from + t * along;
             let r = self.off_axis(&p).map_or(0.0, |off| off.norm());
-            (self.field.at(r, p.z), self.field.free(r, p.z))
+            self.field.at(r, p.z, &self.inverse)
         };
         if !is_inside && near > 0.0 && !on_this_side(look(near).0) {
             return Some(self.side(from, along, near));

@@ -214,33 +214,20 @@ impl Field {
         free
     }
 
-    /// Cell of a distance from the axis and a height, and the place in it.
+    /// phi of a field of revolution at a distance from the axis and a height, m, and how far a ray
+    /// may go from there without meeting the surface, m. `inverse`: of the distances of nodes.
     #[inline]
-    fn cell(&self, r: f32, z: f32) -> ([usize; 2], [f32; 2]) {
-        let place = [r / self.step.x, (z - self.low.z) / self.step.z].map(|p| p.max(0.0));
-        let last = [self.count[0], self.count[2]].map(|n| n.saturating_sub(2));
-        let cell = [0, 1].map(|a| (place[a] as usize).min(last[a]));
-        (cell, [0, 1].map(|a| (place[a] - cell[a] as f32).min(1.0)))
-    }
-
-    /// phi of a field of revolution at a distance from the axis and a height, m.
-    #[inline]
-    pub(crate) fn at(&self, r: f32, z: f32) -> f32 {
-        let ([i, k], [x, y]) = self.cell(r, z);
+    pub(crate) fn at(&self, r: f32, z: f32, inverse: &Vector3<f32>) -> (f32, f32) {
+        let x = r * inverse.x;
+        let y = ((z - self.low.z) * inverse.z).max(0.0);
+        let i = (x as usize).min(self.count[0].saturating_sub(2));
+        let k = (y as usize).min(self.count[2].saturating_sub(2));
+        let (x, y) = ((x - i as f32).min(1.0), (y - k as f32).min(1.0));
         let start = i * self.count[2] + k;
         let (near, far) = (&self.values[start..], &self.values[start + self.count[2]..]);
-        let (a, b) = (
-            near[0] + y * (near[1] - near[0]),
-            far[0] + y * (far[1] - far[0]),
-        );
-        a + x * (b - a)
-    }
-
-    /// How far a ray may go from there without meeting the surface of a field of revolution, m.
-    #[inline]
-    pub(crate) fn free(&self, r: f32, z: f32) -> f32 {
-        let ([i, k], _) = self.cell(r, z);
-        self.free[i * self.count[2] + k]
+        let a = near[0] + y * (near[1] - near[0]);
+        let b = far[0] + y * (far[1] - far[0]);
+        (a + x * (b - a), self.free[start])
     }
 }
 

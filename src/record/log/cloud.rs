@@ -1,5 +1,8 @@
 //! Particles as `foxglove.PointCloud`.
 
+use std::collections::HashSet;
+use std::f32::consts::TAU;
+
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{PackedElementField, PointCloud, Pose, Quaternion, Timestamp, Vector3};
 use prost::Message as _;
@@ -50,7 +53,7 @@ fn layout(has_mass: bool) -> (&'static [(&'static str, usize, NumericType)], usi
 const REVOLVED_STRIDE: usize = 28;
 
 /// Most points of the revolved cloud, about.
-const REVOLVED: f32 = 40_000.0;
+const REVOLVED: f32 = 20_000.0;
 
 /// Number of the repeated member `fields` of `foxglove.PointCloud`.
 const FIELDS_TAG: u32 = 5;
@@ -128,23 +131,18 @@ fn colour(frame: &Frame, i: usize, setup: &LogSetup) -> [u8; 3] {
     }
 }
 
-/// Point cloud of the surface of the body of revolution of a frame of rings, and of its side: of a
-/// ring a point each spacing, fewer if there were too many.
+/// Point cloud of the body of revolution of a frame of rings, near its surface: of a ring a point
+/// each spacing, fewer if there were too many.
 pub fn encode_revolved(frame: &Frame, setup: &LogSetup, log_time: u64) -> Vec<u8> {
     let spacing = setup.spacing as f32;
-    let [r, ..] = &frame.position;
-    let widest = r.iter().copied().fold(0.0, f32::max);
-    let is_shown = |i: &usize| frame.surface[*i] == 1 || r[*i] > widest - spacing;
-    let all = (0..r.len()).filter(is_shown);
-    let all = all
-        .map(|i| std::f32::consts::TAU * r[i] / spacing)
-        .sum::<f32>();
-    let part = (REVOLVED / all).min(1.0);
+    let lengths = outer(frame, spacing).map(|i| TAU * frame.position[0][i] / spacing);
+    let part = (REVOLVED / lengths.sum::<f32>()).min(1.0);
+    let mut outer = outer(frame, spacing).peekable();
     // What is left of the number of points goes to the next ring.
     let mut rest = 0.0;
     let points = ring::points(frame, |i| {
-        if is_shown(&i) {
-            rest += part * std::f32::consts::TAU * r[i] / spacing;
+        if outer.next_if_eq(&i).is_some() {
+            rest += part * TAU * frame.position[0][i] / spacing;
         }
         let count = f32::floor(rest);
         rest -= count;
@@ -162,6 +160,20 @@ pub fn encode_revolved(frame: &Frame, setup: &LogSetup, log_time: u64) -> Vec<u8
     let colours = colours.map(|(name, offset, number)| (*name, offset - 16, *number));
     let fields: Vec<_> = FIELDS[..6].iter().copied().chain(colours).collect();
     message(&fields, REVOLVED_STRIDE, data, log_time)
+}
+
+/// The rings near the outline of the section: beside their cell of two spacings is an empty one,
+/// not behind the axis or the floor.
+fn outer(frame: &Frame, spacing: f32) -> impl Iterator<Item = usize> {
+    let [r, _, z] = &frame.position;
+    let cell = move |i: usize| [r[i], z[i]].map(|x| (0.5 * x / spacing).floor() as i32);
+    let filled: HashSet<[i32; 2]> = (0..r.len()).map(cell).collect();
+    let is_outer = move |i: &usize| {
+        let [x, z] = cell(*i);
+        let mut about = (-1..=1).flat_map(|a| [-1, 0, 1].map(|b| [x + a, z + b]));
+        about.any(|cell| cell.iter().all(|c| *c >= 0) && !filled.contains(&cell))
+    };
+    (0..r.len()).filter(is_outer)
 }
 
 /// Point cloud of the walls, at log time 0.

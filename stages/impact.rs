@@ -257,6 +257,7 @@ impl Impact<'_> {
         let layout = Layout {
             bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
             size: scene.domain.size,
+            is_axial: scene.domain.is_axial(),
             scalars: scalars.into_iter().map(|(name, _)| name).collect(),
         };
         Ok(write_file(

@@ -74,8 +74,11 @@ fn report(context: &Context, progress: &PackProgress, started: Instant) {
 
 fn note(context: &mut Context, report: &PackReport) {
     context.note(format!(
-        "{} particles of {:.6e} kg, {:.6e} kg required",
-        report.count, report.mass, report.wanted_mass
+        "{} particles of {:.6e} {unit}, {:.6e} {unit} required",
+        report.count,
+        report.mass,
+        report.wanted_mass,
+        unit = report.unit
     ));
     context.note(format!(
         "standard deviation of density {:.4} kg/m^3 (plain sums of {} particles without a surface: \

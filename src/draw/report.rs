@@ -18,6 +18,8 @@ pub struct Report {
     pub norms: Vec<[String; 5]>,
     /// Notes about what the page cannot show.
     pub notes: Vec<String>,
+    /// Whether the run has the half-plane beside an axis.
+    pub is_axial: bool,
     /// PNG file that opens the page.
     pub picture: Option<Vec<u8>>,
     /// SVG texts.
@@ -152,8 +154,13 @@ impl Report {
     fn put_pictures(&self, page: &mut String) {
         if !self.panels.is_empty() {
             page.push_str("<h2>Snapshots</h2>\n");
-            page.push_str(
-                "<p class=\"soft\">Section of 1 mm through the axis, and bird's-eye view.</p>\n",
+            let section = match self.is_axial {
+                true => "Section through the axis",
+                false => "Section of 1 mm through the axis",
+            };
+            put(
+                page,
+                format_args!("<p class=\"soft\">{section}, and bird's-eye view.</p>\n"),
             );
         }
         for (caption, pictures) in &self.panels {

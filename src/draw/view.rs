@@ -7,7 +7,9 @@
 use rayon::prelude::*;
 
 use super::canvas::{Canvas, Colour};
+use super::render::trace::{Tracer, V};
 use super::section::body_colour;
+use super::surface::Field;
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene};
 
@@ -87,17 +89,22 @@ pub fn draw(scene: &Scene, frame: &Frame, camera: &Camera) -> Canvas {
     buffer.lit(spacing)
 }
 
+/// Draws the body of revolution of a frame of an axial scene: its surface, by a ray for each pixel.
+pub fn draw_revolved(part: &Scene, frame: &Frame, camera: &Camera) -> Canvas {
+    let colours = |body: &u8| body_colour(part, *body).map(f32::from);
+    let colours: Vec<[f32; 3]> = frame.body.iter().map(colours).collect();
+    let mut buffer = Buffer::empty(camera);
+    if let Some(field) = Field::revolved(part, frame, &colours) {
+        buffer.trace(&Tracer::new(&field), camera);
+    }
+    buffer.lit(part.spacing as f32)
+}
+
 fn splat(scene: &Scene, frame: &Frame, camera: &Camera) -> Buffer {
     let [width, height] = camera.size;
     let [right, up, away] = camera.frame();
     let pixel = camera.aperture / width as f64;
-    let mut buffer = Buffer {
-        width,
-        height,
-        depth: vec![NOTHING; width * height],
-        colour: vec![[0.0; 3]; width * height],
-        pixel: pixel as f32,
-    };
+    let mut buffer = Buffer::empty(camera);
     let colours: Vec<[f32; 3]> = (0..=255)
         .map(|b| body_colour(scene, b).map(f32::from))
         .collect();
@@ -119,6 +126,39 @@ fn splat(scene: &Scene, frame: &Frame, camera: &Camera) -> Buffer {
 }
 
 impl Buffer {
+    fn empty(camera: &Camera) -> Buffer {
+        let [width, height] = camera.size;
+        Buffer {
+            width,
+            height,
+            depth: vec![NOTHING; width * height],
+            colour: vec![[0.0; 3]; width * height],
+            pixel: (camera.aperture / width as f64) as f32,
+        }
+    }
+
+    /// What rays through the middle of the pixels meet.
+    fn trace(&mut self, tracer: &Tracer, camera: &Camera) {
+        let [right, up, away] = camera.frame().map(|v| V::from(v.map(|c| c as f32)));
+        let target = V::from(camera.target.map(|c| c as f32));
+        let eye = target - away * camera.distance as f32;
+        let [width, height] = [self.width, self.height].map(|n| 0.5 * n as f32);
+        let pixel = self.pixel;
+        let depths = self.depth.par_chunks_mut(self.width);
+        let rows = depths.zip(self.colour.par_chunks_mut(self.width));
+        rows.enumerate().for_each(|(row, (depths, colours))| {
+            for (column, place) in depths.iter_mut().zip(colours).enumerate() {
+                let x = (column as f32 + 0.5 - width) * pixel;
+                let y = (height - row as f32 - 0.5) * pixel;
+                let along = (away + right * x + up * y).normalize();
+                if let Some(hit) = tracer.hit(&eye, &along, false) {
+                    *place.0 = hit.distance * along.dot(&away);
+                    *place.1 = tracer.colour(&hit.at);
+                }
+            }
+        });
+    }
+
     /// A ball: centre and radius in pixels, distance and radius in m.
     fn put(&mut self, ball: [f32; 3], depth: f32, radius: f32, colour: [f32; 3]) {
         let [x, y, r] = ball;

@@ -15,7 +15,7 @@ use super::optimise::{self, Measure, Work};
 use super::quality::{self, Nearest};
 use super::repulse;
 use super::shape::Region;
-use super::{Particles, lattice, poisson, wall};
+use super::{Particles, lattice, poisson, ring, wall};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
 use crate::scene::input::PackInput;
 use crate::scene::{Arrangement, KernelName, Mass, Sph};
@@ -49,10 +49,13 @@ pub struct PackProgress {
 pub struct PackReport {
     /// Number of particles.
     pub count: usize,
-    /// Their total mass, kg (kg/m in 2-D).
+    /// Their total mass, kg (kg/m in 2-D); of rings that of the body of revolution, before they are
+    /// given the wanted one.
     pub mass: f64,
     /// Mass of the body's volume at rho0, kg (kg/m in 2-D).
     pub wanted_mass: f64,
+    /// Unit of both.
+    pub unit: &'static str,
     /// Standard deviation of the density from rho0 over all particles, kg/m^3, with completion
     /// outside the free surface. In a body without a free surface, number and volume determine the
     /// mean density, and Wendland's kernel overestimates the density of disordered particles
@@ -318,11 +321,13 @@ impl<'a, K: Kernel> Packing<'a, K> {
         let mut local = Vec::new();
         let level = self.level(crowd, completion, &mut local);
         let (supported, supported_spread) = quality::supported(&local, level);
-        let nominal = density * self.input.spacing.powi(self.measure.dimension as i32);
+        let (mass, wanted_mass) = self.masses(crowd);
+        let is_plane = self.measure.dimension == 2 && !self.input.domain.revolved;
         PackReport {
             count: crowd.len(),
-            mass: crowd.len() as f64 * particle_mass(self.input),
-            wanted_mass: nominal * self.region.volume(),
+            mass,
+            wanted_mass,
+            unit: if is_plane { "kg/m" } else { "kg" },
             spread: density * optimise::spread(&local, level),
             offset: density * optimise::level(&local),
             supported,
@@ -332,6 +337,26 @@ impl<'a, K: Kernel> Packing<'a, K> {
             sweeps: 0,
             seconds: self.began.elapsed().as_secs_f64(),
         }
+    }
+
+    /// Total and wanted mass.
+    fn masses(&self, crowd: &Crowd) -> (f64, f64) {
+        let PackInput {
+            density,
+            spacing,
+            domain,
+            shape,
+            ..
+        } = self.input;
+        let nominal = density * spacing.powi(self.measure.dimension as i32);
+        if !domain.revolved {
+            let mass = crowd.len() as f64 * particle_mass(self.input);
+            return (mass, nominal * self.region.volume());
+        }
+        let rings = crowd.position[0].iter();
+        let weights = rings.map(|r| ring::settle(&mut r.clone(), 1.0));
+        let mass = nominal * spacing * weights.sum::<f64>();
+        (mass, density * shape.revolved(domain))
     }
 
     fn particles(&self, crowd: Crowd) -> Particles {

@@ -13,6 +13,8 @@ pub struct Layout {
     pub bodies: Vec<String>,
     /// Size of the box, m; y is zero in 2-D.
     pub size: [f64; 3],
+    /// Whether the box is the half-plane beside an axis.
+    pub is_axial: bool,
     /// Names of the scalars of a frame, with unit suffix.
     pub scalars: Vec<String>,
 }
@@ -27,6 +29,7 @@ impl Layout {
         Layout {
             bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
             size: scene.domain.size,
+            is_axial: scene.domain.is_axial(),
             scalars,
         }
     }
@@ -83,20 +86,26 @@ impl Layout {
         for body in &self.bodies {
             topics.insert(format!("/body/{body}"), shown(4));
         }
+        let [x, y, z] = self.size;
+        let is_section = y == 0.0 && !self.is_axial;
         let mut wall = shown(2);
         // The walls would hide the drop that falls towards them.
-        wall["visible"] = json!(self.size[1] == 0.0);
+        wall["visible"] = json!(is_section);
         topics.insert("/wall".into(), wall);
-        let [x, y, z] = self.size;
-        let distance = 1.8 * x.max(y).max(z);
-        let (elevation, azimuth) = if y == 0.0 { (90, 0) } else { (68, 30) };
+        let (mut middle, mut width) = ([x / 2.0, y / 2.0], x.max(y));
+        if self.is_axial {
+            topics.insert("/revolved".into(), shown(3));
+            (middle, width) = ([0.0; 2], 2.0 * x);
+        }
+        let distance = 1.8 * width.max(z);
+        let (elevation, azimuth) = if is_section { (90, 0) } else { (68, 30) };
         json!({
             "cameraState": {
                 "perspective": true,
                 "distance": distance,
                 "phi": elevation,
                 "thetaOffset": azimuth,
-                "targetOffset": [x / 2.0, y / 2.0, 0.4 * z],
+                "targetOffset": [middle[0], middle[1], 0.4 * z],
                 "target": [0, 0, 0],
                 "targetOrientation": [0, 0, 0, 1],
                 "fovy": 45,

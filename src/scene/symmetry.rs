@@ -106,14 +106,16 @@ impl Shape {
 }
 
 impl Scene {
-    /// The side about which an axis is unfolded to the whole: that of a mirror plane that cuts a
-    /// body or touches a block. A layer alone touches every side and does not count.
+    /// The side about which an axis is unfolded to the whole: that of an axis of revolution, or of a
+    /// mirror plane that cuts a body or touches a block. A layer alone touches every side and does
+    /// not count.
     pub fn unfolds(&self, axis: usize) -> Option<usize> {
         let is_cut = |body: &Body| body.shape.is_met(&self.domain, axis);
         let solid = |body: &&Body| !matches!(body.shape, Shape::Layer { .. });
         let fold = self.domain.fold(axis)?;
         let mut bodies = self.bodies.iter().filter(solid);
-        bodies.any(is_cut).then_some(fold)
+        let is_axis = self.domain.boundary[axis][fold] == Side::Axis;
+        (is_axis || bodies.any(is_cut)).then_some(fold)
     }
 
     /// The whole of which this scene is a part; the scene itself if no mirror plane cuts it. Images
@@ -143,6 +145,22 @@ impl Scene {
             whole.bodies.extend(images);
         }
         whole
+    }
+
+    /// The whole in three dimensions: of rings the body of revolution in the box from which its
+    /// half-plane was cut, else [`Scene::whole`]. Places of bodies are then those of the half-plane.
+    pub fn solid(&self) -> Scene {
+        if !self.domain.is_axial() {
+            return self.whole();
+        }
+        let mut solid = self.clone();
+        solid.dimension = Dimension::Three;
+        let (radius, side) = (self.domain.size[0], self.domain.boundary[0][1]);
+        for axis in 0..2 {
+            solid.domain.size[axis] = 2.0 * radius;
+            solid.domain.boundary[axis] = [side; 2];
+        }
+        solid
     }
 }
 

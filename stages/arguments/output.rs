@@ -29,6 +29,11 @@ pub struct ExportArguments {
     /// Only the particles of this body; repeatable
     #[arg(long, value_name = "NAME")]
     pub body: Vec<String>,
+    /// Of a scene with an axis: each ring as points about it that share its mass, a spacing apart,
+    /// at most N
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true,
+          default_missing_value = "64", value_parser = export::points)]
+    pub revolve: Option<usize>,
     /// One JSON object on standard output, for scripts
     #[arg(long)]
     pub json: bool,

@@ -21,6 +21,7 @@ Examples:
   coronet export artifacts/latest/pipeline --to vtk
   coronet export artifacts/latest/pipeline --to npz --at \"10 ms\" --body drop
   coronet export artifacts/latest/pipeline --to csv --every \"5 ms\" --output tables
+  coronet export artifacts/latest/rings --to vtk --revolve
 
 Times count from the start of the run. SI units.";
 
@@ -31,6 +32,12 @@ pub fn step(text: &str) -> Result<f64, String> {
     is_step
         .then_some(step)
         .ok_or_else(|| "give a time above zero, as \"5 ms\"".to_string())
+}
+
+/// Parses the most points of a ring.
+pub fn points(text: &str) -> Result<usize, String> {
+    let found = text.parse().ok().filter(|n| (1..=100_000).contains(n));
+    found.ok_or_else(|| "give a number from 1 to 100000".to_string())
 }
 
 pub fn export(arguments: &ExportArguments) -> Result<()> {
@@ -50,6 +57,7 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
                 None => Which::Nearest(arguments.at.clone()),
             },
             bodies: arguments.body.clone(),
+            revolve: arguments.revolve,
         },
     };
     let thing = thing(&arguments.path)?;
@@ -114,8 +122,8 @@ impl Order<'_> {
     fn checkpoints(&self, files: &[PathBuf], path: &Path) -> Result<Exported> {
         if self.selection != Selection::default() {
             bail!(Usage(format!(
-                "{} is one state without names of bodies; --at, --every and --body need the \
-                 folder of a run or its log",
+                "{} is one state without names of bodies; --at, --every, --body and --revolve \
+                 need the folder of a run or its log",
                 path.display()
             )));
         }

@@ -109,7 +109,8 @@ pub fn render(arguments: &RenderArguments) -> Result<()> {
     pool.install(|| {
         let footage = Footage::find(arguments)?;
         let scene = footage.scene()?;
-        if scene.dimension == Dimension::Two && matches!(format, Format::Mesh(_)) {
+        let is_flat = scene.solid().dimension == Dimension::Two;
+        if is_flat && matches!(format, Format::Mesh(_)) {
             let text = "a scene in two dimensions has no surface of triangles; render a picture";
             bail!(Usage(text.into()));
         }

@@ -352,6 +352,7 @@ fn the_layout_shows_every_body_and_plots_every_scalar() {
     let layout = Layout {
         bodies: vec!["drop".into(), "pool".into()],
         size: [0.04, 0.04, 0.02],
+        is_axial: false,
         scalars: ["kinetic_energy_J", "time_step_s", "potential_energy_J"]
             .map(Into::into)
             .into(),

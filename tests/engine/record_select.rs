@@ -59,6 +59,7 @@ fn a_body_at_an_instant_becomes_arrays() {
     let selection = Selection {
         which: Which::Nearest(vec![frame(1).time]),
         bodies: vec![body],
+        ..Selection::default()
     };
     let out = folder.path().join("out");
     fs::create_dir(&out).unwrap();

@@ -17,6 +17,7 @@ mod program;
 mod promise;
 mod render;
 mod resume;
+mod rings;
 mod runs;
 mod schema;
 mod sharing;

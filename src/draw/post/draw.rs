@@ -16,8 +16,8 @@ impl Post {
             return Ok(());
         };
         let mut survey = Survey::default();
-        survey.add(&self.scene, &frame);
-        let picture = Artist::new(&self.scene, &survey, Style::default()).picture(&frame);
+        survey.add(&self.part, &frame);
+        let picture = Artist::new(&self.part, &survey, Style::default()).picture(&frame);
         let png = picture.png().map_err(|e| draw_error("picture", &e))?;
         self.write("picture.png", &png)?;
         report.picture = Some(png);

@@ -98,7 +98,7 @@ pub struct Post {
     panels: Instants,
     fields: Instants,
     sections: Vec<(Section, Option<Canvas>)>,
-    /// Largest height of the crown so far, with its frame: for the title picture.
+    /// Largest height of the crown so far, with its frame of the part: for the title picture.
     best: Option<(f64, Frame)>,
     averages: Vec<Field>,
     files: Vec<PathBuf>,
@@ -168,36 +168,39 @@ impl Post {
     }
 
     /// Measures several frames in parallel.
-    pub fn frames(&mut self, frames: &[Frame]) -> Result<(), PostError> {
+    pub fn frames(&mut self, parts: &[Frame]) -> Result<(), PostError> {
         // The first frame defines the level that the others are measured from.
-        let alone = usize::from(self.last.is_none() && !frames.is_empty());
+        let alone = usize::from(self.last.is_none() && !parts.is_empty());
         let wholes: Vec<Frame>;
         let frames = match self.unfold.is_plain() {
-            true => frames,
+            true => parts,
             false => {
-                wholes = frames.par_iter().map(|f| self.unfold.frame(f)).collect();
+                wholes = parts.par_iter().map(|f| self.unfold.frame(f)).collect();
                 &wholes
             }
         };
         let (first, rest) = frames.split_at(alone);
-        self.measure(first)?;
-        self.measure(rest)
+        let (first_part, rest_part) = parts.split_at(alone);
+        self.measure(first, first_part)?;
+        self.measure(rest, rest_part)
     }
 
-    fn measure(&mut self, frames: &[Frame]) -> Result<(), PostError> {
+    /// `parts`: the same frames of the part that was simulated.
+    fn measure(&mut self, frames: &[Frame], parts: &[Frame]) -> Result<(), PostError> {
         let asked: Result<Vec<Asked>, PostError> = frames.iter().map(|f| self.ask(f)).collect();
         let looks: Vec<Look> = frames
             .par_iter()
+            .zip(parts)
             .zip(asked?)
-            .map(|(frame, asked)| self.look(frame, asked))
+            .map(|((frame, part), asked)| self.look(frame, part, asked))
             .collect();
-        for (frame, look) in frames.iter().zip(looks) {
+        for (part, look) in parts.iter().zip(looks) {
             let (row, start) = look.measured;
             self.gauge.start = start;
             self.series.push(&row);
             if let Some(panel) = look.panel {
                 self.sections.push(panel);
-                self.keep_best(frame, &row);
+                self.keep_best(part, &row);
             }
             self.averages.extend(look.field);
         }
@@ -215,17 +218,21 @@ impl Post {
         })
     }
 
-    fn look(&self, frame: &Frame, asked: Asked) -> Look {
+    fn look(&self, frame: &Frame, part: &Frame, asked: Asked) -> Look {
         let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
         let panel = asked.panel.then(|| {
             let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
-            let view = (self.scene.dimension == Dimension::Three).then(|| {
+            let solid = self.part.solid();
+            let view = (solid.dimension == Dimension::Three).then(|| {
                 // Drawn at twice the size, and a quarter taller than wide: room for a jet.
                 let width = 2 * section::width(&self.scene);
                 let size = [width, width / 4 * 5];
-                let camera =
-                    Camera::whole(&self.scene, self.scene.pool_depth().unwrap_or(0.0), size);
-                view::draw(&self.scene, frame, &camera).halved()
+                let camera = Camera::whole(&solid, self.scene.pool_depth().unwrap_or(0.0), size);
+                match self.part.domain.is_axial() {
+                    true => view::draw_revolved(&self.part, part, &camera),
+                    false => view::draw(&self.scene, frame, &camera),
+                }
+                .halved()
             });
             (section, view)
         });
@@ -239,7 +246,7 @@ impl Post {
 
     /// The title picture is that of the panel with the highest crown (without a pool: the last).
     fn keep_best(&mut self, frame: &Frame, row: &Row) {
-        if self.scene.dimension == Dimension::Two {
+        if self.part.solid().dimension == Dimension::Two {
             return;
         }
         let crown = row.iter().find(|(name, _)| name == "crown_height_m");
@@ -263,6 +270,7 @@ impl Post {
             },
             scene: self.scene.name.clone(),
             provenance: provenance.to_vec(),
+            is_axial: self.part.domain.is_axial(),
             ..Report::default()
         };
         self.draw_title(&mut report)?;

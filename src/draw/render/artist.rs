@@ -1,5 +1,7 @@
 //! Pictures and meshes of the frames of a run, all seen in the same way.
 
+use std::borrow::Cow;
+
 use super::camera::{Camera, View};
 use super::flat::Sheet;
 use super::overlay::Overlay;
@@ -81,13 +83,22 @@ fn exceeded(mut values: Vec<f32>, part: f64) -> f32 {
 impl Survey {
     /// Takes a frame, of the simulated part of the scene.
     pub fn add(&mut self, part: &Scene, frame: &Frame) {
-        let frame = Unfold::new(part).whole(frame);
+        let is_axial = part.domain.is_axial();
+        let frame = match is_axial {
+            true => Cow::Borrowed(frame),
+            false => Unfold::new(part).whole(frame),
+        };
         if frame.id.is_empty() {
             return;
         }
         let end = |part: f64| V::from([0, 1, 2].map(|a| exceeded(frame.position[a].clone(), part)));
         let half = V::repeat(0.5 * part.spacing as f32);
-        let [low, high] = [end(0.999) - half, end(0.001) + half];
+        let [mut low, mut high] = [end(0.999) - half, end(0.001) + half];
+        if is_axial {
+            let (middle, reach) = (part.domain.size[0] as f32, high.x);
+            (low.x, low.y) = (middle - reach, middle - reach);
+            (high.x, high.y) = (middle + reach, middle + reach);
+        }
         self.corners = Some(match self.corners {
             Some([l, h]) => [l.inf(&low), h.sup(&high)],
             None => [low, high],
@@ -103,7 +114,9 @@ impl Survey {
 
 /// Draws the frames of a run.
 pub struct Artist {
+    /// The whole, and the part that was simulated.
     scene: Scene,
+    part: Scene,
     unfold: Unfold,
     style: Style,
     corners: [V; 2],
@@ -114,7 +127,7 @@ pub struct Artist {
 impl Artist {
     /// For frames of `part`, the simulated part of a scene, that have been surveyed.
     pub fn new(part: &Scene, survey: &Survey, style: Style) -> Artist {
-        let scene = part.whole();
+        let scene = part.solid();
         let size = V::from(scene.domain.size.map(|s| s as f32));
         let mut corners = survey.corners.unwrap_or([V::zeros(), size]);
         for a in 0..3 {
@@ -133,6 +146,7 @@ impl Artist {
         };
         Artist {
             unfold: Unfold::new(part),
+            part: part.clone(),
             scene,
             style,
             corners,
@@ -157,6 +171,9 @@ impl Artist {
     }
 
     fn field(&self, frame: &Frame) -> Option<Field> {
+        if self.part.domain.is_axial() {
+            return Field::revolved(&self.part, frame, &self.colours(frame));
+        }
         let frame = self.unfold.whole(frame);
         Field::new(&self.scene, &frame, &self.colours(&frame))
     }
@@ -201,7 +218,7 @@ impl Artist {
         };
         let mut overlay = Overlay::new(&mut canvas, style.background);
         if style.has_clock {
-            overlay.clock(frame.time - contact_time(&self.scene));
+            overlay.clock(frame.time - contact_time(&self.part.whole()));
         }
         if style.has_scale {
             overlay.scale(pixel);

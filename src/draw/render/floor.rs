@@ -49,7 +49,7 @@ impl Lit {
             let Some(hit) = tracer.hit(&from, &-key, false) else {
                 return;
             };
-            let is_under = (0..2).all(|a| target[a] > low[a] && target[a] < high[a]);
+            let is_under = tracer.is_within(&V::new(target[0], target[1], low.z));
             let is_beside = is_clear && is_block && !is_under;
             found.push((target, -energy * if is_beside { SHADE } else { 1.0 }));
             if is_clear && !hit.is_side {

@@ -20,7 +20,7 @@ pub struct Hit {
     pub is_side: bool,
 }
 
-/// A field with what rays need of it.
+/// A field with what rays need of it. A field of revolution fills a cylinder about its axis.
 pub struct Tracer<'a> {
     field: &'a Field,
     low: V,
@@ -31,12 +31,17 @@ pub struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    /// Of a field in three dimensions.
+    /// Of a field in three dimensions, or of one of revolution.
     pub fn new(field: &'a Field) -> Tracer<'a> {
+        let (mut low, mut high) = (field.low, field.high());
+        if let Some([x, y]) = field.axis {
+            (low.x, low.y) = (x - high.x, y - high.x);
+            (high.x, high.y) = (x + high.x, y + high.x);
+        }
         Tracer {
             field,
-            low: field.low,
-            high: field.high(),
+            low,
+            high,
             inverse: field.step.map(|s| 1.0 / s),
             step: 0.6 * field.step.min(),
         }
@@ -52,9 +57,24 @@ impl<'a> Tracer<'a> {
         0.05 * self.step
     }
 
+    /// Of the cylinder that a field of revolution fills, m.
+    fn radius(&self) -> f32 {
+        0.5 * (self.high.x - self.low.x)
+    }
+
+    /// Vector from the axis to a point of a body of revolution, its height left out.
+    #[inline]
+    fn off_axis(&self, p: &V) -> Option<V> {
+        let [x, y] = self.field.axis?;
+        Some(V::new(p.x - x, p.y - y, 0.0))
+    }
+
     /// phi between nodes; at the sides if outside.
     #[inline]
     pub fn value(&self, p: &V) -> f32 {
+        if let Some(off) = self.off_axis(p) {
+            return self.field.at(off.norm(), p.z, &self.inverse).0;
+        }
         let count = self.field.count;
         let mut cell = [0; 3];
         let mut part = [0.0; 3];
@@ -78,11 +98,16 @@ impl<'a> Tracer<'a> {
 
     /// Whether a point is in the box of the field.
     pub fn is_within(&self, p: &V) -> bool {
-        (0..3).all(|a| p[a] >= self.low[a] && p[a] <= self.high[a])
+        let in_reach = |off: V| off.norm() <= self.radius();
+        self.off_axis(p).is_none_or(in_reach)
+            && (0..3).all(|a| p[a] >= self.low[a] && p[a] <= self.high[a])
     }
 
     /// Normal out of the liquid: minus the gradient over a step to each side.
     pub fn normal(&self, p: &V) -> V {
+        if let Some(off) = self.off_axis(p) {
+            return self.turned_normal(off, p.z);
+        }
         let mut gradient = V::zeros();
         for a in 0..3 {
             let reach = self.field.step[a];
@@ -94,15 +119,50 @@ impl<'a> Tracer<'a> {
         gradient.try_normalize(0.0).unwrap_or(V::z())
     }
 
+    /// The same of a field of revolution, which goes on beyond its axis; `off`: vector from it.
+    fn turned_normal(&self, off: V, z: f32) -> V {
+        let (field, r) = (self.field, off.norm());
+        let last = field.high();
+        let outward = off.try_normalize(0.0).unwrap_or(V::x());
+        let (near, far) = (r - field.step.x, (r + field.step.x).min(last.x));
+        let (low, high) = (
+            (z - field.step.z).max(self.low.z),
+            (z + field.step.z).min(last.z),
+        );
+        let at = |r: f32, z: f32| field.at(r, z, &self.inverse).0;
+        let away = (at(near.abs(), z) - at(far, z)) / (far - near);
+        let up = (at(r, low) - at(r, high)) / (high - low);
+        let normal = outward * away + V::z() * up;
+        normal.try_normalize(0.0).unwrap_or(V::z())
+    }
+
+    /// Normal of the mesh of a body of revolution: at the sides that of the side.
+    pub fn turned_side(&self, p: &V) -> Option<V> {
+        let off = self.off_axis(p)?;
+        let near = |a: f32, b: f32| (a - b).abs() < self.offset();
+        match () {
+            () if near(p.z, self.low.z) => Some(-V::z()),
+            () if near(p.z, self.high.z) => Some(V::z()),
+            () if near(off.norm(), self.radius()) => off.try_normalize(0.0),
+            () => None,
+        }
+    }
+
     /// Colour of the liquid at a point of its surface.
     pub fn colour(&self, p: &V) -> [f32; 3] {
+        let (low, count) = (self.field.low, self.field.count);
+        let off = self.off_axis(p);
+        let p = &off.map_or(*p, |off| V::new(off.norm(), low.y, p.z));
         let node = [0, 1, 2].map(|a| {
-            let place = ((p[a] - self.low[a]) * self.inverse[a]).max(0.0);
-            (place as usize).min(self.field.count[a].saturating_sub(2))
+            let place = ((p[a] - low[a]) * self.inverse[a]).max(0.0);
+            (place as usize).min(count[a].saturating_sub(2))
         });
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for corner in 0..8 {
             let n = [0, 1, 2].map(|a| node[a] + (corner >> a & 1));
+            if n[1] == count[1] {
+                continue;
+            }
             let d = (self.field.node(n) - p).component_mul(&self.inverse);
             let place = self.field.index(n);
             let weight = d.map(|d| (1.0 - d.abs()).max(0.0)).product() * self.field.values[place];
@@ -131,6 +191,19 @@ impl<'a> Tracer<'a> {
             near = near.max(l.min(h));
             far = far.min(l.max(h));
         }
+        if let Some(off) = self.off_axis(from) {
+            let along = V::new(1.0 / inverse.x, 1.0 / inverse.y, 0.0);
+            let (a, b) = (along.norm_squared(), off.dot(&along));
+            let beyond = off.norm_squared() - self.radius().powi(2);
+            let square = b * b - a * beyond;
+            if square < 0.0 || (a == 0.0 && beyond > 0.0) {
+                return None;
+            }
+            if a > 0.0 {
+                near = near.max((-b - square.sqrt()) / a);
+                far = far.min((-b + square.sqrt()) / a);
+            }
+        }
         (near < far).then_some([near, far])
     }
 
@@ -138,6 +211,9 @@ impl<'a> Tracer<'a> {
     pub fn hit(&self, from: &V, along: &V, is_inside: bool) -> Option<Hit> {
         let inverse = along.map(|c| 1.0 / c);
         let [near, far] = self.range(from, &inverse)?;
+        if self.field.axis.is_some() {
+            return self.hit_turned(from, along, [near, far], is_inside);
+        }
         let on_this_side = |value: f32| (value > LEVEL) == is_inside;
         let start = near.max(self.offset());
         if !is_inside && near > 0.0 && !on_this_side(self.value(&(from + near * along))) {
@@ -171,6 +247,41 @@ impl<'a> Tracer<'a> {
                 (before, last) = (t, value);
             }
             t += 1e-4 * self.step;
+        }
+        is_inside.then(|| self.side(from, along, far))
+    }
+
+    /// The same in a field of revolution, where a ray goes as far as no surface is near.
+    fn hit_turned(
+        &self,
+        from: &V,
+        along: &V,
+        [near, far]: [f32; 2],
+        is_inside: bool,
+    ) -> Option<Hit> {
+        let on_this_side = |value: f32| (value > LEVEL) == is_inside;
+        let look = |t: f32| {
+            let p = from + t * along;
+            let r = self.off_axis(&p).map_or(0.0, |off| off.norm());
+            self.field.at(r, p.z, &self.inverse)
+        };
+        if !is_inside && near > 0.0 && !on_this_side(look(near).0) {
+            return Some(self.side(from, along, near));
+        }
+        let start = near.max(self.offset());
+        let (mut t, (mut last, mut free)) = (start, look(start));
+        let mut is_off = !on_this_side(last);
+        while t < far {
+            let before = t;
+            t = (t + free.max(self.step)).min(far);
+            let (value, next) = look(t);
+            // A ray that starts just beyond the surface is on its side a step later.
+            if is_off && (on_this_side(value) || t - start < 1.5 * self.step) {
+                is_off = !on_this_side(value);
+            } else if !on_this_side(value) {
+                return Some(self.root(from, along, [(before, last), (t, value)]));
+            }
+            (last, free) = (value, next);
         }
         is_inside.then(|| self.side(from, along, far))
     }
@@ -219,7 +330,12 @@ impl<'a> Tracer<'a> {
     fn side(&self, from: &V, along: &V, t: f32) -> Hit {
         let at = from + t * along;
         let mut best = (f32::MAX, V::z());
-        for a in 0..3 {
+        let off = self.off_axis(&at);
+        if let Some(off) = off {
+            let outward = off.try_normalize(0.0).unwrap_or(V::x());
+            best = ((self.radius() - off.norm()).abs(), outward);
+        }
+        for a in if off.is_some() { 2..3 } else { 0..3 } {
             for (plane, sign) in [(self.low[a], -1.0), (self.high[a], 1.0)] {
                 let away = (at[a] - plane).abs();
                 if away < best.0 {

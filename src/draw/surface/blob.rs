@@ -33,6 +33,8 @@ pub(super) struct Blob {
     pub strength: f32,
     /// Half of the sides of its bounding box, m.
     pub extent: Vector3<f32>,
+    /// Of a ring: the number of its turned kernels in half a turn; else 0.
+    pub turns: usize,
 }
 
 /// The blobs of all points, in their order.
@@ -42,7 +44,9 @@ pub(super) fn blobs(points: &Points, spacing: f32, is_flat: bool) -> Vec<Blob> {
         true => all
             .map(|p| Blob::round(*p, SMOOTHING * spacing, flat_strength()))
             .collect(),
-        false => all.map(|p| Blob::new(points, *p, spacing)).collect(),
+        false => all
+            .map(|p| Blob::new(points, *p, spacing, |_| 1.0))
+            .collect(),
     }
 }
 
@@ -63,17 +67,24 @@ impl Blob {
             inverse: Matrix3::from_diagonal_element(1.0 / h),
             strength,
             extent: Vector3::repeat(2.0 * h),
+            turns: 0,
         }
     }
 
-    fn new(points: &Points, own: Vector3<f32>, spacing: f32) -> Blob {
+    /// `volume`: of a point, by its source, in cubes of the spacing.
+    pub fn new(
+        points: &Points,
+        own: Vector3<f32>,
+        spacing: f32,
+        volume: impl Fn(u32) -> f32,
+    ) -> Blob {
         let reach = REACH * spacing;
         let (mut weight, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
-        points.near(&own, |other| {
+        points.near(&own, |other, source| {
             let d = (other - own) / reach;
             let r = d.norm();
             if r < 1.0 {
-                let w = 1.0 - r * r * r;
+                let w = volume(source) * (1.0 - r * r * r);
                 weight += w;
                 first += w * d;
                 second += w * d * d.transpose();
@@ -107,6 +118,7 @@ impl Blob {
             inverse,
             strength: boost * strength(smoothing),
             extent: extent.into(),
+            turns: 0,
         }
     }
 }

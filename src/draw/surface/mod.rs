@@ -5,11 +5,14 @@
 //! with the kernels of [`blob`] on a grid of half the particle spacing. The surface is the level
 //! 1/2 inside the box of the grid, closed by its sides: the liquid ends exactly at a wall, and is
 //! cut at a periodic side. Walls mirror the liquid, periodic sides repeat it. Each slab of
-//! the grid sums in a fixed order: the result is independent of the number of threads.
+//! the grid sums in a fixed order: the result is independent of the number of threads. The field of
+//! rings is that of their half-plane, a [field of revolution](Field::revolved).
 
 mod blob;
+mod contour;
 mod mesh;
 mod points;
+mod revolved;
 mod smooth;
 
 use nalgebra::Vector3;
@@ -36,8 +39,11 @@ pub struct Field {
     pub low: Vector3<f32>,
     /// Distance of nodes, m.
     pub step: Vector3<f32>,
-    /// Nodes along each axis; one along y in 2-D.
+    /// Nodes along each axis; one along y in 2-D and in the half-plane.
     pub count: [usize; 3],
+    /// x and y of the axis of a field of revolution, m; its nodes are in the half-plane beside it,
+    /// whose x is the distance from it.
+    pub axis: Option<[f32; 2]>,
     /// Particle spacing, m.
     pub spacing: f32,
     /// phi at nodes, z fastest, then y.
@@ -46,6 +52,8 @@ pub struct Field {
     pub colours: Vec<[f32; 3]>,
     /// Smallest and largest phi in each block of cells.
     pub(crate) bounds: Vec<[f32; 2]>,
+    /// What a ray may go from each node without meeting the surface, m; of revolution only.
+    free: Vec<f32>,
 }
 
 /// Extent of the grid along an axis: position of the first node, distance, number.
@@ -60,7 +68,9 @@ fn axis(scene: &Scene, axis: usize, [low, high]: [f32; 2], cell: f64) -> (f32, f
     let [first, last] = scene.domain.boundary[axis].map(|side| side == Side::Open);
     let mut start = ((f64::from(low) - margin) / step).floor();
     let mut end = ((f64::from(high) + margin) / step).ceil();
-    if !first {
+    if scene.domain.boundary[axis][0] == Side::Axis {
+        start = 0.0;
+    } else if !first {
         start = start.max(0.0);
     }
     if !last {
@@ -79,10 +89,10 @@ impl Field {
         let spacing = scene.spacing as f32;
         let margin = (EXTENT + REACH).min(8.0) * spacing;
         let points = Points::new(&scene.domain, &frame.position, margin, REACH * spacing);
-        let mut field = Field::empty(scene, frame)?;
+        let mut field = Field::empty(scene, frame, 0.5 * scene.spacing)?;
         let blobs = blobs(&points, spacing, is_flat);
         field.sum(&blobs, &points.source, colours);
-        field.smooth();
+        field.smooth(0.0);
         field.bound();
         Some(field)
     }
@@ -93,14 +103,17 @@ impl Field {
             low: Vector3::zeros(),
             step: Vector3::repeat(1e-3),
             count: [2; 3],
+            axis: None,
             spacing: 1e-3,
             values: vec![0.0; 8],
             colours: Vec::new(),
             bounds: vec![[0.0; 2]],
+            free: Vec::new(),
         }
     }
 
-    fn empty(scene: &Scene, frame: &Frame) -> Option<Field> {
+    /// A grid about the liquid, its nodes `cell` m apart.
+    fn empty(scene: &Scene, frame: &Frame, mut cell: f64) -> Option<Field> {
         let range = |a: usize| {
             let size = scene.domain.size[a] as f32;
             let is_there =
@@ -114,7 +127,6 @@ impl Field {
         if ranges[0][0] > ranges[0][1] {
             return None;
         }
-        let mut cell = 0.5 * scene.spacing;
         loop {
             let axes = [0, 1, 2].map(|a| axis(scene, a, ranges[a], cell));
             let count = axes.map(|(_, _, count)| count);
@@ -126,10 +138,12 @@ impl Field {
                 low: axes.map(|(low, ..)| low).into(),
                 step: axes.map(|(_, step, _)| step).into(),
                 count,
+                axis: None,
                 spacing: scene.spacing as f32,
                 values: vec![0.0; count.iter().product()],
                 colours: Vec::new(),
                 bounds: Vec::new(),
+                free: Vec::new(),
             });
         }
     }
@@ -164,7 +178,11 @@ impl Field {
         work.for_each(|(n, ((out, sums), list))| {
             for &i in list {
                 let colour = colours.get(source[i] as usize);
-                vectorised(|| self.add(&blobs[i], n * SLAB, out, colour.map(|c| (*c, &mut *sums))));
+                let colour = colour.map(|c| (*c, &mut *sums));
+                match blobs[i].turns {
+                    0 => vectorised(|| self.add(&blobs[i], n * SLAB, out, colour)),
+                    _ => vectorised(|| self.turn(&blobs[i], n * SLAB, out, colour)),
+                }
             }
             for (sum, value) in sums.iter_mut().zip(out) {
                 *sum = sum.map(|c| c / value.max(1e-6));

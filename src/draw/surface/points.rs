@@ -20,7 +20,11 @@ impl Points {
     /// Images reach `margin` m beyond the sides; cells are `cell` m wide. Points that are NaN
     /// or far outside the box are left out.
     pub fn new(domain: &Domain, position: &[Vec<f32>; 3], margin: f32, cell: f32) -> Points {
-        let all = with_images(domain, position, margin);
+        Points::sorted(with_images(domain, position, margin), cell)
+    }
+
+    /// These points, with the numbers of what they stem from; cells are `cell` m wide.
+    pub fn sorted(all: Vec<(Vector3<f32>, u32)>, cell: f32) -> Points {
         let bound = |pick: fn(f32, f32) -> f32, start: f32| {
             let fold = |sum: Vector3<f32>, (p, _): &(Vector3<f32>, u32)| sum.zip_map(p, pick);
             all.iter().fold(Vector3::repeat(start), fold)
@@ -65,8 +69,8 @@ impl Points {
         (x * self.cells[1] + y) * self.cells[2] + z
     }
 
-    /// Calls `visit` for all points in the cell of `p` and in those around it.
-    pub fn near(&self, p: &Vector3<f32>, mut visit: impl FnMut(&Vector3<f32>)) {
+    /// Calls `visit` for all points in the cell of `p` and in those around it, with their sources.
+    pub fn near(&self, p: &Vector3<f32>, mut visit: impl FnMut(&Vector3<f32>, u32)) {
         let cell = self.cell_of(p);
         let [x, y, z] =
             [0, 1, 2].map(|a| cell[a].saturating_sub(1)..(cell[a] + 2).min(self.cells[a]));
@@ -74,14 +78,21 @@ impl Points {
             for j in y.clone() {
                 let first = self.start[self.index([i, j, z.start])] as usize;
                 let last = self.start[self.index([i, j, z.end - 1]) + 1] as usize;
-                self.at[first..last].iter().for_each(&mut visit);
+                let sources = &self.source[first..last];
+                let points = self.at[first..last].iter().zip(sources);
+                points.for_each(|(point, source)| visit(point, *source));
             }
         }
     }
 }
 
-/// Positions with the numbers of their particles. Walls mirror the liquid, so that it ends at them.
-fn with_images(domain: &Domain, position: &[Vec<f32>; 3], margin: f32) -> Vec<(Vector3<f32>, u32)> {
+/// Positions with the numbers of their particles. Walls mirror the liquid, so that it ends at them;
+/// rings have no image behind the axis.
+pub(super) fn with_images(
+    domain: &Domain,
+    position: &[Vec<f32>; 3],
+    margin: f32,
+) -> Vec<(Vector3<f32>, u32)> {
     let size = domain.size.map(|s| s as f32);
     let is_inside = |p: &Vector3<f32>| {
         (0..3).all(|a| size[a] == 0.0 || (p[a] >= -size[a] && p[a] <= 2.0 * size[a]))
@@ -103,7 +114,7 @@ fn with_images(domain: &Domain, position: &[Vec<f32>; 3], margin: f32) -> Vec<(V
                 all.push((image, source));
             };
             match low {
-                Side::Open => {}
+                Side::Open | Side::Axis => {}
                 Side::Periodic if x < margin => add(x + size),
                 _ if x < margin => add(-x),
                 _ => {}

@@ -12,8 +12,9 @@ use crate::draw::smooth_step;
 const BINOMIAL: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
 
 impl Field {
-    /// Smooths the field.
-    pub(super) fn smooth(&mut self) {
+    /// Smooths the field; `sharpness`: how often the difference between the mean and the mean of it
+    /// is added, against the flattening of curved surfaces.
+    pub(super) fn smooth(&mut self, sharpness: f32) {
         let cells = self.spacing / self.step.min();
         let passes = (cells * cells).round() as usize;
         let axes = [0, 1, 2].into_iter().filter(|&axis| self.count[axis] > 1);
@@ -31,6 +32,10 @@ impl Field {
         blur(&mut mean, passes);
         let mut depth = mean.clone();
         blur(&mut depth, passes);
+        if sharpness > 0.0 {
+            let pairs = mean.par_iter_mut().zip(&depth);
+            pairs.for_each(|(mean, blurred)| *mean += sharpness * (*mean - blurred));
+        }
         let reach = (1.5 * cells).round() as usize;
         for axis in axes.iter().cycle().take(reach * axes.len()) {
             self.along(*axis, &depth, &mut spare, |near| {

@@ -3,7 +3,7 @@
 //!
 //! Besides what a frame or checkpoint holds, each particle has `mass`, kg (kg/m in 2-D), and
 //! `radius`, m: that of a sphere (2-D: a disc) of its volume, mass over density; of a ring that of
-//! a disc of its area in the half-plane.
+//! a disc of its area in the half-plane. Rings can be exported as points about their axis.
 
 mod choice;
 mod csv;
@@ -26,7 +26,8 @@ use super::atomic;
 use super::checkpoint::{self, CheckpointError};
 use super::log::{self, LogError};
 use crate::file::FileError;
-use crate::scene::Clock;
+use crate::particle::{Frame, ring};
+use crate::scene::{Clock, Dimension};
 use folder::List;
 
 /// An export that failed.
@@ -68,6 +69,9 @@ pub enum ExportError {
         /// Names of the bodies.
         known: String,
     },
+    /// The run has no axis.
+    #[error("the run has no rings to revolve: its scene has no `box.symmetry = \"axis\"`")]
+    Plain,
     /// The list of an earlier export is not one.
     #[error(
         "{} is not the list of an export ({problem}): remove it, or export to another folder",
@@ -93,10 +97,10 @@ impl ExportError {
 
     /// Whether something was asked for that does not exist.
     pub fn is_usage(&self) -> bool {
-        use ExportError::{Body, Format, List, Outside};
+        use ExportError::{Body, Format, List, Outside, Plain};
         matches!(
             self,
-            Body { .. } | Format { .. } | List { .. } | Outside { .. }
+            Body { .. } | Format { .. } | List { .. } | Outside { .. } | Plain
         )
     }
 }
@@ -119,6 +123,8 @@ pub struct Selection {
     pub which: Which,
     /// Names of the bodies whose particles are exported; all if empty.
     pub bodies: Vec<String>,
+    /// Into how many points about the axis a ring is divided at most; rings stay whole if `None`.
+    pub revolve: Option<usize>,
 }
 
 /// A format to export to.
@@ -256,6 +262,12 @@ pub fn export_log(
     let chosen = selection.which.of(&times)?;
     let mut names = vec![format.index().to_string()];
     names.extend((0..chosen.len()).map(|number| format.frame(number)));
+    if selection.revolve.is_some() {
+        let first = log::read_frames(path)?.next().transpose()?;
+        first
+            .filter(|frame| !frame.mass.is_empty())
+            .ok_or(ExportError::Plain)?;
+    }
     let removed = folder::clear(folder, format)?;
     let known = info.bodies.iter().map(|body| body.name.clone()).collect();
     List::new(known, names.clone()).write(folder)?;
@@ -278,7 +290,10 @@ pub fn export_log(
             file: name.clone(),
             scalars: frame.scalars.clone(),
         });
-        let mut table = Table::of_frame(frame, info.dimension);
+        let mut table = match selection.revolve {
+            Some(most) => Table::of_frame(revolved(&frame, info.spacing, most), Dimension::Three),
+            None => Table::of_frame(frame, info.dimension),
+        };
         table.after_contact = after;
         if let Some(bodies) = &bodies {
             table.keep_bodies(bodies);
@@ -296,4 +311,10 @@ pub fn export_log(
         times: index.iter().map(|entry| entry.time).collect(),
         removed,
     })
+}
+
+/// The rings of a frame as points a spacing apart, `most` of each at most.
+fn revolved(frame: &Frame, spacing: f64, most: usize) -> Frame {
+    let [r, ..] = &frame.position;
+    ring::points(frame, |i| ring::point_count(r[i], spacing as f32).min(most))
 }

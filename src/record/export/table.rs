@@ -57,7 +57,8 @@ impl Table {
 }
 
 impl Table {
-    /// The particles of a frame. Without a scalar `mass_kg` they have neither mass nor radius.
+    /// The particles of a frame; those with masses of their own are rings in two dimensions and
+    /// points in three. Without a scalar `mass_kg` they have neither mass nor radius.
     pub fn of_frame(frame: Frame, dimension: Dimension) -> Table {
         let vector = |name: &str, components: [Vec<f32>; 3]| Column {
             name: name.into(),
@@ -79,8 +80,14 @@ impl Table {
         if !frame.mass.is_empty() {
             let [r, ..] = &frame.position;
             let rings = frame.mass.iter().zip(&frame.density).zip(r);
-            let radii =
-                rings.map(|((m, rho), r)| section_radius([*m, *rho, *r].map(f64::from)) as f32);
+            let radii = rings.map(|((m, rho), r)| {
+                let [m, rho, r] = [*m, *rho, *r].map(f64::from);
+                let radius = match dimension {
+                    Dimension::Two => section_radius([m, rho, r]),
+                    Dimension::Three => radius(m, rho, dimension),
+                };
+                radius as f32
+            });
             columns.push(column("radius", Array::F32(radii.collect())));
             columns.push(column("mass", Array::F32(frame.mass)));
         } else if let Some(mass) = mass {

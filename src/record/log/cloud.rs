@@ -1,12 +1,15 @@
 //! Particles as `foxglove.PointCloud`.
 
+use std::collections::HashSet;
+use std::f32::consts::TAU;
+
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{PackedElementField, PointCloud, Pose, Quaternion, Timestamp, Vector3};
 use prost::Message as _;
 use prost::encoding::{DecodeContext, decode_key, skip_field};
 
 use super::LogSetup;
-use crate::particle::Frame;
+use crate::particle::{Frame, ring};
 use crate::scene::Colouring;
 
 /// Frame of reference of everything in the log.
@@ -46,6 +49,12 @@ fn layout(has_mass: bool) -> (&'static [(&'static str, usize, NumericType)], usi
     }
 }
 
+/// Bytes of a point of the revolved cloud: x, y, z, vx, vy, vz and its colour.
+const REVOLVED_STRIDE: usize = 28;
+
+/// Most points of the revolved cloud, about.
+const REVOLVED: f32 = 20_000.0;
+
 /// Number of the repeated member `fields` of `foxglove.PointCloud`.
 const FIELDS_TAG: u32 = 5;
 
@@ -82,7 +91,6 @@ pub fn encode(frame: &Frame, body: u8, setup: &LogSetup, log_time: u64) -> Vec<u
     let count = frame.body.iter().filter(|b| **b == body).count();
     let (fields, stride) = layout(!frame.mass.is_empty());
     let mut data = Vec::with_capacity(count * stride);
-    let own = setup.bodies[usize::from(body)].colour;
     let [x, y, z] = &frame.position;
     let [vx, vy, vz] = &frame.velocity;
     for i in 0..frame.id.len() {
@@ -90,11 +98,7 @@ pub fn encode(frame: &Frame, body: u8, setup: &LogSetup, log_time: u64) -> Vec<u
             continue;
         }
         let speed = (vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i]).sqrt();
-        let [r, g, b] = match setup.colour {
-            Colouring::Body => own,
-            Colouring::Speed => viridis(speed / setup.speed_scale as f32),
-            Colouring::Pressure => viridis(frame.pressure[i] / setup.pressure_scale as f32),
-        };
+        let [r, g, b] = colour(frame, i, setup);
         let reals = [
             x[i],
             y[i],
@@ -116,6 +120,60 @@ pub fn encode(frame: &Frame, body: u8, setup: &LogSetup, log_time: u64) -> Vec<u
         }
     }
     message(fields, stride, data, log_time)
+}
+
+fn colour(frame: &Frame, i: usize, setup: &LogSetup) -> [u8; 3] {
+    let [u, v, w] = [0, 1, 2].map(|a| frame.velocity[a][i]);
+    match setup.colour {
+        Colouring::Body => setup.bodies[usize::from(frame.body[i])].colour,
+        Colouring::Speed => viridis((u * u + v * v + w * w).sqrt() / setup.speed_scale as f32),
+        Colouring::Pressure => viridis(frame.pressure[i] / setup.pressure_scale as f32),
+    }
+}
+
+/// Point cloud of the body of revolution of a frame of rings, near its surface: of a ring a point
+/// each spacing, fewer if there were too many.
+pub fn encode_revolved(frame: &Frame, setup: &LogSetup, log_time: u64) -> Vec<u8> {
+    let spacing = setup.spacing as f32;
+    let lengths = outer(frame, spacing).map(|i| TAU * frame.position[0][i] / spacing);
+    let part = (REVOLVED / lengths.sum::<f32>()).min(1.0);
+    let mut outer = outer(frame, spacing).peekable();
+    // What is left of the number of points goes to the next ring.
+    let mut rest = 0.0;
+    let points = ring::points(frame, |i| {
+        if outer.next_if_eq(&i).is_some() {
+            rest += part * TAU * frame.position[0][i] / spacing;
+        }
+        let count = f32::floor(rest);
+        rest -= count;
+        count as usize
+    });
+    let mut data = Vec::with_capacity(points.id.len() * REVOLVED_STRIDE);
+    for i in 0..points.id.len() {
+        for component in points.position.iter().chain(&points.velocity) {
+            data.extend_from_slice(&component[i].to_le_bytes());
+        }
+        let [r, g, b] = colour(&points, i, setup);
+        data.extend_from_slice(&[r, g, b, 255]);
+    }
+    let colours = FIELDS[10..14].iter();
+    let colours = colours.map(|(name, offset, number)| (*name, offset - 16, *number));
+    let fields: Vec<_> = FIELDS[..6].iter().copied().chain(colours).collect();
+    message(&fields, REVOLVED_STRIDE, data, log_time)
+}
+
+/// The rings near the outline of the section: beside their cell of two spacings is an empty one,
+/// not behind the axis or the floor.
+fn outer(frame: &Frame, spacing: f32) -> impl Iterator<Item = usize> {
+    let [r, _, z] = &frame.position;
+    let cell = move |i: usize| [r[i], z[i]].map(|x| (0.5 * x / spacing).floor() as i32);
+    let filled: HashSet<[i32; 2]> = (0..r.len()).map(cell).collect();
+    let is_outer = move |i: &usize| {
+        let [x, z] = cell(*i);
+        let mut about = (-1..=1).flat_map(|a| [-1, 0, 1].map(|b| [x + a, z + b]));
+        about.any(|cell| cell.iter().all(|c| *c >= 0) && !filled.contains(&cell))
+    };
+    (0..r.len()).filter(is_outer)
 }
 
 /// Point cloud of the walls, at log time 0.

@@ -11,7 +11,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions};
 use prost::Message as _;
 
-use super::{LogError, LogSetup, cloud, log_time, measures};
+use super::{LogError, LogSetup, REVOLVED, cloud, log_time, measures};
 use crate::particle::Frame;
 use crate::record::atomic::FileError;
 use crate::scene::Clock;
@@ -208,7 +208,7 @@ pub fn write_setup(output: &mut Output, setup: &LogSetup) -> Result<(), LogError
     Ok(())
 }
 
-/// Writes one frame: a cloud for each body, then the scalars. `schema` is made at the first frame
+/// Writes one frame: a cloud for each body, of rings their body of revolution, then the scalars. `schema` is made at the first frame
 /// and must be that of the later ones.
 pub fn write_frame(
     output: &mut Output,
@@ -223,6 +223,10 @@ pub fn write_frame(
         let metadata = BTreeMap::from([("body".to_string(), index.to_string())]);
         let topic = format!("/body/{}", body.name);
         write_foxglove::<PointCloud>(output, &topic, &metadata, time, &bytes)?;
+    }
+    if !frame.mass.is_empty() {
+        let bytes = cloud::encode_revolved(frame, setup, time);
+        write_foxglove::<PointCloud>(output, REVOLVED, &BTreeMap::new(), time, &bytes)?;
     }
     let schema = match schema {
         Some(schema) if schema.fits(&frame.scalars) => schema,

@@ -9,7 +9,7 @@ use mcap::records::{Channel, SchemaHeader, op};
 
 use super::fields::Fields;
 use super::records::Records;
-use super::{LogBody, LogError, cloud, measures};
+use super::{LogBody, LogError, REVOLVED, cloud, measures};
 use crate::particle::Frame;
 use crate::record::digest::{Digest, Hasher};
 use crate::scene::error::SceneError;
@@ -38,6 +38,11 @@ impl Message {
             return None;
         }
         self.channel.metadata.get("body")?.parse().ok()
+    }
+
+    /// Whether this shows the body of revolution of a frame, which readers do not need.
+    pub fn is_revolved(&self) -> bool {
+        self.channel.topic == REVOLVED
     }
 
     /// Whether this ends a frame.

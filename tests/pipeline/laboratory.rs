@@ -162,6 +162,7 @@ pub fn watched(
         until: None,
         stop: &AtomicBool::new(false),
         watch,
+        remote: None,
         threads: 1,
         program: "toy".into(),
     })?;

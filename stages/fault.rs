@@ -6,6 +6,7 @@ use coronet::method::Diverged;
 use coronet::particle::pack::PackError;
 use coronet::pipeline::PipelineError;
 use coronet::pipeline::latest::ManifestError;
+use coronet::pipeline::remote::RemoteError;
 use coronet::record::CheckpointError;
 use coronet::record::export::ExportError;
 use coronet::record::log::LogError;
@@ -62,6 +63,12 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
             PipelineError::Manifest(ManifestError::File(_)) => Some(FILES),
             PipelineError::File(_) => Some(FILES),
             _ => None,
+        };
+    }
+    if let Some(error) = error.downcast_ref::<RemoteError>() {
+        return match error {
+            RemoteError::Bad { .. } => Some(UNTRUSTED),
+            RemoteError::Unusable(_) | RemoteError::File(_) => Some(FILES),
         };
     }
     if let Some(error) = error.downcast_ref::<csv::Error>() {

@@ -2,6 +2,7 @@
 
 mod answer;
 mod arguments;
+mod batch;
 mod body;
 mod calibrate;
 mod command;
@@ -17,6 +18,7 @@ mod post;
 mod print;
 mod probe;
 mod relax;
+mod remote;
 mod runs;
 mod settings;
 mod signals;
@@ -77,6 +79,8 @@ fn help(error: &clap::Error) -> ExitCode {
 fn obey(command: &Command) -> Result<()> {
     match command {
         Command::Run(arguments) => command::run::run(arguments),
+        Command::Push(arguments) => command::push::push(arguments),
+        Command::Pull(arguments) => command::run::pull(arguments),
         Command::Study(arguments) => command::study::study(arguments),
         Command::Tune(arguments) => command::tune::tune(arguments),
         Command::Plan(arguments) => command::plan::plan(arguments),

@@ -81,6 +81,15 @@ pub fn size(bytes: u64) -> String {
     }
 }
 
+/// A word as a shell reads it.
+pub fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+%@".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_string(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
 /// A path for messages and for JSON, as Unicode.
 pub fn shown(path: &Path) -> String {
     path.to_string_lossy().into_owned()

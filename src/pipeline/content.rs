@@ -69,6 +69,12 @@ pub fn content(path: &Path) -> Result<Digest, ContentError> {
     }
 }
 
+/// Whether the digest of the content of a file does not include all its bytes.
+pub fn has_own_digest(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    matches!(extension, Some(CHECKPOINT | LOG))
+}
+
 /// SHA-256 of all bytes of a file. Symbolic links are rejected.
 ///
 /// # Errors

@@ -85,6 +85,27 @@ pub enum PipelineError {
         /// Folder of the new result.
         other: PathBuf,
     },
+    /// A run that makes nothing lacks a result.
+    #[error(
+        "{job}: {place} does not have this result; `coronet run --remote` makes it and puts it there"
+    )]
+    NotThere {
+        /// The job.
+        job: String,
+        /// The remote store.
+        place: String,
+    },
+    /// A run that makes nothing cannot use its remote store.
+    #[error("{job}: {place}: {source}")]
+    Remote {
+        /// The job.
+        job: String,
+        /// The remote store.
+        place: String,
+        /// What is wrong.
+        #[source]
+        source: super::remote::RemoteError,
+    },
     /// An input was damaged again after its stage had run again.
     #[error("{job}: {} was damaged again right after it was regenerated: {what}", file.display())]
     DamagedAgain {

@@ -12,6 +12,7 @@
 //! | [`run`], `report` | the loop over the jobs, and their results |
 //! | [`context`] | the environment of a running stage |
 //! | `publish` | from files in the work folder to a stamped result |
+//! | [`remote`] | results of other machines: fetched before they are made, put there after |
 //! | [`latest`] | the newest results by name, which are also the roots of [`sweep`] |
 //! | [`sweep`], [`verify`] | removal of unreachable results; hashing of all results |
 //! | [`machine`] | the machine, and the time of a run |
@@ -35,6 +36,7 @@ pub mod machine;
 pub mod name;
 pub mod progress;
 mod publish;
+pub mod remote;
 mod report;
 pub mod run;
 mod seal;

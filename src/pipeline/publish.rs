@@ -125,7 +125,7 @@ fn milliseconds(seconds: f64) -> f64 {
 
 /// Digest of an earlier result of the same key that differs, from the present stamp or from one
 /// that was set aside. Inconsistent stamps do not count.
-fn contradicted(folder: &Path, new: &Stamp) -> Result<Option<Digest>, FileError> {
+pub fn contradicted(folder: &Path, new: &Stamp) -> Result<Option<Digest>, FileError> {
     for entry in entries(folder)? {
         let name = entry.file_name();
         if !name.to_string_lossy().starts_with(stamp::FILE) {
@@ -144,7 +144,8 @@ fn contradicted(folder: &Path, new: &Stamp) -> Result<Option<Digest>, FileError>
     Ok(None)
 }
 
-fn move_outputs(from: &Path, to: &Path, stamp: &Stamp) -> Result<(), FileError> {
+/// Makes the files of a result durable, moves them into place and writes the stamp.
+pub fn move_outputs(from: &Path, to: &Path, stamp: &Stamp) -> Result<(), FileError> {
     for output in &stamp.outputs {
         let (source, target) = (from.join(&output.file), to.join(&output.file));
         refuse_links_below(to, &target)?;

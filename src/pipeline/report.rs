@@ -14,15 +14,18 @@ pub enum Status {
     Ran,
     /// Ran, but not from the beginning.
     Resumed,
+    /// Came from a remote store.
+    Fetched,
 }
 
 impl Status {
-    /// `fresh`, `ran` or `resumed`.
+    /// `fresh`, `ran`, `resumed` or `fetched`.
     pub fn word(self) -> &'static str {
         match self {
             Status::Fresh => "fresh",
             Status::Ran => "ran",
             Status::Resumed => "resumed",
+            Status::Fetched => "fetched",
         }
     }
 }

@@ -11,6 +11,7 @@ use super::decide::{Done, decide, relatives};
 use super::machine::Clock;
 use super::name::is_name;
 use super::progress::Teller;
+use super::remote::Remote;
 use super::report::{Ended, Report, Status};
 use super::store::{OUT, Store, WORK};
 use super::{Decision, Event, Pipeline, PipelineError, StageError, Watch, key, latest, publish};
@@ -31,6 +32,8 @@ pub struct Run<'a> {
     pub stop: &'a AtomicBool,
     /// Receives the events.
     pub watch: &'a dyn Watch,
+    /// Where results are looked for before they are made, and put after.
+    pub remote: Option<&'a Remote<'a>>,
     /// For the stamps.
     pub threads: usize,
     /// For the stamps: name and version of the program.
@@ -184,7 +187,18 @@ impl Walk<'_> {
                 fresh(run.store, decision).expect("just seen"),
             ));
         }
-        self.make(job, decision, &folder)
+        let Some(remote) = run.remote else {
+            return self.make(job, decision, &folder);
+        };
+        let inputs: Vec<_> = self.inputs(job).iter().map(Input::stamp_of).collect();
+        if let Some(report) = remote.fetched(&decision, &folder, &inputs, run.watch)? {
+            return Ok(Attempt::Done(Box::new(report)));
+        }
+        let made = self.make(job, decision, &folder)?;
+        if let Attempt::Done(report) = &made {
+            remote.offer(report, run.watch);
+        }
+        Ok(made)
     }
 
     /// Runs the stage and publishes its files. The caller holds the lock of `folder`.
@@ -324,6 +338,10 @@ impl Walk<'_> {
                 (_, Err(ContentError::File(error))) => return Err(error.into()),
                 _ => false,
             };
+            if let (None, Some(remote)) = (wanted, run.remote) {
+                // It is there as it came, so it would come again.
+                remote.distrust(report.stamp.key);
+            }
             if !whole {
                 let kept = set_aside(&report.folder, &file)?;
                 let text = format!(

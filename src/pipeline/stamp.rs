@@ -21,7 +21,7 @@ pub const FILE: &str = "stamp.json";
 const LAYOUT: u32 = 1;
 
 /// Largest size of a stamp, bytes.
-const LONGEST: u64 = 16 << 20;
+pub(super) const LONGEST: u64 = 16 << 20;
 
 /// A setting in a stamp.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -201,11 +201,16 @@ pub(super) fn digest_of(outputs: &[OutputStamp]) -> Digest {
 /// # Errors
 /// If the file cannot be read, or is not a stamp that this program can use.
 pub fn read_file(path: &Path) -> Result<Stamp, StampError> {
+    let bytes = file::read_no_link(path, LONGEST)?;
+    parse(bytes, &path.display().to_string())
+}
+
+/// Checks the content of a stamp; `path`: where it is from.
+pub(super) fn parse(bytes: Vec<u8>, path: &str) -> Result<Stamp, StampError> {
     let invalid = |what: String| StampError::Invalid {
-        path: path.display().to_string(),
+        path: path.to_string(),
         what,
     };
-    let bytes = file::read_no_link(path, LONGEST)?;
     let text = String::from_utf8(bytes).map_err(|error| invalid(error.to_string()))?;
     seal::check(&text).map_err(|what| invalid(what.to_string()))?;
     let stamp: Stamp = serde_json::from_str(&text).map_err(|error| invalid(error.to_string()))?;

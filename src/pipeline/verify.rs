@@ -105,7 +105,8 @@ fn examine(store: &Store, stage: &str, folder: PathBuf) -> Option<Finding> {
     Some(finding)
 }
 
-fn check(folder: &Path, path: &Path, output: &OutputStamp) -> Result<(), ContentError> {
+/// Compares a file in the folder of a result with its stamp: size, content, all bytes.
+pub(super) fn check(folder: &Path, path: &Path, output: &OutputStamp) -> Result<(), ContentError> {
     refuse_links_below(folder, path).map_err(ContentError::File)?;
     let length = match path.symlink_metadata() {
         Err(error) if error.kind() == io::ErrorKind::NotFound => {

@@ -57,6 +57,21 @@ impl AtomicFile {
         &self.path
     }
 
+    /// As [`Self::commit`], if no file has the final name yet; otherwise that one stays and the
+    /// answer is false.
+    ///
+    /// # Errors
+    /// If the file cannot be written or get its name.
+    pub fn commit_new(mut self) -> Result<bool, FileError> {
+        let synced = self.file().sync_all();
+        synced.map_err(FileError::new(&self.path, "flush to disk"))?;
+        match fs::hard_link(&self.temporary, &self.path) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+            Err(error) => Err(FileError::new(&self.path, "name")(error)),
+            Ok(()) => sync_folder_of(&self.path).map(|()| true),
+        }
+    }
+
     /// Makes the content durable and gives it its final name.
     ///
     /// # Errors

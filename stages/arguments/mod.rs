@@ -1,5 +1,6 @@
 //! Arguments of the command line.
 
+mod cluster;
 mod output;
 
 use std::path::PathBuf;
@@ -7,6 +8,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 
+pub use cluster::{BatchArguments, On, PushArguments, RemoteArguments};
 pub use output::{ExportArguments, Format, Material, RenderArguments};
 
 use crate::command::{export, render};
@@ -47,6 +49,12 @@ pub enum Command {
     Tune(TuneArguments),
     /// Show what would run, why, and about how long it would take
     Plan(PlanArguments),
+    /// Put finished results into a remote store
+    #[command(after_help = EXIT_CODES)]
+    Push(PushArguments),
+    /// Bring the results of a pipeline from a remote store; make nothing
+    #[command(after_help = EXIT_CODES)]
+    Pull(RunArguments),
     /// Hash all finished results again; set damaged files aside, so that `run` regenerates them
     Verify(StoreArguments),
     /// Remove unused results; finished ones only by age or name
@@ -113,7 +121,8 @@ impl Command {
     /// Whether the output of the command, or of processes that it starts, is JSON.
     pub fn writes_json(&self) -> bool {
         match self {
-            Command::Run(arguments) => arguments.store.json,
+            Command::Run(arguments) | Command::Pull(arguments) => arguments.store.json,
+            Command::Push(arguments) => arguments.store.json,
             Command::Plan(arguments) => arguments.store.json,
             Command::Verify(arguments) => arguments.json,
             Command::Gc(arguments) => arguments.store.json,
@@ -168,6 +177,8 @@ pub struct RunArguments {
     /// Threads; results do not depend on their number [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    #[command(flatten)]
+    pub remote: RemoteArguments,
     /// Stop after a checkpoint when standard input ends: a study holds it open
     #[arg(long, hide = true)]
     pub stop_at_end_of_input: bool,
@@ -179,9 +190,13 @@ pub struct StudyArguments {
     pub study: PathBuf,
     #[command(flatten)]
     pub store: StoreArguments,
-    /// Points to run in parallel; they share the cores
-    #[arg(long, default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
-    pub jobs: u16,
+    /// Points to run in parallel [default: one, which gets all cores; on a cluster all]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
+    pub jobs: Option<u16>,
+    #[command(flatten)]
+    pub remote: RemoteArguments,
+    #[command(flatten)]
+    pub batch: BatchArguments,
     /// Also write table and plots into this folder, the table with lines that give its origin
     #[arg(long, value_name = "DIR")]
     pub into: Option<PathBuf>,
@@ -205,6 +220,8 @@ pub struct TuneArguments {
     /// Points to run in parallel; they share the cores
     #[arg(long, default_value_t = 1, value_parser = value_parser!(u16).range(1..))]
     pub jobs: u16,
+    #[command(flatten)]
+    pub remote: RemoteArguments,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,7 @@ pub mod list;
 pub mod man;
 pub mod place;
 pub mod plan;
+pub mod push;
 pub mod recover;
 pub mod render;
 mod rest;

@@ -2,7 +2,7 @@
 
 use coronet::pipeline::{self, Pipeline, Store};
 
-use crate::print::{note, out};
+use crate::print::{note, out, quoted};
 
 /// Jobs without a result, and the command that makes them.
 pub struct Rest {
@@ -55,15 +55,6 @@ fn command(words: impl Iterator<Item = String>) -> String {
         }
     }
     kept.join(" ")
-}
-
-/// A word as a shell reads it.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+%@".contains(c);
-    match !word.is_empty() && word.chars().all(is_plain) {
-        true => word.to_string(),
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    }
 }
 
 #[cfg(test)]

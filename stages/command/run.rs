@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result};
 use coronet::measure::answer::Figures;
 use coronet::measure::series::Series;
 use coronet::pipeline::name::is_name;
+use coronet::pipeline::remote::Remote;
 use coronet::pipeline::{self, PipelineError, Report, Run, Status, Store, latest};
 use coronet::scene::{Scene, numbers, variant};
 use serde_json::json;
@@ -14,14 +15,32 @@ use super::plan;
 use super::rest::Rest;
 use crate::answer;
 use crate::arguments::RunArguments;
+use crate::fault::Usage;
 use crate::print::{note, out};
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, journal, post, signals, stop};
+use crate::{PROGRAM, impact, jobs, journal, post, remote, signals, stop};
 
 /// Answer to a first signal.
 const STOPPING: &str = "stopping after the next checkpoint";
 
 pub fn run(arguments: &RunArguments) -> Result<()> {
+    let objects = remote::open(arguments.remote.url())?;
+    bring(arguments, objects.as_deref().map(Remote::new))
+}
+
+/// `coronet pull`: as `run`, but what is not there is not made.
+pub fn pull(arguments: &RunArguments) -> Result<()> {
+    let objects = remote::open(arguments.remote.url())?;
+    let objects = objects.ok_or_else(no_remote)?;
+    bring(arguments, Some(Remote::only(&*objects)))
+}
+
+/// For commands that need one.
+pub fn no_remote() -> Usage {
+    Usage("which remote store? Name it with --remote URL or in CORONET_REMOTE".to_string())
+}
+
+fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     let mut loaded = plan::load(&arguments.pipeline)?;
     if let Some(name) = &arguments.name {
         loaded.scene.name = name.clone();
@@ -35,7 +54,10 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         .build_global()
         .context("cannot start the threads")?;
     let decisions = pipeline::plan(&store, &pipeline)?;
-    plan::fits(&decisions)?;
+    let makes = remote.as_ref().is_none_or(|remote| !remote.only);
+    if makes {
+        plan::fits(&decisions)?;
+    }
     if !arguments.store.json {
         let text = format!(
             "{}Plan\n{}",
@@ -57,6 +79,7 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
         until: arguments.until.as_deref(),
         stop: &stop,
         watch: &screen,
+        remote: remote.as_ref(),
         threads,
         program: PROGRAM.to_string(),
     };

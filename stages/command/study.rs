@@ -18,7 +18,8 @@ use coronet::record::atomic::{create_folder, write_file};
 use coronet::scene::FigureStyle;
 use serde_json::json;
 
-use crate::arguments::StudyArguments;
+use crate::arguments::{On, StudyArguments};
+use crate::batch;
 use crate::fault::{Stopped, Usage};
 use crate::print::{note, out};
 use crate::signals;
@@ -26,7 +27,8 @@ use crate::study::finding::{comparison, figure, groups, samples, sentence, table
 use crate::study::origin::headed;
 use crate::study::points::{Study, load};
 use crate::study::promise::Verdict;
-use crate::study::trial::{Outcome, Trial};
+use crate::study::target::Target;
+use crate::study::trial::{Outcome, Place, Trial};
 use crate::study::{figures, finding, verdict};
 use crate::watch::duration;
 
@@ -53,10 +55,23 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     if let Some(folder) = &arguments.into {
         create_folder(folder)?;
     }
+    if let Some(number) = arguments.batch.point {
+        return batch::point::run(&trials, number, arguments, &out);
+    }
+    let failed = match arguments.batch.on {
+        On::Local => Vec::new(),
+        _ => match batch::collect(&trials, arguments, &out)? {
+            Some(failed) => failed,
+            None => return Ok(()),
+        },
+    };
+    let outcomes = || run_rest(&trials, failed, arguments);
     match &study.error {
-        Some(_) => tell_costs(&study, &trials, arguments, &out),
-        None if study.case.is_empty() => tell_figures(&study, &trials, arguments, &out),
-        None => tell_promises(&study, &trials, arguments, &out),
+        Some(target) => tell_costs((&study, target), &trials, outcomes, arguments, &out),
+        None if study.case.is_empty() => {
+            tell_figures(&study, &trials, &outcomes()?, arguments, &out)
+        }
+        None => tell_promises(&study, &trials, &outcomes()?, arguments, &out),
     }
 }
 
@@ -78,14 +93,14 @@ fn make(out: &Path, arguments: &StudyArguments) -> Result<()> {
 }
 
 fn tell_costs(
-    study: &Study,
+    (study, target): (&Study, &Target),
     trials: &[Trial],
+    outcomes: impl FnOnce() -> Result<Vec<Outcome>>,
     arguments: &StudyArguments,
     out: &Path,
 ) -> Result<()> {
-    let target = study.error.as_ref().expect("a study without cases");
     let window = target.window()?;
-    let outcomes = run_all(trials, arguments)?;
+    let outcomes = outcomes()?;
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
     let found = target.measure(trials, &outcomes, folder, window)?;
     let errors: Vec<f64> = found.iter().map(|f| f.error).collect();
@@ -137,19 +152,19 @@ fn tell_costs(
 fn tell_figures(
     study: &Study,
     trials: &[Trial],
+    outcomes: &[Outcome],
     arguments: &StudyArguments,
     out: &Path,
 ) -> Result<()> {
-    let outcomes = run_all(trials, arguments)?;
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
-    let measured = figures::from_contact(trials, &outcomes)?;
+    let measured = figures::from_contact(trials, outcomes)?;
     let found = figures::measure(study, &measured, folder)?;
     let drawn = figures::plots(study, trials, &measured, folder)?;
     make(out, arguments)?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
-    let rows = figures::table(study, trials, &outcomes, &found)?;
-    write_table(&table, &rows, arguments, &outcomes)?;
-    let page = figures::page(study, trials, &outcomes, &found);
+    let rows = figures::table(study, trials, outcomes, &found)?;
+    write_table(&table, &rows, arguments, outcomes)?;
+    let page = figures::page(study, trials, outcomes, &found);
     write_file(&read, page.as_bytes())?;
     let mut plots = Vec::new();
     for plot in drawn {
@@ -235,20 +250,20 @@ fn on_front(samples: &[Sample]) -> Vec<bool> {
 fn tell_promises(
     study: &Study,
     trials: &[Trial],
+    outcomes: &[Outcome],
     arguments: &StudyArguments,
     out: &Path,
 ) -> Result<()> {
-    let outcomes = run_all(trials, arguments)?;
     let judge = |(trial, outcome): (&Trial, &Outcome)| {
         let case = trial.case.expect("a study of cases");
         study.case[case].judge(trial, outcome)
     };
-    let points = trials.iter().zip(&outcomes);
+    let points = trials.iter().zip(outcomes);
     let verdicts = points.map(judge).collect::<Result<Vec<Verdict>>>()?;
     make(out, arguments)?;
     let rows = verdict::table(study, trials, &verdicts)?;
-    write_table(&out.join(PROMISES), &rows, arguments, &outcomes)?;
-    let page = verdict::page(study, trials, &outcomes, &verdicts);
+    write_table(&out.join(PROMISES), &rows, arguments, outcomes)?;
+    let page = verdict::page(study, trials, outcomes, &verdicts);
     write_file(&out.join(PAGE), page.as_bytes())?;
     let count = |word: &str| verdicts.iter().filter(|v| v.word() == word).count();
     let (kept, known) = (count("kept"), count("known"));
@@ -282,20 +297,30 @@ fn tell_promises(
     Ok(())
 }
 
-/// Runs all points of a study.
-fn run_all(trials: &[Trial], arguments: &StudyArguments) -> Result<Vec<Outcome>> {
+/// Runs all points of a study but those that failed elsewhere.
+fn run_rest(
+    trials: &[Trial],
+    mut failed: Vec<Option<Outcome>>,
+    arguments: &StudyArguments,
+) -> Result<Vec<Outcome>> {
     let stop = signals::stop_flag(STOPPING)?;
-    run(trials, &arguments.store.artifacts, arguments.jobs, &stop)
+    failed.resize_with(trials.len(), || None);
+    let rest = trials
+        .iter()
+        .zip(&failed)
+        .filter(|(_, failed)| failed.is_none());
+    let rest: Vec<Trial> = rest.map(|(trial, _)| trial.clone()).collect();
+    let jobs = arguments.jobs.unwrap_or(1);
+    let mut ran = run(&rest, arguments.place(), jobs, &stop)?.into_iter();
+    let all = failed
+        .into_iter()
+        .map(|failed| failed.or_else(|| ran.next()));
+    Ok(all.flatten().collect())
 }
 
 /// Runs all points, `jobs` at a time; reports the result of each. Points that run when `stop` is
 /// set stop after a checkpoint.
-pub fn run(
-    trials: &[Trial],
-    artifacts: &Path,
-    jobs: u16,
-    stop: &AtomicBool,
-) -> Result<Vec<Outcome>> {
+pub fn run(trials: &[Trial], place: Place, jobs: u16, stop: &AtomicBool) -> Result<Vec<Outcome>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = usize::from(jobs).min(trials.len().max(1));
     let threads = (cores / jobs).max(1);
@@ -310,7 +335,7 @@ pub fn run(
                     let Some(trial) = trials.get(k).filter(|_| !is_stopped()) else {
                         break;
                     };
-                    let outcome = trial.run(artifacts, threads, stop);
+                    let outcome = trial.run(place, threads, stop);
                     let done = ended.fetch_add(1, Ordering::Relaxed) + 1;
                     note!(
                         "{done}/{}  {}  {}",
@@ -341,13 +366,13 @@ pub fn run(
     outcomes.into_iter().collect()
 }
 
-fn told(outcome: &Result<Outcome>) -> String {
+/// What became of a point, in a line.
+pub fn told(outcome: &Result<Outcome>) -> String {
     match outcome {
         Ok(Outcome::Done {
-            cpu_seconds, fresh, ..
+            cpu_seconds, did, ..
         }) => {
-            let word = if *fresh { "fresh" } else { "ran" };
-            format!("{word}, {} of CPU", duration(*cpu_seconds))
+            format!("{did}, {} of CPU", duration(*cpu_seconds))
         }
         Ok(Outcome::Failed { why, .. }) => format!("failed: {why}"),
         Err(error) => format!("{error:#}"),

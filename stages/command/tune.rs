@@ -24,7 +24,7 @@ use crate::study::cost::Cost;
 use crate::study::finding::{groups, named, samples};
 use crate::study::points::load;
 use crate::study::target::Target;
-use crate::study::trial::{Outcome, Trial};
+use crate::study::trial::{Outcome, Place, Trial};
 
 const SPACING: &str = "pack.spacing=";
 
@@ -48,7 +48,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         .into());
     };
     let stop = signals::stop_flag(STOPPING)?;
-    let outcomes = run(&trials, &arguments.store.artifacts, arguments.jobs, &stop)?;
+    let outcomes = run(&trials, place(arguments), arguments.jobs, &stop)?;
     let cost = study.cost;
     let mut points = Points {
         cost,
@@ -74,6 +74,13 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
     }
     tell(&tuned, (target, cost), checked, &misses, arguments);
     Ok(())
+}
+
+fn place(arguments: &TuneArguments) -> Place<'_> {
+    Place {
+        artifacts: &arguments.store.artifacts,
+        remote: arguments.remote.url(),
+    }
 }
 
 /// Number of wrong predictions after which a measured point is taken instead.
@@ -232,8 +239,7 @@ fn check(
     stop: &AtomicBool,
 ) -> Result<(f64, f64)> {
     let trial = tuned.trial.clone();
-    let artifacts = &arguments.store.artifacts;
-    let mut own = run(std::slice::from_ref(&trial), artifacts, 1, stop)?;
+    let mut own = run(std::slice::from_ref(&trial), place(arguments), 1, stop)?;
     if let Outcome::Failed { why, .. } = &own[0] {
         bail!("the chosen settings fail: {why}");
     }

@@ -40,6 +40,14 @@ pub struct Trial {
     pub count: f64,
 }
 
+/// Where results are kept.
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
+    pub artifacts: &'a Path,
+    /// URL of the remote store.
+    pub remote: Option<&'a str>,
+}
+
 /// Result of the run.
 pub enum Outcome {
     Done {
@@ -50,8 +58,8 @@ pub enum Outcome {
         cpu_seconds: f64,
         wall_seconds: f64,
         memory_bytes: Option<u64>,
-        /// Whether nothing had to run.
-        fresh: bool,
+        /// `fresh` if nothing had to run, `fetched` if that came from a remote store, or `ran`.
+        did: &'static str,
         made: Made,
     },
     Failed {
@@ -132,12 +140,15 @@ impl Trial {
     /// # Errors
     /// If the program cannot be started or its answer not be read, or if it was stopped, by a
     /// signal or because `stop` was set.
-    pub fn run(&self, artifacts: &Path, threads: usize, stop: &AtomicBool) -> Result<Outcome> {
+    pub fn run(&self, place: Place, threads: usize, stop: &AtomicBool) -> Result<Outcome> {
         let program = std::env::current_exe().context("cannot find this program")?;
         let mut command = Command::new(program);
         command.arg("run").arg(&self.pipeline).arg("--json");
         command.arg("--name").arg(&self.name);
-        command.arg("--artifacts").arg(artifacts);
+        command.arg("--artifacts").arg(place.artifacts);
+        if let Some(url) = place.remote {
+            command.arg("--remote").arg(url);
+        }
         command.arg("--threads").arg(threads.to_string());
         command.arg("--stop-at-end-of-input");
         for set in &self.sets {
@@ -186,10 +197,20 @@ impl Trial {
             cpu_seconds: stamp.cpu_seconds,
             wall_seconds: stamp.wall_seconds,
             memory_bytes: stamp.memory_bytes,
-            fresh: stages().all(|line| line["status"] == "fresh"),
+            did: did(stages().filter_map(|line| line["status"].as_str())),
             made: Made::of(&stamp),
         })
     }
+}
+
+/// What a run did, from what its stages did.
+fn did<'a>(stages: impl Iterator<Item = &'a str>) -> &'static str {
+    let rank = |word| match word {
+        "fresh" => 0,
+        "fetched" => 1,
+        _ => 2,
+    };
+    ["fresh", "fetched", "ran"][stages.map(rank).max().unwrap_or(0)]
 }
 
 /// Output of a command that runs until it ends or `stop` is set. Its standard input ends with this

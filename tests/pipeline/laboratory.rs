@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use coronet::pipeline::remote::Remote;
 use coronet::pipeline::*;
 use coronet::record::{Array, Checkpoint};
 
@@ -155,6 +156,15 @@ pub fn watched(
     pipeline: &Pipeline,
     watch: &dyn Watch,
 ) -> Result<Vec<Report>, PipelineError> {
+    shared(store, pipeline, watch, None)
+}
+
+pub fn shared(
+    store: &Store,
+    pipeline: &Pipeline,
+    watch: &dyn Watch,
+    remote: Option<&Remote>,
+) -> Result<Vec<Report>, PipelineError> {
     let ended = run(&Run {
         store,
         pipeline,
@@ -162,6 +172,7 @@ pub fn watched(
         until: None,
         stop: &AtomicBool::new(false),
         watch,
+        remote,
         threads: 1,
         program: "toy".into(),
     })?;

@@ -1,5 +1,7 @@
 //! The pipeline from outside: a toy pipeline through the library, the real one through the binary.
 
+#[cfg(unix)]
+mod batch;
 mod cleanup;
 #[cfg(target_os = "linux")]
 mod disk;
@@ -15,6 +17,8 @@ mod laboratory;
 mod library;
 mod program;
 mod promise;
+#[cfg(unix)]
+mod remote;
 mod render;
 mod resume;
 mod rings;

@@ -281,6 +281,7 @@ fn an_unknown_last_stage_is_refused_with_the_known_ones() {
         until: Some("som"),
         stop: &AtomicBool::new(false),
         watch: &Silent,
+        remote: None,
         threads: 1,
         program: "toy".into(),
     });

@@ -51,6 +51,23 @@ fn physical_memory() -> f64 {
     f64::INFINITY
 }
 
+/// Space that a user may still fill on the disk of `path`, which need not exist yet, bytes;
+/// infinite if unknown.
+pub fn free_disk(path: &std::path::Path) -> f64 {
+    #[cfg(unix)]
+    if let Some(path) = path.ancestors().find(|path| path.exists())
+        && let Ok(path) = std::ffi::CString::new(path.as_os_str().as_encoded_bytes())
+    {
+        // SAFETY: all zeros are a valid `statvfs`.
+        let mut disk: libc::statvfs = unsafe { std::mem::zeroed() };
+        // SAFETY: `statvfs` reads a text that ends with a zero and only fills `disk`.
+        if unsafe { libc::statvfs(path.as_ptr(), &mut disk) } == 0 {
+            return disk.f_bavail as f64 * disk.f_frsize as f64;
+        }
+    }
+    f64::INFINITY
+}
+
 /// Maps each array of 128 KiB or more separately, so that freed memory returns to the system at
 /// once. By default glibc raises this limit when the first such array is freed, and growing rows
 /// leave holes: a tenth of the memory of ISPH at a million particles.

@@ -1,0 +1,91 @@
+//! A remote store in a folder that several machines see.
+
+use std::io::{self, ErrorKind, Read as _, Write};
+use std::path::{Path, PathBuf};
+
+use super::{Objects, RemoteError};
+use crate::file::{self, FileError};
+use crate::pipeline::store::refuse_links_below;
+use crate::record::atomic::{AtomicFile, create_folder};
+
+/// Objects as files below a folder, which must exist: a folder that is not mounted is missing.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    root: PathBuf,
+}
+
+impl Folder {
+    /// The objects below `root`.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Folder { root: root.into() }
+    }
+
+    /// Path of an object; no part of it is a link, which could lead anywhere.
+    fn path(&self, name: &str) -> Result<PathBuf, RemoteError> {
+        if !self.root.is_dir() {
+            let root = self.root.display();
+            let what = format!("there is no folder {root}; make it, or mount what it is on");
+            return Err(RemoteError::Unusable(what));
+        }
+        let path = self.root.join(name);
+        refuse_links_below(&self.root, &path)
+            .map_err(|error| RemoteError::bad(name, format!("cannot be used: {error}")))?;
+        Ok(path)
+    }
+}
+
+/// An error of the folder; a single object that cannot be read does not make it unusable.
+fn failed(name: &str) -> impl Fn(FileError) -> RemoteError {
+    move |error| match error.source.kind() {
+        ErrorKind::PermissionDenied
+        | ErrorKind::ReadOnlyFilesystem
+        | ErrorKind::StorageFull
+        | ErrorKind::QuotaExceeded
+        | ErrorKind::StaleNetworkFileHandle
+        | ErrorKind::TimedOut => RemoteError::Unusable(error.to_string()),
+        _ => RemoteError::bad(name, format!("cannot be used: {error}")),
+    }
+}
+
+impl Objects for Folder {
+    fn place(&self) -> String {
+        format!("file://{}", self.root.display())
+    }
+
+    fn get(&self, name: &str, limit: u64, to: &mut dyn Write) -> Result<bool, RemoteError> {
+        let path = self.path(name)?;
+        let file = match file::open_no_link(&path) {
+            Err(error) if error.is_not_found() => return Ok(false),
+            other => other.map_err(failed(name))?,
+        };
+        let copied = io::copy(&mut file.take(limit.saturating_add(1)), to);
+        let count = copied.map_err(|error| failed(name)(FileError::new(&path, "copy")(error)))?;
+        if count > limit {
+            return Err(RemoteError::bad(
+                name,
+                format!("is longer than {limit} bytes"),
+            ));
+        }
+        Ok(true)
+    }
+
+    fn has(&self, name: &str) -> Result<bool, RemoteError> {
+        Ok(self.path(name)?.is_file())
+    }
+
+    fn put(&self, name: &str, file: &Path, replace: bool) -> Result<bool, RemoteError> {
+        let path = self.path(name)?;
+        let folder = path.parent().unwrap_or(&self.root);
+        create_folder(folder).map_err(failed(name))?;
+        let put = || {
+            let mut source = file::open_no_link(file)?;
+            let mut target = AtomicFile::create(&path)?;
+            io::copy(&mut source, &mut target).map_err(FileError::new(&path, "write"))?;
+            match replace {
+                true => target.commit().map(|()| true),
+                false => target.commit_new(),
+            }
+        };
+        put().map_err(failed(name))
+    }
+}

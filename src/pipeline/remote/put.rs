@@ -1,0 +1,64 @@
+//! From the folder of a key to a remote store: files first, the stamp last.
+
+use std::path::Path;
+
+use super::{Objects, Put, RemoteError, file_name, sha256, stamp_name};
+use crate::pipeline::content::ContentError;
+use crate::pipeline::key::contradiction;
+use crate::pipeline::stamp::{self, Stamp, StampError};
+use crate::pipeline::verify;
+
+/// Puts a finished result; with `replace`, what is there of it is bad.
+pub fn put(
+    objects: &dyn Objects,
+    folder: &Path,
+    stamp: &Stamp,
+    replace: bool,
+) -> Result<Put, RemoteError> {
+    let name = stamp_name(&stamp.stage, &stamp.key);
+    if !replace && objects.has(&name)? {
+        return other(objects, &name, stamp);
+    }
+    for output in &stamp.outputs {
+        let path = folder.join(&output.file);
+        let local = |error: ContentError| match error {
+            ContentError::File(error) => RemoteError::File(error),
+            ContentError::Damaged(what) => RemoteError::bad(&path.display().to_string(), what),
+        };
+        verify::check(folder, &path, output).map_err(local)?;
+        let Some(sha256) = sha256(output) else {
+            let what = format!("has no SHA-256 of {:?}: an early result", output.file);
+            return Err(RemoteError::bad("its stamp", what));
+        };
+        let object = file_name(&sha256);
+        // An object of this name holds these bytes, unless it was found bad.
+        if replace || !objects.has(&object)? {
+            objects.put(&object, &path, true)?;
+        }
+    }
+    match objects.put(&name, &folder.join(stamp::FILE), replace)? {
+        true => Ok(Put::New),
+        false => other(objects, &name, stamp),
+    }
+}
+
+/// The result of this key that is there already must be the same one.
+fn other(objects: &dyn Objects, name: &str, stamp: &Stamp) -> Result<Put, RemoteError> {
+    let mut bytes = Vec::new();
+    if !objects.get(name, stamp::LONGEST, &mut bytes)? {
+        return Err(RemoteError::bad(name, "has gone"));
+    }
+    match stamp::parse(bytes, name) {
+        Ok(there) if there.key == stamp.key && contradiction(&there).is_none() => {
+            if there.digest == stamp.digest {
+                return Ok(Put::Known);
+            }
+            let what = format!("gives {}, not {} as here", there.digest, stamp.digest);
+            Err(RemoteError::bad(name, what))
+        }
+        Err(StampError::File(error)) => Err(error.into()),
+        Ok(_) | Err(StampError::Invalid { .. }) => {
+            Err(RemoteError::bad(name, "is not a stamp of this result"))
+        }
+    }
+}

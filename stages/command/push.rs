@@ -1,0 +1,81 @@
+//! `coronet push`: puts finished results into a remote store.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use coronet::pipeline::remote::{Put, Remote, RemoteError};
+use coronet::pipeline::{Stamp, Store};
+use serde_json::json;
+
+use super::run::no_remote;
+use super::verify::existing;
+use crate::arguments::PushArguments;
+use crate::fault::{Unreadable, Untrusted};
+use crate::print::{note, out};
+use crate::remote;
+use crate::runs::Run;
+
+pub fn push(arguments: &PushArguments) -> Result<()> {
+    let store = existing(&arguments.store.artifacts)?;
+    let objects = remote::open(arguments.remote.url())?.ok_or_else(no_remote)?;
+    let remote = Remote::new(&*objects);
+    // No clean-up removes what is on its way.
+    let _shared = store.share(&mut |_| true)?;
+    let (mut new, mut known, mut bad) = (0, 0, 0);
+    for (folder, stamp) in results(&store, &arguments.names)? {
+        let word = match remote.put(&folder, &stamp) {
+            Ok(Put::New) => {
+                new += 1;
+                "put"
+            }
+            Ok(Put::Known) => {
+                known += 1;
+                "known"
+            }
+            Err(RemoteError::Unusable(what)) => {
+                bail!(Unreadable(format!(
+                    "remote store {}: {what}",
+                    remote.place()
+                )))
+            }
+            Err(error) => {
+                note!("warning: {}: {error}", stamp.label());
+                bad += 1;
+                "bad"
+            }
+        };
+        match arguments.store.json {
+            true => out!(
+                "{}",
+                json!({"stage": stamp.stage, "body": stamp.body, "key": stamp.key,
+                    "digest": stamp.digest, "put": word})
+            ),
+            false => out!("{word:8} {:20} {}", stamp.label(), stamp.digest.short()),
+        }
+    }
+    if !arguments.store.json {
+        let place = remote.place();
+        out!("{new} results put into {place}; {known} were there");
+    }
+    if bad > 0 {
+        bail!(Untrusted(format!(
+            "{bad} results were not put; `coronet verify` looks at those of this machine"
+        )));
+    }
+    Ok(())
+}
+
+/// The finished results that the names reach, or all.
+fn results(store: &Store, names: &[String]) -> Result<BTreeMap<PathBuf, Stamp>> {
+    let mut results = BTreeMap::new();
+    for name in names {
+        results.extend(Run::meant(store, name)?.results);
+    }
+    if names.is_empty() {
+        for stage in store.stages()? {
+            results.extend(store.stamps(&stage)?);
+        }
+    }
+    Ok(results)
+}

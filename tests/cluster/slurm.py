@@ -1,0 +1,238 @@
+"""A study on a real Slurm on this machine: killed and requeued points, the table of a local study."""
+
+import csv
+import json
+import os
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+
+from place import Place, say
+
+# Twelve points of some seconds each.
+STUDY = """
+title = "Energy of tiny drops"
+pipeline = "tiny.toml"
+set = ["impact.end=40 ms", "impact.checkpoint_every=0.5 s", "post.panels=[]"]
+
+[[axis]]
+name = "velocity"
+key = "body.drop.velocity"
+values = ["0.8 m/s", "1 m/s", "1.2 m/s"]
+
+[[axis]]
+name = "seed"
+key = "pack.seed"
+values = [1, 2]
+
+[[axis]]
+name = "speed of sound"
+points = [
+    { label = "adaptive" },
+    { label = "constant", set = ["method.wcsph.sound_speed=constant"] },
+]
+
+[[figure]]
+name = "energy"
+column = "kinetic_energy_J"
+of = "last"
+"""
+
+
+class Slurm:
+    """A controller and a node with this machine's cores, in a folder of their own."""
+
+    def __init__(self, folder):
+        self.processes = []
+        folder.mkdir()
+        host = socket.gethostname().split(".")[0]
+        cores = os.cpu_count()
+        # Requeued jobs wait until old credentials are no longer valid: by default two minutes.
+        text = f"""
+            ClusterName=check
+            SlurmctldHost={host}(127.0.0.1)
+            SlurmctldPort=16817
+            SlurmdPort=16818
+            AuthType=auth/munge
+            AuthInfo=cred_expire=15,socket={folder}/munge.socket
+            CredType=cred/munge
+            SlurmUser=root
+            SlurmdUser=root
+            StateSaveLocation={folder}/state
+            SlurmdSpoolDir={folder}/spool
+            SlurmctldPidFile={folder}/slurmctld.pid
+            SlurmdPidFile={folder}/slurmd.pid
+            SlurmctldLogFile={folder}/slurmctld.log
+            SlurmdLogFile={folder}/slurmd.log
+            ProctrackType=proctrack/linuxproc
+            TaskPlugin=task/none
+            MpiDefault=none
+            SwitchType=switch/none
+            SelectType=select/cons_tres
+            SelectTypeParameters=CR_CPU
+            AccountingStorageType=accounting_storage/none
+            JobAcctGatherType=jobacct_gather/none
+            SchedulerType=sched/backfill
+            SchedulerParameters=sched_interval=2,bf_interval=2
+            ReturnToService=2
+            KillWait=20
+            NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} RealMemory=2000 State=UNKNOWN
+            PartitionName=main Nodes={host} Default=YES MaxTime=INFINITE State=UP
+        """
+        self.configuration = folder / "slurm.conf"
+        self.configuration.write_text("\n".join(line.strip() for line in text.splitlines()))
+        for name in ["state", "spool"]:
+            (folder / name).mkdir()
+        key = folder / "munge.key"
+        key.write_bytes(os.urandom(128))
+        key.chmod(0o400)
+        os.environ["SLURM_CONF"] = str(self.configuration)
+        munge = ["munged", "-F", "--force", f"--key-file={key}", f"--socket={folder}/munge.socket"]
+        files = ["pid", "seed", "log"]
+        munge += [f"--{name}-file={folder}/munge.{name}" for name in files]
+        self.start(folder, *munge)
+        while not (folder / "munge.socket").exists():
+            time.sleep(0.1)
+        self.start(folder, "slurmctld", "-D", "-f", str(self.configuration))
+        self.start(folder, "slurmd", "-D", "-f", str(self.configuration), "-N", host)
+        deadline = time.time() + 60
+        while "idle" not in self.ask("sinfo", "--noheader", "--format=%T", check=False):
+            assert time.time() < deadline, (folder / "slurmd.log").read_text()
+            time.sleep(0.5)
+
+    def start(self, folder, *words):
+        path = os.environ["PATH"] + ":/usr/sbin"
+        log = open(folder / f"{words[0]}.out", "w")
+        process = subprocess.Popen(
+            words, env={**os.environ, "PATH": path}, stdout=log, stderr=subprocess.STDOUT
+        )
+        self.processes.append(process)
+
+    def ask(self, *words, check=True):
+        return subprocess.run(words, capture_output=True, text=True, check=check).stdout
+
+    def tasks(self):
+        """State of each task that has not ended."""
+        lines = self.ask("squeue", "--noheader", "--array", "--format=%K %T").splitlines()
+        return {int(line.split()[0]): line.split()[1] for line in lines}
+
+    def stop(self):
+        for process in reversed(self.processes):
+            process.terminate()
+        for process in self.processes:
+            try:
+                process.wait(30)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+def table(place):
+    """The rows of the table without the last column, the times."""
+    with open(place.folder / "artifacts/latest/study/figures.csv") as file:
+        return [row[:-1] for row in csv.reader(file)]
+
+
+def processes():
+    """The points that run: process of `coronet study --point K`, with those that it started."""
+    found = {}
+    for folder in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "cmdline").read_text().split("\0")
+        except OSError:
+            continue
+        if "--point" in words and words[1] == "study":
+            found[int(words[words.index("--point") + 1])] = int(folder.name)
+    return found
+
+
+def children(process):
+    """The processes that a process has started."""
+    return [int(p) for p in pathlib.Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+
+
+def wait_for(what, condition, seconds=120):
+    deadline = time.time() + seconds
+    while not (found := condition()):
+        assert time.time() < deadline, f"{what}: not after {seconds} s"
+        time.sleep(0.2)
+    return found
+
+
+def checkpoints(place):
+    return list((place.folder / "artifacts/impact").glob("*/work/*.checkpoint"))
+
+
+def restarts(slurm, point):
+    said = slurm.ask("scontrol", "show", "job", "--oneliner")
+    lines = [line for line in said.splitlines() if f"ArrayTaskId={point} " in line]
+    return max((int(re.search(r"Restarts=(\d+)", line)[1]) for line in lines), default=0)
+
+
+def check(slurm, folder):
+    local, cluster = Place(folder / "local"), Place(folder / "cluster")
+    for place in [local, cluster]:
+        (place.folder / "study.toml").write_text(STUDY)
+    start = time.time()
+    out, _ = cluster.call("study", "study.toml", "--on", "slurm")
+    assert "12" in out or "waiting" in out, out
+    say(f"submitted in {time.time() - start:.1f} s: {out.splitlines()[-4]}")
+
+    # Two points are killed, the one with its program, the other without.
+    running = wait_for("two points", lambda: (p := processes()) and len(p) >= 2 and p)
+    wait_for("checkpoints", lambda: len(checkpoints(cluster)) >= 2)
+    first, second = sorted(processes())[:2]
+    victims = processes()
+    for victim in [victims[first], *children(victims[second])]:
+        os.kill(victim, signal.SIGKILL)
+    say(f"kill -9 of points {first} and {second}")
+    wait_for("a requeue", lambda: restarts(slurm, first) and restarts(slurm, second))
+    say("both were queued again by their scripts")
+
+    # A third one is requeued from outside, as Slurm does when it preempts.
+    third = wait_for("a third point", lambda: sorted(set(processes()) - {first, second}))[0]
+    subprocess.run(["scontrol", "requeue", f"{job(slurm)}_{third}"], check=True)
+    wait_for("its requeue", lambda: restarts(slurm, third))
+    say(f"point {third} was requeued")
+
+    # Another shell looks, stops everything, and continues.
+    out, _ = cluster.call("study", "study.toml", "--on", "slurm", "--look")
+    say("looked at: " + out.splitlines()[-1])
+    assert "running" in out or "waiting" in out, out
+    _, err = cluster.call("study", "study.toml", "--on", "slurm", "--cancel")
+    assert "was told to stop" in err, err
+    wait_for("the stop", lambda: not slurm.tasks() and not processes(), 60)
+    out, _ = cluster.call("study", "study.toml", "--on", "slurm", "--look")
+    say("stopped:   " + out.splitlines()[-1])
+    assert "0 running, 0 waiting" in out and "missing" in out, out
+    start = time.time()
+    out, _ = cluster.call("study", "study.toml", "--on", "slurm", "--wait")
+    say(f"continued in another shell to the end, {time.time() - start:.0f} s")
+
+    local.call("study", "study.toml", "--jobs", str(os.cpu_count()))
+    assert table(local) == table(cluster), (table(local), table(cluster))
+    assert len(table(local)) == 13
+    stamps = (cluster.folder / "artifacts/impact").glob("*/stamp.json")
+    resumed = sum(json.loads(stamp.read_text())["resumptions"] > 0 for stamp in stamps)
+    say(f"the tables of 12 points are equal; {resumed} impacts went on from a checkpoint")
+    assert resumed >= 3
+    out, err = cluster.call("study", "study.toml", "--on", "slurm")
+    assert err.count("fresh") == 12, err
+    cluster.call("verify")
+
+
+def job(slurm):
+    return slurm.ask("squeue", "--noheader", "--array", "--format=%F").split()[0]
+
+
+with tempfile.TemporaryDirectory() as folder:
+    folder = pathlib.Path(folder)
+    slurm = Slurm(folder / "slurm")
+    try:
+        check(slurm, folder)
+    finally:
+        slurm.stop()
+say("Slurm: all well")

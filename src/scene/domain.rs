@@ -53,7 +53,7 @@ pub struct Rings {
     #[schemars(extend("minimum" = 0.0, "maximum" = 1.0))]
     pub merge: f64,
     /// A ring with more becomes two; a large number: never.
-    #[schemars(extend("exclusiveMinimum" = 1.0))]
+    #[schemars(extend("minimum" = 1.0))]
     pub split: f64,
 }
 

@@ -254,7 +254,9 @@ impl Tension {
         look(words, of_wet);
         for &j in &shore.near {
             let cosine = wetting.cosines[j as usize] as f32;
-            scaled.iter().for_each(|&w| words[w][n + j as usize] *= cosine);
+            scaled
+                .iter()
+                .for_each(|&w| words[w][n + j as usize] *= cosine);
         }
         let [slope, vector @ ..] = &mut *words;
         flow.share(slope);

@@ -174,7 +174,13 @@ fn drop_at_rest() {
         .expect("stays stable");
         let case = format!("drop at rest, R = {:.0} s0", radius / scene.spacing);
         let got = |k: usize| found[k] / found[2];
-        figure(&case, "pressure in the core, Pa", got(0), Some(theory), 0.01);
+        figure(
+            &case,
+            "pressure in the core, Pa",
+            got(0),
+            Some(theory),
+            0.01,
+        );
         figure(&case, "the same on the axis", got(1), Some(theory), 0.01);
     }
 }
@@ -276,7 +282,9 @@ fn standing_wave() {
             ]
         };
         let speed = 2e-4 * omega;
-        let mut solver = changed(&scene, |state| stir(state, |at| field(at).map(|v| speed * v)));
+        let mut solver = changed(&scene, |state| {
+            stir(state, |at| field(at).map(|v| speed * v))
+        });
         let mut track = Vec::new();
         let end = scene.impact.end;
         run(solver.as_mut(), end, 0.002 * end, |f| {

@@ -42,7 +42,13 @@ fn contact_angle() {
             let width = 2.0 * round * angle.to_radians().sin();
             figure(&case, "angle, deg", got(0), Some(angle), 2.5 / angle);
             figure(&case, "width, m", got(1), Some(width), 0.02);
-            figure(&case, "height, m", got(2), Some(round * (1.0 - cosine)), 0.02);
+            figure(
+                &case,
+                "height, m",
+                got(2),
+                Some(round * (1.0 - cosine)),
+                0.02,
+            );
         }
     }
 }
@@ -84,16 +90,33 @@ fn force_on_a_wall() {
             let contact = 0.1e-3 / speed;
             let largest = |from: f64, to: f64| {
                 let inside = |t: f64| (from..to).contains(&(t - contact));
-                let part = track.iter().filter(|(t, force)| inside(*t) && force.is_finite());
-                part.fold((0.0, 0.0), |most, at| if at.1 > most.1 { *at } else { most })
+                let part = track
+                    .iter()
+                    .filter(|(t, force)| inside(*t) && force.is_finite());
+                part.fold(
+                    (0.0, 0.0),
+                    |most, at| if at.1 > most.1 { *at } else { most },
+                )
             };
             // The first peak ends before the drop is flat, the second comes when it jumps.
             let between = f64::min(0.6 * turn, 0.25 * swing);
             let (when, peak) = largest(0.0, between);
             let (later, jump) = largest(between, 0.8 * swing);
             let case = format!("force on a wall, We {weber}, {spacing}");
-            figure(&case, "first peak over rho V^2 D^2", peak, Some(first), 0.05);
-            figure(&case, "second peak over rho V^2 D^2", jump, Some(second), 0.1);
+            figure(
+                &case,
+                "first peak over rho V^2 D^2",
+                peak,
+                Some(first),
+                0.05,
+            );
+            figure(
+                &case,
+                "second peak over rho V^2 D^2",
+                jump,
+                Some(second),
+                0.1,
+            );
             println!(
                 "  first at {:.3} D / V, second at {:.3} sqrt(rho D^3 / sigma)",
                 (when - contact) / turn,
@@ -110,13 +133,18 @@ fn bounce() {
     let (radius, density, sigma) = (1e-3f64, 1000.0, 0.0728);
     for weber in [3.0, 10.0, 30.0] {
         let speed = f64::sqrt(weber * sigma / (density * radius));
-        let sets = [format!("body.drop.velocity={speed} m/s"), "impact.end=12 ms".into()];
+        let sets = [
+            format!("body.drop.velocity={speed} m/s"),
+            "impact.end=12 ms".into(),
+        ];
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
         let scene = rings("wall-force", &sets);
         let mut solver = start(&scene).expect("starts");
         let (mut touches, mut leaves) = (f64::NAN, f64::NAN);
         run(solver.as_mut(), scene.impact.end, 2e-5, |f| {
-            let lowest = f.position[2].iter().fold(f32::INFINITY, |low, z| low.min(*z));
+            let lowest = f.position[2]
+                .iter()
+                .fold(f32::INFINITY, |low, z| low.min(*z));
             let is_near = (lowest as f64) < scene.spacing;
             match (is_near, touches.is_nan()) {
                 (true, true) => touches = f.time,
@@ -127,6 +155,12 @@ fn bounce() {
         .expect("stays stable");
         let theory = 2.6 * f64::sqrt(density * radius.powi(3) / sigma);
         let case = format!("bounce, We {weber} with R");
-        figure(&case, "contact time, s", leaves - touches, Some(theory), 0.04);
+        figure(
+            &case,
+            "contact time, s",
+            leaves - touches,
+            Some(theory),
+            0.04,
+        );
     }
 }

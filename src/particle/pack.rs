@@ -322,7 +322,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         let level = self.level(crowd, completion, &mut local);
         let (supported, supported_spread) = quality::supported(&local, level);
         let (mass, wanted_mass) = self.masses(crowd);
-        let is_plane = self.measure.dimension == 2 && !self.input.domain.revolved;
+        let is_plane = self.measure.dimension == 2 && !self.input.domain.is_revolved();
         PackReport {
             count: crowd.len(),
             mass,
@@ -349,7 +349,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
             ..
         } = self.input;
         let nominal = density * spacing.powi(self.measure.dimension as i32);
-        if !domain.revolved {
+        if !domain.is_revolved() {
             let mass = crowd.len() as f64 * particle_mass(self.input);
             return (mass, nominal * self.region.volume());
         }

@@ -113,7 +113,7 @@ impl Cloud {
             scene.domain.boundary[1] = [Side::Periodic; 2];
         }
         let is_axial = scene.domain.is_axial();
-        scene.domain.revolved = is_axial;
+        scene.domain.revolved = is_axial.then(coronet::scene::Rings::default);
         let mut p = Particles {
             mass: scene.density * S0.powi(scene.space() as i32),
             ..Particles::default()

@@ -21,7 +21,7 @@ pub fn scene(dimension: Dimension, size: [f64; 3], shape: Shape) -> Scene {
                 size: size.map(|cells| cells * S0),
                 boundary: sides,
                 wall_velocity: [[[0.0; 3]; 2]; 3],
-                revolved: false,
+                revolved: None,
             },
             density: 1100.0,
             spacing: S0,

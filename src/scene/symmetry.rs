@@ -106,9 +106,9 @@ impl Shape {
 }
 
 impl Scene {
-    /// The side about which an axis is unfolded to the whole: that of an axis of revolution, or of a
-    /// mirror plane that cuts a body or touches a block. A layer alone touches every side and does
-    /// not count.
+    /// The side about which an axis is unfolded to the whole: that of an axis of revolution, or of
+    /// a mirror plane that cuts a body or touches a block. A layer alone touches every side and
+    /// does not count.
     pub fn unfolds(&self, axis: usize) -> Option<usize> {
         let is_cut = |body: &Body| body.shape.is_met(&self.domain, axis);
         let solid = |body: &&Body| !matches!(body.shape, Shape::Layer { .. });
@@ -148,7 +148,7 @@ impl Scene {
     }
 
     /// The whole in three dimensions: of rings the body of revolution in the box from which its
-    /// half-plane was cut, else [`Scene::whole`]. Places of bodies are then those of the half-plane.
+    /// half-plane was cut, else [`Scene::whole`]. Places of its bodies are those of the half-plane.
     pub fn solid(&self) -> Scene {
         if !self.domain.is_axial() {
             return self.whole();

@@ -6,10 +6,30 @@ use crate::draw::field::{Bounds, Field, Scales};
 use crate::draw::figure::Figures;
 use crate::draw::render::artist::{Artist, Style, Survey};
 use crate::draw::report::Report;
+use crate::draw::section;
 use crate::draw::sheet::Sheet;
-use crate::draw::view;
+use crate::draw::view::{self, Camera};
+use crate::particle::Frame;
+use crate::scene::Dimension;
 
 impl Post {
+    /// Bird's-eye view of a frame, of the whole and of its part; in 2-D there is none.
+    pub(super) fn view(&self, frame: &Frame, part: &Frame) -> Option<Canvas> {
+        let solid = self.part.solid();
+        if solid.dimension == Dimension::Two {
+            return None;
+        }
+        // Drawn at twice the size, and a quarter taller than wide: room for a jet.
+        let width = 2 * section::width(&self.scene);
+        let size = [width, width / 4 * 5];
+        let camera = Camera::whole(&solid, self.scene.pool_depth().unwrap_or(0.0), size);
+        let view = match self.part.domain.is_axial() {
+            true => view::draw_revolved(&self.part, part, &camera),
+            false => view::draw(&self.scene, frame, &camera),
+        };
+        Some(view.halved())
+    }
+
     /// The title picture: the surface of the liquid.
     pub(super) fn draw_title(&mut self, report: &mut Report) -> Result<(), PostError> {
         let Some((_, frame)) = self.best.take() else {

@@ -14,8 +14,7 @@ use self::instants::Instants;
 use super::canvas::Canvas;
 use super::field::Field;
 use super::report::Report;
-use super::section::{self, Section};
-use super::view::{self, Camera};
+use super::section::Section;
 use crate::measure::answer;
 use crate::measure::gauge::{Gauge, Kind, Start, contact_time};
 use crate::measure::loss;
@@ -222,18 +221,7 @@ impl Post {
         let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
         let panel = asked.panel.then(|| {
             let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
-            let solid = self.part.solid();
-            let view = (solid.dimension == Dimension::Three).then(|| {
-                // Drawn at twice the size, and a quarter taller than wide: room for a jet.
-                let width = 2 * section::width(&self.scene);
-                let size = [width, width / 4 * 5];
-                let camera = Camera::whole(&solid, self.scene.pool_depth().unwrap_or(0.0), size);
-                match self.part.domain.is_axial() {
-                    true => view::draw_revolved(&self.part, part, &camera),
-                    false => view::draw(&self.scene, frame, &camera),
-                }
-                .halved()
-            });
+            let view = self.view(frame, part);
             (section, view)
         });
         let field = || Field::new(&self.scene, frame, &self.axis, label.clone());

@@ -6,7 +6,7 @@
 //! | `/tf` | `foxglove.FrameTransform` world -> box | once |
 //! | `/wall` | `foxglove.PointCloud` | once, if there are walls |
 //! | `/body/NAME` | `foxglove.PointCloud`, one for each body | every frame |
-//! | `/revolved` | `foxglove.PointCloud` of the body of revolution, for viewers | every frame of rings |
+//! | `/revolved` | `foxglove.PointCloud`, the body of revolution, for viewers | frames of rings |
 //! | `/measures` | `coronet.Measures`, one double for each scalar, after two times | every frame |
 //!
 //! Log time is simulated time x `time_scale`, in nanoseconds. Metadata: `coronet` (format, spacing,

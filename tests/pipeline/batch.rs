@@ -1,5 +1,5 @@
-//! Studies on a cluster, with stand-ins for the commands of the batch systems. `tests/cluster/check`
-//! runs them on a real Slurm.
+//! Studies on a cluster, with stand-ins for the commands of the batch systems.
+//! `tests/cluster/check` runs them on a real Slurm.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -93,7 +93,9 @@ fn read(program: &Program, name: &str) -> String {
 fn table(program: &Program) -> Vec<String> {
     let text = read(program, "artifacts/latest/study/figures.csv");
     let lines = text.lines();
-    lines.map(|line| line.rsplit_once(',').unwrap().0.to_string()).collect()
+    lines
+        .map(|line| line.rsplit_once(',').unwrap().0.to_string())
+        .collect()
 }
 
 /// The local table, which others must equal.
@@ -110,7 +112,16 @@ fn local() -> Vec<String> {
 #[test]
 fn a_study_on_slurm_has_the_table_of_a_local_one() {
     let program = slurm();
-    let options = ["--on", "slurm", "--partition", "short", "--time", "1:00:00", "--cores", "2"];
+    let options = [
+        "--on",
+        "slurm",
+        "--partition",
+        "short",
+        "--time",
+        "1:00:00",
+        "--cores",
+        "2",
+    ];
     study(&program, &options).well();
     // The tasks of this cluster have ended by now, so the same command has collected them.
     assert_eq!(table(&program), local());
@@ -125,9 +136,14 @@ fn a_study_on_slurm_has_the_table_of_a_local_one() {
         "#SBATCH --signal=B:USR1@60",
         "#SBATCH --job-name=coronet-study",
     ] {
-        assert!(script.lines().any(|found| found == line), "{line}: {script}");
+        assert!(
+            script.lines().any(|found| found == line),
+            "{line}: {script}"
+        );
     }
-    let memory = script.lines().find(|line| line.starts_with("#SBATCH --mem="));
+    let memory = script
+        .lines()
+        .find(|line| line.starts_with("#SBATCH --mem="));
     let memory = memory.unwrap().trim_start_matches("#SBATCH --mem=");
     let memory: u32 = memory.trim_end_matches('M').parse().unwrap();
     assert!((300..1000).contains(&memory), "{memory}");
@@ -139,7 +155,11 @@ fn a_study_on_slurm_has_the_table_of_a_local_one() {
     fs::write(program.path("study.toml"), better).unwrap();
     study(&program, &options).well();
     assert_eq!(read(&program, "sbatch.log").lines().count(), 2);
-    assert!(table(&program).iter().all(|line| !line.contains("diverged")));
+    assert!(
+        table(&program)
+            .iter()
+            .all(|line| !line.contains("diverged"))
+    );
     assert!(!read(&program, "scontrol.log").contains("requeue"));
 }
 
@@ -147,7 +167,8 @@ fn a_study_on_slurm_has_the_table_of_a_local_one() {
 fn a_submitted_study_is_looked_at_stopped_and_continued() {
     let program = slurm();
     fs::write(program.path("later"), "").unwrap();
-    fs::write(program.path("queue"), "7 1 RUNNING\n7 2 PENDING\n7 3 REQUEUED\n7 4 FAILED\n9 4 RUNNING\n").unwrap();
+    let queue = "7 1 RUNNING\n7 2 PENDING\n7 3 REQUEUED\n7 4 FAILED\n9 4 RUNNING\n";
+    fs::write(program.path("queue"), queue).unwrap();
     let on = |more: &[&str]| study(&program, &[&["--on", "slurm"], more].concat());
     let ended = on(&["--json"]).well();
     let states = |ended: &Ended| {
@@ -240,7 +261,10 @@ fn a_profile_is_read_and_options_come_first() {
         "#SBATCH --qos=low",
         "export GREETING='good day'",
     ] {
-        assert!(script.lines().any(|found| found == line), "{line}: {script}");
+        assert!(
+            script.lines().any(|found| found == line),
+            "{line}: {script}"
+        );
     }
     for (old, new, word) in [("cores", "coers", "coers"), ("3G", "3 pints", "3 pints")] {
         fs::write(program.path("cluster.toml"), text.replace(old, new)).unwrap();
@@ -262,9 +286,13 @@ fn a_killed_task_is_queued_again_and_a_cancelled_one_is_not() {
     let script = read(&program, "artifacts/latest/study/batch/job.sh");
     let place = env!("CARGO_BIN_EXE_coronet");
     // A point that takes a while and stops as the program does.
-    let point = "#!/bin/bash\ntrap 'exit 130' TERM\necho $$ > pid\nfor k in {1..100}; do sleep 0.1; done\n";
+    let point = "trap 'exit 130' TERM\necho $$ > pid\nfor k in {1..100}; do sleep 0.1; done\n";
     fs::write(program.path("point"), point).unwrap();
-    fs::write(program.path("job.sh"), script.replace(place, "bash ./point")).unwrap();
+    fs::write(
+        program.path("job.sh"),
+        script.replace(place, "bash ./point"),
+    )
+    .unwrap();
     for (signal, to_point, again) in [
         ("KILL", true, true),
         ("TERM", true, true),
@@ -276,7 +304,10 @@ fn a_killed_task_is_queued_again_and_a_cancelled_one_is_not() {
         let mut child = std::process::Command::new("bash")
             .arg("job.sh")
             .current_dir(program.folder.path())
-            .env("PATH", format!("{}:/usr/bin:/bin", program.path("bin").display()))
+            .env(
+                "PATH",
+                format!("{}:/usr/bin:/bin", program.path("bin").display()),
+            )
             .env("SLURM_ARRAY_JOB_ID", "7")
             .env("SLURM_ARRAY_TASK_ID", "2")
             .spawn()
@@ -287,7 +318,9 @@ fn a_killed_task_is_queued_again_and_a_cancelled_one_is_not() {
         let pid = read(&program, "pid").trim().to_string();
         let job = child.id().to_string();
         let send = |to: &str| {
-            let sent = std::process::Command::new("kill").args(["-s", signal, to]).status();
+            let sent = std::process::Command::new("kill")
+                .args(["-s", signal, to])
+                .status();
             assert!(sent.unwrap().success());
         };
         send(if to_point { &pid } else { &job });
@@ -296,7 +329,11 @@ fn a_killed_task_is_queued_again_and_a_cancelled_one_is_not() {
             send(&pid);
         }
         let code = child.wait().unwrap().code();
-        assert_eq!(code, Some(if signal == "KILL" { 137 } else { 130 }), "{signal}");
+        assert_eq!(
+            code,
+            Some(if signal == "KILL" { 137 } else { 130 }),
+            "{signal}"
+        );
         let said = read(&program, "scontrol.log");
         let expected = if again { "requeue 7_2\n" } else { "" };
         assert_eq!(said, expected, "{signal} to point: {to_point}");

@@ -48,7 +48,10 @@ impl Shared {
             assert_eq!(report.stamp.digest, made.stamp.digest);
             assert!(!report.folder.join("work").exists());
         }
-        let ran = words(&reports).iter().filter(|word| **word == "ran").count();
+        let ran = words(&reports)
+            .iter()
+            .filter(|word| **word == "ran")
+            .count();
         assert_eq!(lab.calls.load(Ordering::Relaxed) as usize, ran);
         let findings = verify::verify(&second, &mut |_| {}).unwrap();
         assert!(findings.iter().all(|finding| finding.problems.is_empty()));
@@ -62,7 +65,10 @@ impl Shared {
 
     /// The stamp of `grow drop` there.
     fn stamp(&self) -> PathBuf {
-        self.path(&format!("results/grow/{}.json", self.made[0].stamp.key.hex()))
+        self.path(&format!(
+            "results/grow/{}.json",
+            self.made[0].stamp.key.hex()
+        ))
     }
 
     /// The object of its checkpoint.
@@ -121,7 +127,9 @@ fn a_bad_file_is_made_again() {
     is_made_again("cut off", "SHA-256", |shared| {
         change(&shared.file(), |bytes| bytes.truncate(70));
     });
-    is_made_again("empty", "SHA-256", |shared| change(&shared.file(), Vec::clear));
+    is_made_again("empty", "SHA-256", |shared| {
+        change(&shared.file(), Vec::clear)
+    });
     is_made_again("missing", "is missing", |shared| {
         fs::remove_file(shared.file()).unwrap();
     });
@@ -177,9 +185,13 @@ fn a_bad_stamp_is_made_again() {
     is_made_again("with a huge size", "the disk has", |shared| {
         shared.forge(|stamp| stamp.outputs[1].bytes = 1 << 62);
     });
-    is_made_again("with a size that is too small", "is longer than", |shared| {
-        shared.forge(|stamp| stamp.outputs[0].bytes -= 1);
-    });
+    is_made_again(
+        "with a size that is too small",
+        "is longer than",
+        |shared| {
+            shared.forge(|stamp| stamp.outputs[0].bytes -= 1);
+        },
+    );
 }
 
 #[test]
@@ -316,7 +328,10 @@ fn the_program_shares_results() {
     let second = Program::new();
     let fetched = second.run(&["--remote", &url]);
     let statuses = members(&fetched, "status");
-    assert!(statuses.values().all(|status| status == "fetched"), "{statuses:?}");
+    assert!(
+        statuses.values().all(|status| status == "fetched"),
+        "{statuses:?}"
+    );
     assert_eq!(second.fingerprint(&fetched), first.fingerprint(&made));
     second.call(&["verify"]).well();
 
@@ -325,7 +340,13 @@ fn the_program_shares_results() {
     let url = format!("file://{}", shared.path().display());
     let third = Program::new();
     let pull = ["pull", "tiny.toml", "--json"];
-    let pull = || third.command(&pull).env("CORONET_REMOTE", &url).output().unwrap();
+    let pull = || {
+        third
+            .command(&pull)
+            .env("CORONET_REMOTE", &url)
+            .output()
+            .unwrap()
+    };
     let ended = crate::program::Ended::from(pull());
     ended.badly(1, &["does not have this result", "run --remote"]);
     let said = first.call(&["push", "--remote", &url]).well();
@@ -333,7 +354,10 @@ fn the_program_shares_results() {
     let said = first.call(&["push", "tiny", "--remote", &url]).well();
     assert!(said.out.contains("7 were there"), "{}", said.out);
     let ended = crate::program::Ended::from(pull()).well();
-    assert_eq!(third.fingerprint(&ended.objects()), first.fingerprint(&made));
+    assert_eq!(
+        third.fingerprint(&ended.objects()),
+        first.fingerprint(&made)
+    );
     let fresh = members(&third.run(&[]), "status");
     assert!(fresh.values().all(|status| status == "fresh"), "{fresh:?}");
 }

@@ -87,7 +87,8 @@ pub enum PipelineError {
     },
     /// A run that makes nothing lacks a result.
     #[error(
-        "{job}: {place} does not have this result; `coronet run --remote` makes it and puts it there"
+        "{job}: {place} does not have this result; `coronet run --remote` makes it and puts it \
+         there"
     )]
     NotThere {
         /// The job.

@@ -1,5 +1,5 @@
-//! Studies on a cluster, with stand-ins for the commands of the batch systems. `tests/cluster/check`
-//! runs them on a real Slurm.
+//! Studies on a cluster, with stand-ins for the commands of the batch systems.
+//! `tests/cluster/check` runs them on a real Slurm.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -167,11 +167,8 @@ fn a_study_on_slurm_has_the_table_of_a_local_one() {
 fn a_submitted_study_is_looked_at_stopped_and_continued() {
     let program = slurm();
     fs::write(program.path("later"), "").unwrap();
-    fs::write(
-        program.path("queue"),
-        "7 1 RUNNING\n7 2 PENDING\n7 3 REQUEUED\n7 4 FAILED\n9 4 RUNNING\n",
-    )
-    .unwrap();
+    let queue = "7 1 RUNNING\n7 2 PENDING\n7 3 REQUEUED\n7 4 FAILED\n9 4 RUNNING\n";
+    fs::write(program.path("queue"), queue).unwrap();
     let on = |more: &[&str]| study(&program, &[&["--on", "slurm"], more].concat());
     let ended = on(&["--json"]).well();
     let states = |ended: &Ended| {
@@ -289,8 +286,7 @@ fn a_killed_task_is_queued_again_and_a_cancelled_one_is_not() {
     let script = read(&program, "artifacts/latest/study/batch/job.sh");
     let place = env!("CARGO_BIN_EXE_coronet");
     // A point that takes a while and stops as the program does.
-    let point =
-        "#!/bin/bash\ntrap 'exit 130' TERM\necho $$ > pid\nfor k in {1..100}; do sleep 0.1; done\n";
+    let point = "trap 'exit 130' TERM\necho $$ > pid\nfor k in {1..100}; do sleep 0.1; done\n";
     fs::write(program.path("point"), point).unwrap();
     fs::write(
         program.path("job.sh"),

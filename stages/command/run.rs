@@ -7,7 +7,8 @@ use coronet::measure::answer::Figures;
 use coronet::measure::series::Series;
 use coronet::pipeline::name::is_name;
 use coronet::pipeline::remote::Remote;
-use coronet::pipeline::{self, PipelineError, Report, Run, Status, Store, latest};
+use coronet::pipeline::{self, Decision, PipelineError, Report, Run, Status, Store, latest};
+use coronet::scene::file::Loaded;
 use coronet::scene::{Scene, numbers, variant};
 use serde_json::json;
 
@@ -59,12 +60,7 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
         plan::fits(&decisions)?;
     }
     if !arguments.store.json {
-        let text = format!(
-            "{}Plan\n{}",
-            numbers::of(&loaded.scene),
-            plan::text(&decisions)
-        );
-        out!("{}\n{text}Run with {threads} threads", loaded.scene.title);
+        announce(&loaded, &decisions, threads);
     }
     let also = own_name(arguments, &pipeline.name);
     let stop = signals::stop_flag(STOPPING)?;
@@ -111,6 +107,16 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     );
     let unnamed = ended.unnamed.map_or(Ok(()), Err);
     unnamed.context("the results are finished and kept, but have no names in latest/")
+}
+
+/// What is done before the stages run.
+fn announce(loaded: &Loaded, decisions: &[Decision], threads: usize) {
+    let plan = plan::text(decisions);
+    out!(
+        "{}\n{}Plan\n{plan}Run with {threads} threads",
+        loaded.scene.title,
+        numbers::of(&loaded.scene)
+    );
 }
 
 /// The name of a run with `--set` and without `--name`. It keeps the results when the name of the

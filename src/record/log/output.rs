@@ -208,8 +208,8 @@ pub fn write_setup(output: &mut Output, setup: &LogSetup) -> Result<(), LogError
     Ok(())
 }
 
-/// Writes one frame: a cloud for each body, of rings their body of revolution too, then the scalars.
-/// `schema` is made at the first frame and must be that of the later ones.
+/// Writes one frame: a cloud for each body, of rings their body of revolution too, then the
+/// scalars. `schema` is made at the first frame and must be that of the later ones.
 pub fn write_frame(
     output: &mut Output,
     setup: &LogSetup,

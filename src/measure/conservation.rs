@@ -102,9 +102,14 @@ impl<'a> Conservation<'a> {
         self.strange += (strange + scalars) as f64;
 
         let scalar = |name: &str| frame.scalars.iter().find(|s| s.0 == name).map(|s| s.1);
-        let count = frame.id.len() as f64;
+        let ids = frame.id.len() as f64;
         if let (Some(total), Some(removed)) = (scalar("mass_kg"), scalar("mass_removed_kg")) {
-            let (first, mass) = *self.first.get_or_insert((count, total / count));
+            let (first, mass) = *self.first.get_or_insert((ids, total / ids));
+            // Rings split and merge: what stays is their mass.
+            let count = match self.scene.domain.is_axial() {
+                true => total / mass,
+                false => ids,
+            };
             let error = ((count + removed / mass) - first).abs();
             // Round-off of a sum of masses is not a lost particle.
             let error = if error < 1e-6 * first { 0.0 } else { error };

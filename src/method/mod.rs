@@ -210,7 +210,7 @@ fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
 fn normals_of(case: &Case, method: &Method) -> Option<Tension> {
     let (d, length) = (case.space, method.normals() * case.h);
     let normals = || Tension::normals(case.sph.kernel, length, d, case.density);
-    (method.shifting() > 0.0).then(normals)
+    (method.shifting() > 0.0 && !case.domain.is_axial()).then(normals)
 }
 
 struct Parts<'a> {

@@ -84,9 +84,9 @@ impl Case {
 
 impl Case {
     /// Whether particles are shifted, for a `strength` of the shifting: not where the tension has
-    /// an energy, for what is moved at rest does work on the surface.
+    /// an energy, for what is moved at rest does work on the surface, and not rings.
     pub fn shifts(&self, strength: f64) -> bool {
-        strength > 0.0 && !self.follows_energy()
+        strength > 0.0 && !self.follows_energy() && !self.domain.is_axial()
     }
 
     /// Whether the tension is the derivative of an energy.

@@ -127,13 +127,19 @@ fn a_ring_sees_itself_as_the_table_does() {
     }
 }
 
-/// A drop falls on a pool in a cylinder, all of it rings.
+/// A drop falls on a pool in a cylinder, all of it rings, with tension.
 fn splash(more: &str) -> Scene {
+    splash_of(&format!(
+        "[effects.tension]\ncoefficient = '72.8 mN/m'\n{more}"
+    ))
+}
+
+/// The same without tension unless `more` has it.
+fn splash_of(more: &str) -> Scene {
     let text = format!(
         "[box]\nsize = ['12 mm', '12 mm', '10 mm']\nx = 'wall'\ny = 'wall'\nsymmetry = 'axis'\n\
          [liquid]\ndensity = '998 kg/m^3'\n[effects.gravity]\nacceleration = '9.81 m/s^2'\n\
          [effects.viscosity]\ndynamic = '1 mPa s'\n\
-         [effects.tension]\ncoefficient = '72.8 mN/m'\n\
          [body.pool]\nlayer = {{ depth = '3 mm' }}\n\
          [body.drop]\nsphere = {{ diameter = '2.4 mm', gap = '0.3 mm', above = 'pool' }}\n\
          velocity = '2 m/s'\n\
@@ -188,6 +194,47 @@ fn a_splash_of_rings_keeps_its_energy_and_its_mass() {
     assert!(gone.abs() < 1e-12 * mass[0], "{gone:e}");
     // Rings that became small have merged.
     assert!(simulation.state().particles.len() < count);
+}
+
+#[test]
+fn rings_without_tension_keep_their_energy() {
+    let scene = splash_of("");
+    let mut simulation = Simulation::resume(&scene, disturbed(&scene, 0.0)).unwrap();
+    let series = simulation.run(|_, _| ()).unwrap();
+    let last = |name: &str| *series.column(name).unwrap().last().unwrap();
+    let whole = series.column("kinetic_energy_J").unwrap()[0];
+    println!(
+        "unexplained {:e} of {whole:e} J",
+        last("energy_unexplained_J")
+    );
+    assert!(last("energy_unexplained_J").abs() < 0.03 * whole);
+}
+
+#[test]
+fn rings_whose_limits_are_wide_neither_merge_nor_split() {
+    let mut scene = splash("");
+    scene.domain.revolved = Some(coronet::scene::Rings {
+        merge: 0.0,
+        split: 1e9,
+    });
+    let mut simulation = Simulation::resume(&scene, disturbed(&scene, 0.0)).unwrap();
+    let count = simulation.state().particles.len();
+    let series = simulation.run(|_, _| ()).unwrap();
+    assert_eq!(
+        *series.column("mass_removed_kg").unwrap().last().unwrap(),
+        0.0
+    );
+    assert_eq!(simulation.state().particles.len(), count);
+}
+
+#[test]
+fn limits_of_rings_belong_to_an_axis() {
+    let text = "[box]\nsize = ['8 mm', '8 mm', '8 mm']\nrings = { merge = 0.5, split = 2 }\n\
+                [liquid]\ndensity = '998 kg/m^3'\n[pack]\nspacing = '0.2 mm'\n\
+                [impact]\nend = '6 ms'\n[frames]\ninterval = '1 ms'\n\
+                [body.pool]\nlayer = { depth = '2 mm' }\n";
+    let error = file::read(text, Path::new("axis.toml"), &[]).err().unwrap();
+    assert!(error.to_string().contains("box.rings"), "{error}");
 }
 
 #[test]

@@ -13,6 +13,7 @@ const RINGS: &str = "dimension = 3\n\
     [box]\nsize = ['9.6 mm', '9.6 mm', '8 mm']\nx = 'wall'\ny = 'wall'\nsymmetry = 'axis'\n\
     [liquid]\ndensity = '1000 kg/m^3'\n[effects.gravity]\nacceleration = '9.81 m/s^2'\n\
     [effects.viscosity]\ndynamic = '1 mPa s'\n\
+    [effects.tension]\ncoefficient = '73 mN/m'\n\
     [body.pool]\nlayer = { depth = '2.4 mm' }\n\
     [body.drop]\nsphere = { diameter = '2.4 mm', gap = '0.3 mm', above = 'pool' }\n\
     velocity = '1 m/s'\n\

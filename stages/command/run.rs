@@ -49,11 +49,7 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     plan::warn(&loaded.scene);
     let pipeline = jobs::pipeline(&loaded)?;
     let store = Store::new(&arguments.store.artifacts);
-    let threads = threads(arguments);
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global()
-        .context("cannot start the threads")?;
+    let threads = start_threads(arguments)?;
     let decisions = pipeline::plan(&store, &pipeline)?;
     let makes = remote.as_ref().is_none_or(|remote| !remote.only);
     if makes {
@@ -156,9 +152,13 @@ fn figures(scene: &Scene, reports: &[Report]) -> Result<Option<Figures>> {
         .map(|measures| Figures::new(scene, measures)))
 }
 
-fn threads(arguments: &RunArguments) -> usize {
+/// Starts the threads of the run and returns their number.
+fn start_threads(arguments: &RunArguments) -> Result<usize> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    arguments.threads.map_or(cores, usize::from)
+    let threads = arguments.threads.map_or(cores, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    pool.build_global().context("cannot start the threads")?;
+    Ok(threads)
 }
 
 /// What the run came to, where the results are and how to look at them.

@@ -273,7 +273,9 @@ fn a_profile_is_read_and_options_come_first() {
     study(&program, &["--on", "hq", "--partition", "a"]).badly(2, &["no partitions"]);
     let bare = self::program(&[]);
     fs::write(bare.path("study.toml"), STUDY).unwrap();
-    study(&bare, &["--on", "slurm"]).badly(2, &["`sbatch`", "submitted"]);
+    let mut command = bare.command(&["study", "study.toml", "--on", "slurm"]);
+    let ended = Ended::from(command.env("PATH", bare.path("bin")).output().unwrap());
+    ended.badly(2, &["`sbatch`", "submitted"]);
     study(&bare, &["--point", "5"]).badly(2, &["points are 1 to 4"]);
 }
 

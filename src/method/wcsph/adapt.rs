@@ -3,10 +3,10 @@
 //!
 //! Two rings of one body, each the nearest of the other, merge where one has less than half of a
 //! cell and both together less than a cell, if they are near and hardly move apart: mass, momentum,
-//! centre of mass and volume are kept, and the kinetic energy that is lost is booked. A ring of more
-//! than two cells becomes two halves beside each other in the direction in which it has the fewest
-//! neighbours: what it has of energy is kept, but for that of the surface, which
-//! is booked too. Half and two are those of [`crate::scene::Rings`].
+//! centre of mass and volume are kept, and the kinetic energy that is lost is booked. A ring of
+//! more than two cells becomes two halves beside each other in the direction in which it has the
+//! fewest neighbours: what it has of energy is kept, but for that of the surface, which is booked
+//! too. Half and two are those of [`crate::scene::Rings`].
 
 use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;

@@ -213,7 +213,7 @@ fn oscillating_drop() {
             ];
             let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
             let scene = rings("oscillating-drop", &sets);
-            let (radius, middle) = (0.002, 0.003);
+            let (radius, middle) = (0.002f64, 0.003);
             let (sigma, rho) = (scene.effects.sigma().unwrap(), scene.density);
             let nu = scene.effects.mu().unwrap() / rho;
             let order = n as f64;

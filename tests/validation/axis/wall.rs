@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 fn contact_angle() {
     println!();
     for spacing in ["0.16 mm", "0.08 mm"] {
-        for angle in [30.0, 60.0, 90.0, 120.0, 150.0] {
+        for angle in [30.0f64, 60.0, 90.0, 120.0, 150.0] {
             let sets = [
                 format!("pack.spacing={spacing}"),
                 format!("effects.wetting.angle={angle} deg"),

@@ -19,20 +19,23 @@ pub struct Impulse {
     time: f64,
     /// kg m/s.
     momentum: [f64; 3],
+    /// kg.
+    mass: f64,
     /// Mass of what has been removed so far, kg: it takes an unknown momentum along.
     removed: f64,
 }
 
 impl Impulse {
-    fn of(frame: &Frame) -> Option<(Impulse, f64)> {
+    /// Of a frame whose method gives its momentum.
+    pub(super) fn of(frame: &Frame) -> Option<Impulse> {
         let named = |name: &str| frame.scalars.iter().find(|(n, _)| n == name);
         let momentum = |axis: &str| Some(named(&format!("momentum_{axis}_kg_m_s"))?.1);
-        let impulse = Impulse {
+        Some(Impulse {
             time: frame.time,
             momentum: [momentum("x")?, momentum("y")?, momentum("z")?],
+            mass: named("mass_kg")?.1,
             removed: named("mass_removed_kg").map_or(0.0, |(_, removed)| *removed),
-        };
-        Some((impulse, named("mass_kg")?.1))
+        })
     }
 }
 
@@ -48,12 +51,12 @@ pub(super) fn put(
     if !sides.any(|side| *side == Side::Wall) {
         return None;
     }
-    let (now, mass) = Impulse::of(frame)?;
+    let now = Impulse::of(frame)?;
     let span = |last: &Impulse| now.time - last.time;
     let last = last.filter(|last| span(last) > 0.0 && last.removed == now.removed);
     for a in (0..3).filter(|a| scene.domain.size[*a] > 0.0) {
         let force = last.map_or(f64::NAN, |last| {
-            let body = mass * body_force(&scene.effects, a, last.time, now.time);
+            let body = now.mass * body_force(&scene.effects, a, last.time, now.time);
             (now.momentum[a] - last.momentum[a] - body) / span(&last)
         });
         row.push((NAMES[a].to_owned(), force));

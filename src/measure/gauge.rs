@@ -188,14 +188,18 @@ impl Gauge {
 
     /// Measures a frame. The first one sets [`Gauge::start`].
     pub fn measure(&mut self, frame: &Frame) -> Row {
-        let (row, start) = self.look(frame);
+        let (row, start) = self.look(frame, None);
         self.start = start;
         row
     }
 
     /// Measures a frame without changing the gauge; returns the row and the reference values.
-    pub fn look(&self, frame: &Frame) -> (Row, Start) {
+    /// `before`: the frame before it, if that is not the one that the gauge measured last.
+    pub fn look(&self, frame: &Frame, before: Option<&Frame>) -> (Row, Start) {
         let mut start = self.start;
+        if let Some(before) = before {
+            start.impulse = Impulse::of(before);
+        }
         let mut row = Table::default();
         row.put("time_s", frame.time);
         let after = Clock::after_contact(frame.time, self.contact);

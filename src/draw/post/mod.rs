@@ -191,7 +191,11 @@ impl Post {
             .par_iter()
             .zip(parts)
             .zip(asked?)
-            .map(|((frame, part), asked)| self.look(frame, part, asked))
+            .enumerate()
+            .map(|(k, ((frame, part), asked))| {
+                let before = k.checked_sub(1).map(|k| &frames[k]);
+                self.look((frame, before), part, asked)
+            })
             .collect();
         for (part, look) in parts.iter().zip(looks) {
             let (row, start) = look.measured;
@@ -217,7 +221,8 @@ impl Post {
         })
     }
 
-    fn look(&self, frame: &Frame, part: &Frame, asked: Asked) -> Look {
+    /// `before`: the frame before, if it is one of the same lot.
+    fn look(&self, (frame, before): (&Frame, Option<&Frame>), part: &Frame, asked: Asked) -> Look {
         let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
         let panel = asked.panel.then(|| {
             let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
@@ -226,7 +231,7 @@ impl Post {
         });
         let field = || Field::new(&self.scene, frame, &self.axis, label.clone());
         Look {
-            measured: self.gauge.look(frame),
+            measured: self.gauge.look(frame, before),
             field: asked.field.then(field),
             panel,
         }

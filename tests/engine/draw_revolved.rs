@@ -200,15 +200,23 @@ fn pictures_show_the_body_from_all_sides_for_any_number_of_threads() {
     };
     let (red, blue) = (count(0, 2, 60), count(2, 0, 60));
     assert!(red > 200 && blue > 1200, "{red} {blue}");
-    // Light comes from one side; what is liquid does not depend on the direction, or on the side.
-    let coloured = |c: &[u8; 3]| c[0].abs_diff(c[2]) > 30;
-    let turned = draw(1.2, 2);
+    // Light comes from one side; what is liquid, not grey, does not depend on the side. The camera
+    // fits the box, which looks alike after a quarter of a turn.
+    let coloured = |c: &[u8; 3]| {
+        let [low, high] = [c.iter().min(), c.iter().max()].map(|c| *c.unwrap() as u32);
+        8 * (high - low) > high
+    };
+    let most = first.iter().filter(|c| coloured(c)).count() / 30;
+    let turned = draw(std::f32::consts::FRAC_PI_2, 2);
     let differs = |(a, b): &(&[u8; 3], &[u8; 3])| coloured(a) != coloured(b);
     let differing = first.iter().zip(&turned).filter(differs).count();
-    assert!(differing < 60, "{differing} pixels differ");
+    assert!(differing < most, "{differing} pixels of {most} differ");
     let mirrored = first.chunks(160).flat_map(|row| row.iter().rev());
     let differing = first.iter().zip(mirrored).filter(differs).count();
-    assert!(differing < 60, "{differing} pixels differ left and right");
+    assert!(
+        differing < most,
+        "{differing} pixels of {most} differ left and right"
+    );
 }
 
 #[test]

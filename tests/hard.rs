@@ -16,6 +16,11 @@ fn water_does_what_its_study_says() {
     keeps("water-cases");
 }
 
+#[test]
+fn rings_do_what_their_study_says() {
+    keeps("hard-rings");
+}
+
 /// Runs the study `name` of `scenes/study`.
 fn keeps(name: &str) {
     let store = tempfile::tempdir().unwrap();

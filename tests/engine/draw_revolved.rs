@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use super::draw_surface::{artist, style};
 use coronet::draw::render::Material;
-use coronet::draw::render::artist::{Artist, Style, Survey};
 use coronet::draw::surface::Field;
 use coronet::particle::{Frame, ring};
 use coronet::record::export::{Column, Table};
@@ -65,21 +65,6 @@ fn drop(r: f64, z: f64) -> Option<u8> {
 /// The pool, 2 mm deep, and the drop.
 fn splash(r: f64, z: f64) -> Option<u8> {
     if z < 2e-3 { Some(0) } else { drop(r, z) }
-}
-
-fn artist(scene: &Scene, frame: &Frame, style: Style) -> Artist {
-    let mut survey = Survey::default();
-    survey.add(scene, frame);
-    Artist::new(scene, &survey, style)
-}
-
-fn style(material: Material) -> Style {
-    Style {
-        material,
-        size: [160, 120],
-        samples: 1,
-        ..Style::default()
-    }
 }
 
 /// The mesh, which must be closed and of the volume of the rings.

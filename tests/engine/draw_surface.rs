@@ -75,13 +75,13 @@ fn splash(middle: f64) -> impl Fn([f64; 3]) -> Option<u8> {
     }
 }
 
-fn artist(scene: &Scene, frame: &Frame, style: Style) -> Artist {
+pub fn artist(scene: &Scene, frame: &Frame, style: Style) -> Artist {
     let mut survey = Survey::default();
     survey.add(scene, frame);
     Artist::new(scene, &survey, style)
 }
 
-fn style(material: Material) -> Style {
+pub fn style(material: Material) -> Style {
     Style {
         material,
         size: [160, 120],

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::program::Program;
 
 /// A column of a table of particles.
-fn column(path: &Path, name: &str) -> Vec<f64> {
+pub fn column(path: &Path, name: &str) -> Vec<f64> {
     let mut reader = csv::Reader::from_path(path).unwrap();
     let place = reader.headers().unwrap().iter().position(|n| n == name);
     let place = place.unwrap_or_else(|| panic!("no column {name}"));

@@ -1,11 +1,11 @@
 //! A scene of revolution from outside: what a run of rings shows, and what of it is exported.
 
 use std::fs;
-use std::path::Path;
 
 use coronet::record::log;
 use serde_json::Value;
 
+use crate::export::column;
 use crate::program::Program;
 
 /// A drop on a pool in a cylinder, as rings.
@@ -27,15 +27,6 @@ fn run(more: &[&str]) -> Program {
         .call(&[&["run", "rings.toml"], more].concat())
         .well();
     program
-}
-
-fn column(path: &Path, name: &str) -> Vec<f64> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
-    let place = reader.headers().unwrap().iter().position(|n| n == name);
-    let place = place.unwrap_or_else(|| panic!("no column {name}"));
-    let rows = reader.records();
-    rows.map(|row| row.unwrap()[place].parse().unwrap())
-        .collect()
 }
 
 #[test]

@@ -26,7 +26,6 @@ use std::path::Path;
 /// A verification scene under a preset, with overrides. The steps that `paper` asks for, 1 us or 5
 /// to 20 us, fit the drop on the pool; here its step follows the limits of stability.
 pub fn scene(name: &str, preset: &str, sets: &[&str]) -> Scene {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/verification");
     let mut all = vec![
         format!("method.name={}", method_name()),
         format!("method.preset={preset}"),
@@ -36,6 +35,12 @@ pub fn scene(name: &str, preset: &str, sets: &[&str]) -> Scene {
         all.push("method.isph.shortest=1 ns".into());
         all.push("method.isph.longest=none".into());
     }
+    with(name, all, sets)
+}
+
+/// A verification scene with overrides: `all`, then `sets`, then those of CORONET_SET.
+pub fn with(name: &str, mut all: Vec<String>, sets: &[&str]) -> Scene {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/verification");
     all.extend(sets.iter().map(|s| s.to_string()));
     let extra = std::env::var("CORONET_SET").unwrap_or_default();
     all.extend(extra.split(';').filter(|s| !s.is_empty()).map(String::from));

@@ -2,27 +2,19 @@
 
 mod wall;
 
-use crate::{Figure, begin, run, start};
+use crate::{Figure, begin, run, start, with};
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::column::{Columns, Retain};
 use coronet::particle::{Frame, Particles, State};
-use coronet::scene::{Scene, file};
+use coronet::scene::Scene;
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
 /// Distance from the axis and height, m.
 type Point = [f64; 2];
 
 /// A scene of `scenes/verification`, as rings.
 fn rings(name: &str, sets: &[&str]) -> Scene {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/verification");
-    let mut all = vec!["box.symmetry=axis".to_string()];
-    all.extend(sets.iter().map(|s| s.to_string()));
-    let extra = std::env::var("CORONET_SET").unwrap_or_default();
-    all.extend(extra.split(';').filter(|s| !s.is_empty()).map(String::from));
-    file::load(&root.join(format!("{name}.toml")), &all)
-        .expect("the scene is valid")
-        .scene
+    with(name, vec!["box.symmetry=axis".to_string()], sets)
 }
 
 fn figure(case: &str, what: &str, got: f64, theory: Option<f64>, target: f64) -> bool {
@@ -298,8 +290,7 @@ fn standing_wave() {
     }
 }
 
-/// A liquid cylinder about the axis without walls, of `columns` spacings, in a box that is periodic
-/// along z.
+/// Keeps the liquid within `radius` m of the axis.
 fn thread(state: &mut State, radius: f64) {
     let p: &mut Particles = &mut state.particles;
     let inside = |i: &u32| p.position[0][*i as usize] < radius;

@@ -275,10 +275,13 @@ fn every_shipped_scene_loads_and_its_numbers_are_sane() {
         let total: u64 = (0..scene.bodies.len())
             .map(|body| numbers::count(scene, body))
             .sum();
-        let least = if path.to_string_lossy().contains("hard") {
-            1
-        } else {
-            300
+        let least = match (
+            path.to_string_lossy().contains("hard"),
+            scene.domain.is_revolved(),
+        ) {
+            (true, _) => 1,
+            (_, true) => 100,
+            _ => 300,
         };
         assert!(
             (least..1_200_000).contains(&total),

@@ -15,7 +15,7 @@ use crate::effect::wetting::friction::Hold;
 use crate::particle::column::{
     Columns, Load, Memory, Reflect, Retain, Role, Save, Scalar, Scalars, Sort, Visitor,
 };
-use crate::particle::{Frame, State};
+use crate::particle::{Frame, State, weight_of};
 use crate::space::grid::Scale;
 use crate::space::parallel::{max, sum_in, sum_mut, three};
 use crate::space::sweep::{self, Pass};
@@ -261,18 +261,19 @@ impl Liquid {
 
     /// Lets friction act on contact lines for `dt` s.
     pub fn rub(&mut self, dt: f64) {
-        let friction = &self.friction;
+        let (friction, p) = (&self.friction, &mut self.flow.particles);
+        let weights = &p.weight;
         let [work] = sum_mut(
             &mut self.parts,
-            three(&mut self.flow.particles.velocity, friction.len()),
+            three(&mut p.velocity, friction.len()),
             |i, v| {
                 let [x, y, z] = v;
                 let before = [*x, *y, *z];
                 [*x, *y, *z] = friction[i].slowed(before, dt);
-                [frame::gained(before, [*x, *y, *z])]
+                [weight_of(weights, i) * frame::gained(before, [*x, *y, *z])]
             },
         );
-        self.ledger.walls += self.flow.particles.mass * work;
+        self.ledger.walls += p.mass * work;
     }
 
     /// Energy of motion, of height, and of compression, J; `compression`, J/kg, at a density.

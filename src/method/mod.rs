@@ -1,5 +1,6 @@
 //! One solver a file.
 
+pub mod adapt;
 pub mod calibrate;
 pub mod flow;
 pub mod frame;
@@ -236,7 +237,7 @@ impl select::Visitor for Parts<'_> {
                 Box::new(Projection::new(parts, liquid, state))
             }
             Method::Mps(settings) => {
-                let scheme = mps::Mps::new(settings, liquid.case.dimension.count());
+                let scheme = mps::Mps::new(settings, &liquid.case);
                 let parts = (settings.projection, scheme);
                 Box::new(Projection::new(parts, liquid, state))
             }

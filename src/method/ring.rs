@@ -1,4 +1,4 @@
-//! Pair sums of weakly compressible SPH over rings about an axis ([`crate::kernel::ring`]).
+//! Pair sums over rings about an axis ([`crate::kernel::ring`]).
 //!
 //! They are those of [`super::pass`] with the kernel of two rings: with g_a = h^4 / norm dW/dx_a,
 //! which is not the opposite of g_b, masses m that differ, and a ring as its own neighbour:
@@ -11,9 +11,10 @@
 //! Tests: tests/engine/ring.rs.
 
 use super::pass::{Moving, Sparing, WallSums};
-use crate::kernel::ring::{Radii, between, mass_apart};
+use crate::kernel::ring::{Radii, between, mass_apart, places};
 use crate::payload;
 use crate::space::lane::Real;
+use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
 
 payload! {
@@ -209,5 +210,44 @@ impl Pass<7> for Extrapolation<'_> {
             velocity: [s[4], 0.0, s[5]],
             closing: s[6],
         };
+    }
+}
+
+payload! {
+    /// What [`Laplacian`] reads.
+    pub struct Joined<F> {
+        /// Mass over the nominal one, over the density n of `projection::surface::Share`.
+        volume: F,
+        /// c of a wall particle, Pa.
+        offset: F,
+    }
+}
+
+/// Weights of the Laplacian, -2 F_y V_a V_b, and their sums as those of [`super::isph::pass`]: of
+/// distances in the half-plane, where the pressure differs.
+pub struct Laplacian<'a> {
+    /// Where rings are.
+    pub radii: Radii<'a>,
+}
+
+impl<const N: usize> Couple<N> for Laplacian<'_> {
+    type Payload = Joined;
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        self.radii.of(target)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, Joined>, sum: &mut [F; N]) -> F {
+        let ([own, other], is_far) = places(pair);
+        let [_, slope, _] = self.radii.rings.first(is_far, pair.q2, own * other);
+        let volumes = mass_apart(pair.own.volume * pair.other.volume, pair.q2);
+        let w = volumes * slope * -2.0;
+        sum[0] = w.mul_add(pair.q2, sum[0]);
+        sum[1] = w.mul_add(pair.other.offset, sum[1]);
+        for a in 0..3 {
+            sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
+        }
+        sum[5] = w.mul_add(pair.own.offset, sum[5]);
+        w
     }
 }

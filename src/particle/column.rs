@@ -34,10 +34,12 @@ pub trait Entry: Copy + Default + Send + Sync + 'static {
     fn set_part(&mut self, _k: usize, _value: f64) {}
     /// Turns it round behind a mirror plane across `axis`.
     fn reflect(&mut self, _axis: usize) {}
+    /// Goes a `part` of the way to another value, if there is anything between the two.
+    fn blend(&mut self, _other: Self, _part: f64) {}
 }
 
 macro_rules! numbers {
-    ($($number:ty)*) => { $(
+    ($($number:ty $(, $blend:ident)?;)*) => { $(
         impl Entry for $number {
             const PARTS: &'static [&'static str] = &[""];
             fn part(&self, _: usize) -> f64 {
@@ -46,10 +48,13 @@ macro_rules! numbers {
             fn set_part(&mut self, _: usize, value: f64) {
                 *self = value as $number;
             }
+            $(fn $blend(&mut self, other: Self, part: f64) {
+                *self += part as $number * (other - *self);
+            })?
         }
     )* };
 }
-numbers!(f64 f32 u32 u8);
+numbers!(f64, blend; f32, blend; u32; u8;);
 
 impl Entry for bool {}
 
@@ -63,6 +68,9 @@ impl Entry for [f32; 3] {
     }
     fn reflect(&mut self, axis: usize) {
         self[axis] = -self[axis];
+    }
+    fn blend(&mut self, other: Self, part: f64) {
+        (0..3).for_each(|a| self[a].blend(other[a], part));
     }
 }
 
@@ -198,6 +206,25 @@ impl Visitor for Duplicate<'_> {
         }
         for &i in self.0 {
             column.push(column[i as usize]);
+        }
+    }
+}
+
+/// Takes particle `i` a `part` of the way to particle `j`.
+pub struct Blend {
+    /// The one that changes.
+    pub i: usize,
+    /// The one that is left as it is.
+    pub j: usize,
+    /// Between 0 and 1.
+    pub part: f64,
+}
+
+impl Visitor for Blend {
+    fn visit<T: Entry>(&mut self, role: Role, column: &mut Vec<T>) {
+        if role != Role::Scratch && !column.is_empty() {
+            let other = column[self.j];
+            column[self.i].blend(other, self.part);
         }
     }
 }

@@ -14,6 +14,11 @@ use rayon::prelude::*;
 pub trait Couple<const N: usize>: Sync {
     /// What the points carry.
     type Payload: Payload;
+    /// What is known of record `target` beside its payload.
+    #[inline(always)]
+    fn extra(&self, _target: usize) -> [f32; 3] {
+        [0.0; 3]
+    }
     /// Weights of eight pairs: zero for padding (d = 0) and beyond the support.
     fn pair<F: Real>(&self, pair: &Pair<F, Self::Payload>, sum: &mut [F; N]) -> F;
 }
@@ -251,7 +256,7 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     let record = &layout.records[target];
     let at = [record.at(0), record.at(1), record.at(2)];
     let scale = layout.scale.lanes(lanes);
-    let own = splat(lanes, carried::<P::Payload>(record), [0.0; 3]);
+    let own = splat(lanes, carried::<P::Payload>(record), pass.extra(target));
     let mut degree = 0.0;
     chunk.make_room(row.len());
     let mut kept = chunk.index.len();

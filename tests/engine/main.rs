@@ -58,6 +58,7 @@ mod record_reader;
 mod record_select;
 mod record_spoiled;
 mod ring;
+mod ring_projection;
 mod scene_error;
 mod scene_file;
 mod scene_key;

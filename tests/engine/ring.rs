@@ -115,10 +115,15 @@ fn second_derivatives_are_those_of_the_first() {
 fn a_ring_sees_itself_as_the_table_does() {
     for radius in [0.05, 0.4, 1.0, 3.0, 9.0, 20.0] {
         let p: f64 = radius * radius;
-        let [value, turn, second] = Rings::default().own(radius);
+        let [value, turn, second, slope] = Rings::default().own(radius);
         let e = 0.01 * p;
         let (low, mid, high) = (exact(0.0, p - e), exact(0.0, p), exact(0.0, p + e));
         let (by, twice) = ((high - low) / (2.0 * e), (high - 2.0 * mid + low) / (e * e));
+        let along = (exact(1e-3, p) - mid) / 1e-3;
+        assert!(
+            (slope - along).abs() < 0.02 * along.abs(),
+            "{radius}: {slope} {along}"
+        );
         assert!((value - mid).abs() < 1e-4 * mid, "{radius}: {value} {mid}");
         assert!((turn - by).abs() < 1e-3 * by.abs(), "{radius}: {turn} {by}");
         assert!(
@@ -281,9 +286,9 @@ fn what_is_not_of_revolution_is_refused_with_the_reason() {
         ),
         (
             "[box]\nsize = ['8 mm', '8 mm', '8 mm']\nx = 'open'\ny = 'open'\nsymmetry = 'axis'\n\
-             [method]\nname = 'isph'\n\
+             [method]\nname = 'mps'\nmps.gradient = 'corrected'\n\
              [body.drop]\nsphere = { diameter = '2 mm', centre = ['4 mm', '4 mm', '4 mm'] }\n",
-            "is for wcsph",
+            "needs the gradient `transposed`",
         ),
         (
             "dimension = 2\n[box]\nsize = ['8 mm', '8 mm']\nx = ['axis', 'open']\n\

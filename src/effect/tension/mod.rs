@@ -44,7 +44,7 @@ pub mod energy;
 pub mod level;
 
 mod pass;
-mod ringed;
+pub(crate) mod ringed;
 pub mod shore;
 mod stressed;
 mod virial;

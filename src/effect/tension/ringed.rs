@@ -17,14 +17,14 @@ use crate::space::sweep::{self, Pair, Pass};
 
 payload! {
     /// What [`Look`] reads.
-    pub(super) struct Heavy<F> {
+    pub(crate) struct Heavy<F> {
         /// Mass over the nominal one.
         mass: F,
     }
 }
 
 /// (1) without a itself: H n_r, H n_z, phi, in that order at 0, 2 and 3.
-pub(super) struct Look<'a> {
+pub(crate) struct Look<'a> {
     pub radii: Radii<'a>,
 }
 
@@ -214,7 +214,7 @@ impl Tension {
         each_mut(&mut force[..reached.len()], |k, force| {
             let i = reached[k] as usize;
             let radius = flow.position[0][i] / self.length;
-            let [_, turn, second] = radii.rings.own(radius);
+            let [_, turn, second, _] = radii.rings.own(radius);
             let (slope, gradient) = (words[0][i] as f64, words[1][i] as f64);
             let of =
                 2.0 * slope * radius * turn + gradient * (turn + 2.0 * radius * radius * second);

@@ -182,7 +182,7 @@ impl Shore {
         let of = |j: usize| {
             let [i, k] = [0, 2].map(|a| (wall[a][j] / pitch[a]).floor() as i64);
             let (radius, mass) = column(i);
-            let [value, turn, _] = Rings::default().own(radius);
+            let [value, turn, ..] = Rings::default().own(radius);
             let mut sum = [mass * radius * turn, 0.0, 0.0, mass * value - own];
             for other in (i - reach[0]).max(0)..=i + reach[0] {
                 for layer in -reach[1]..=reach[1] {

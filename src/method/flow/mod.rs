@@ -8,6 +8,7 @@
 mod ahead;
 mod find;
 mod pack;
+mod rings;
 mod wall;
 
 use crate::effect::surface::Extra;

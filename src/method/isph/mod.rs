@@ -31,8 +31,10 @@ use super::projection::correction::times;
 use super::projection::look::Sums;
 use super::projection::transposed::OfKernel;
 use super::projection::{Projection, Scheme, surface};
+use super::ring::Laplacian;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::kernel::ring::Rings;
 use crate::scene::{Closure, Gradient, Isph as Settings, PoissonSource};
 use crate::space::grid::Scale;
 use crate::space::parallel::each_mut;
@@ -62,7 +64,7 @@ impl<K: Kernel> Isph<K> {
         case: &Case,
         mass: f64,
     ) -> Self {
-        let (d, volume) = (case.dimension.count(), mass / case.density);
+        let (d, volume) = (case.space, mass / case.density);
         let pass = Around::<K, V> {
             factor: volume * K::norm(d) / case.h.powi(d as i32 + 1) * case.density,
             viscosity,
@@ -109,6 +111,17 @@ impl<K: Kernel> Isph<K> {
         });
     }
 
+    /// The same weights of rings.
+    fn couple_rings(p: &mut Projection<Self>) {
+        p.pack_joined();
+        let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
+        let [_, rings] = p.scheme.of_rings();
+        let radii = p.liquid.flow.radii_of(rings, p.liquid.case.h);
+        let e = &mut p.equation;
+        let (sparse, degree, sums) = (&mut e.coupling, &mut e.diagonal, &mut p.sums);
+        sparse.build(&layout, &Laplacian { radii }, degree, sums);
+    }
+
     fn slope_with<const SYMMETRIC: bool>(p: &mut Projection<Self>) {
         let pass = PressureSlope::<K, SYMMETRIC>(PhantomData);
         p.liquid.sum(&pass, &mut p.own.push);
@@ -125,8 +138,7 @@ impl<K: Kernel> Scheme for Isph<K> {
     type Row = [f32; 6];
 
     fn completion(&self, case: &Case) -> surface::Completion {
-        let d = case.dimension.count();
-        surface::Completion::of::<K>(case.sph.kernel, d, case.sph.smoothing)
+        surface::Completion::of::<K>(case.sph.kernel, case.space, case.sph.smoothing)
     }
 
     fn is_symmetric(&self) -> bool {
@@ -186,6 +198,9 @@ impl<K: Kernel> Scheme for Isph<K> {
 
     /// The weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)).
     fn couple(p: &mut Projection<Self>) {
+        if p.liquid.flow.is_axial() {
+            return Self::couple_rings(p);
+        }
         let (local, walls) = (&p.own.local, &p.walls);
         p.liquid.flow.pack(
             |_, i| Coupled {
@@ -273,6 +288,10 @@ impl<K: Kernel> Scheme for Isph<K> {
             };
             *push = corrected.map(|a| a as f32);
         });
+    }
+
+    fn of_rings(&self) -> [Rings; 2] {
+        [Rings::default(); 2]
     }
 
     fn weight(p: &Projection<Self>) -> (OfKernel<K>, f64) {

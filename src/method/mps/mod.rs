@@ -35,11 +35,13 @@
 
 mod least;
 pub mod pass;
+mod rings;
 
 use super::model::Case;
 use super::projection::correction::times;
 use super::projection::{Projection, Scheme, surface};
 use crate::kernel::WendlandC2;
+use crate::kernel::ring::Rings;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
 use crate::space::parallel::each_mut;
 use pass::{
@@ -93,6 +95,8 @@ pub(super) struct Mps {
     /// The lattice at the two radii.
     lattice: Lattice,
     laplacian: Lattice,
+    /// Of rings: kernels of the weights of gradients and of the Laplacian.
+    rings: Option<[Rings; 2]>,
     /// 1, or 0 where p = 0 is given, by unknown.
     inside: Vec<f32>,
     /// Least pressure about, Pa, by liquid and wall particle.
@@ -100,7 +104,20 @@ pub(super) struct Mps {
 }
 
 impl Mps {
-    pub fn new(settings: &Settings, dimension: usize) -> Self {
+    pub fn new(settings: &Settings, case: &Case) -> Self {
+        let is_axial = case.domain.is_axial();
+        let lattice = |radius: f64| match is_axial {
+            true => Lattice::of_rings(radius),
+            false => Lattice::of(radius, case.space),
+        };
+        let lengths = [
+            settings.radius,
+            settings.laplacian_radius,
+            settings.core,
+            1.0,
+        ];
+        let [gradient, laplacian, core, apart] = lengths.map(|x| x / case.sph.smoothing);
+        let core = core.max(NEAREST as f64);
         Mps {
             radius: settings.radius,
             laplacian_radius: settings.laplacian_radius,
@@ -109,8 +126,9 @@ impl Mps {
             closure: settings.closure,
             gradient: settings.gradient,
             pressure: settings.pressure,
-            lattice: Lattice::of(settings.radius, dimension),
-            laplacian: Lattice::of(settings.laplacian_radius, dimension),
+            lattice: lattice(settings.radius),
+            laplacian: lattice(settings.laplacian_radius),
+            rings: is_axial.then(|| rings::kernels([gradient, laplacian, core, apart])),
             inside: Vec::new(),
             least: Vec::new(),
         }
@@ -132,13 +150,13 @@ impl Mps {
 
     /// d / n0 of (3).
     fn gradient_factor(&self, case: &Case) -> f64 {
-        case.dimension.count() as f64 / self.lattice.number
+        case.space as f64 / self.lattice.number
     }
 
     /// 2 d / (n0 lambda) of (4), 1/m^2.
     fn laplacian_factor(&self, case: &Case) -> f64 {
         let spread = self.laplacian.spread * case.spacing.powi(2);
-        2.0 * case.dimension.count() as f64 / spread
+        2.0 * case.space as f64 / spread
     }
 
     fn look_with<const CORRECTED: bool, const BLENDED: bool>(p: &mut Projection<Self>) {
@@ -198,9 +216,9 @@ impl Scheme for Mps {
     type Row = [f32; 7];
 
     fn completion(&self, case: &Case) -> surface::Completion {
-        let d = case.dimension.count();
-        surface::Completion::of::<Smooth>(case.sph.kernel, d, case.sph.smoothing)
-            .with_full(self.laplacian.number)
+        let full = Lattice::of(self.laplacian_radius, case.space).number;
+        surface::Completion::of::<Smooth>(case.sph.kernel, case.space, case.sph.smoothing)
+            .with_full(full)
     }
 
     fn is_symmetric(&self) -> bool {
@@ -276,6 +294,9 @@ impl Scheme for Mps {
 
     /// The weights of (4).
     fn couple(p: &mut Projection<Self>) {
+        if p.liquid.flow.is_axial() {
+            return Self::couple_rings(p);
+        }
         Self::flag(p);
         let (local, walls, inside) = (&p.own.local, &p.walls, &p.scheme.inside);
         let n = p.liquid.len();
@@ -351,6 +372,10 @@ impl Scheme for Mps {
             }
             *push = sum.map(|a| a as f32);
         });
+    }
+
+    fn of_rings(&self) -> [Rings; 2] {
+        self.rings.unwrap_or_default()
     }
 
     fn weight(p: &Projection<Self>) -> (Steep, f64) {

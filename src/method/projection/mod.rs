@@ -33,6 +33,7 @@ mod closed;
 pub mod correction;
 pub mod look;
 mod report;
+mod rings;
 mod shift;
 mod solve;
 mod step;
@@ -40,6 +41,7 @@ pub mod surface;
 pub mod transposed;
 pub(super) mod walls;
 
+use super::adapt::Adaption;
 use super::liquid::Liquid;
 use super::model::Case;
 use super::pressure::multigrid::Domain;
@@ -49,6 +51,7 @@ use super::{Diverged, Solver, frame};
 use crate::columns;
 use crate::effect::band::Band;
 use crate::kernel::Kernel;
+use crate::kernel::ring::Rings;
 use crate::particle::column::{Entry, Role, Scalar, Scalars};
 use crate::particle::{Frame, State};
 use crate::scene::{PoissonSource, Projection as Settings};
@@ -112,6 +115,8 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn unit(p: &Projection<Self>) -> f64;
     /// Fills `push` with -grad p / rho.
     fn slope(p: &mut Projection<Self>);
+    /// Of rings: kernels K of which -K'/q is the weight of gradients and that of the equation.
+    fn of_rings(&self) -> [Rings; 2];
     /// The weight of gradients, and its factor c, 1/m.
     fn weight(p: &Projection<Self>) -> (Self::Weight, f64);
     /// Bytes held.
@@ -167,6 +172,7 @@ pub(super) struct Projection<S: Scheme> {
     /// Velocity of the walls that viscosity sees, m/s.
     viscous: Vec<[f32; 3]>,
     transposed: Transposed,
+    adaption: Adaption,
 }
 
 /// How the pressure was found.
@@ -190,11 +196,12 @@ impl<S: Scheme> Projection<S> {
         let n = liquid.len();
         let walls = Walls::new(&liquid.case, &liquid.flow.wall);
         let volume = liquid.flow.particles.mass / liquid.case.density;
-        let cell = liquid
-            .case
-            .spacing
-            .powi(liquid.case.dimension.count() as i32);
-        let closure = scheme.completion(&liquid.case).of_volume(volume / cell);
+        let cell = liquid.case.spacing.powi(liquid.case.space as i32);
+        let closure = scheme.completion(&liquid.case);
+        let closure = match liquid.flow.is_axial() {
+            true => closure.of_rings(),
+            false => closure.of_volume(volume / cell),
+        };
         let mut own = Own {
             pressure: vec![0.0; n],
             kernel_sum: Vec::new(),
@@ -234,6 +241,7 @@ impl<S: Scheme> Projection<S> {
             band: Band::default(),
             viscous: Vec::new(),
             transposed: Transposed::default(),
+            adaption: Adaption::of(state),
         };
         solver.peak = solver.peak();
         solver.find_surface_energy();
@@ -242,14 +250,14 @@ impl<S: Scheme> Projection<S> {
 
     /// V norm / h^(d+k), V = m / rho0.
     pub fn factor(&self, k: i32) -> f64 {
-        let d = self.liquid.case.dimension.count();
+        let d = self.liquid.case.space;
         let volume = self.liquid.flow.particles.mass / self.liquid.case.density;
         volume * S::Kernel::norm(d) / self.liquid.case.h.powi(d as i32 + k)
     }
 
     /// norm s0^d / h^d: turns `Sums::kernel` into the kernel sum.
     fn sum_factor(&self) -> f32 {
-        let d = self.liquid.case.dimension.count();
+        let d = self.liquid.case.space;
         (S::Kernel::norm(d) * (self.liquid.case.spacing / self.liquid.case.h).powi(d as i32)) as f32
     }
 
@@ -309,6 +317,9 @@ impl<S: Scheme> Solver for Projection<S> {
         let mut state = self.liquid.state(&self.own);
         self.solution.save(&mut state);
         self.liquid.ledger.save(&mut state);
+        if self.liquid.adapts() {
+            self.adaption.save(&mut state);
+        }
         state
     }
 

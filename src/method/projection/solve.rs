@@ -3,13 +3,12 @@
 use super::transposed::Product;
 use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
-use crate::method::pass::{Extrapolation, Moving};
+use crate::method::pass::Moving;
 use crate::method::pressure::multigrid::Domain;
 use crate::method::pressure::{Outcome, Rows};
 use crate::method::shifting::LOOSE;
 use crate::scene::{PoissonSource, Preconditioner};
 use crate::space::parallel::each_mut;
-use std::marker::PhantomData;
 
 /// How many more iterations a safer preconditioner may take.
 const PATIENCE: usize = 4;
@@ -51,7 +50,8 @@ impl<S: Scheme> Projection<S> {
     /// Kernel sums, divergence, corrections, and what walls are to have.
     fn look_ahead(&mut self, dt: f64) {
         let pressure = &self.own.pressure;
-        self.liquid.flow.pack(
+        self.liquid.flow.pack_moving(
+            true,
             |p, i| Moving {
                 velocity: [0, 1, 2].map(|a| p.velocity[a][i] as f32),
                 pressure: pressure[i] as f32,
@@ -62,23 +62,22 @@ impl<S: Scheme> Projection<S> {
                 ..Moving::default()
             },
         );
-        let extrapolation = Extrapolation::<S::Kernel> {
-            kernel: PhantomData,
-        };
-        self.liquid
-            .sum_at_walls(&extrapolation, &mut self.walls.sums);
+        self.extrapolate();
         self.walls.gather(&self.liquid.flow.wall);
         let still = self.is_printed();
         let halt = self.halt(dt);
         self.walls.set_offsets(&self.liquid.flow.wall, still, &halt);
         let walls = &self.walls;
-        self.liquid.flow.pack_wall(|j| Moving {
+        self.liquid.flow.pack_moving_wall(|j| Moving {
             velocity: walls.velocity[walls.group[j] as usize],
             pressure: 0.0,
             weight: 1.0,
         });
         self.own.local.resize(self.liquid.len(), Default::default());
-        S::look(self);
+        match self.liquid.flow.is_axial() {
+            true => self.look_at_rings(),
+            false => S::look(self),
+        }
         let (rho0, h, closure) = (self.liquid.case.density, self.liquid.case.h, &self.closure);
         let count = self.own.local.len();
         each_mut(
@@ -122,21 +121,23 @@ impl<S: Scheme> Projection<S> {
             ),
             |i, (diagonal, surface, share)| {
                 let sums = &this.sums[i];
+                let mass = this.mass(i);
                 let s = match S::flagged(this, i, *diagonal) {
                     Some(s) => s,
                     None if i >= n => 0.0,
                     None => {
                         let local = &this.own.local[i];
                         let slope = local.slope.map(|s| h * s as f64);
-                        let moment = [2, 3, 4].map(|k| sums[k] as f64);
-                        closure.surface(local.kernel_sum as f64, slope, *diagonal, moment)
+                        let moment = [2, 3, 4].map(|k| sums[k] as f64 / mass);
+                        let degree = *diagonal / mass + this.coupled_alone(i);
+                        mass * closure.surface(local.kernel_sum as f64, slope, degree, moment)
                     }
                 };
                 // Who has no neighbours has no pressure.
                 let s = if *diagonal + s > 0.0 {
                     s
                 } else {
-                    closure.full()
+                    mass * closure.full()
                 };
                 *diagonal += s;
                 *surface = s;
@@ -154,6 +155,14 @@ impl<S: Scheme> Projection<S> {
             }
         }
         self.equation = e;
+    }
+
+    /// By which the row of unknown `i` is multiplied: the mass of a ring over the nominal one.
+    pub(super) fn mass(&self, i: usize) -> f64 {
+        match i < self.liquid.len() {
+            true => self.liquid.flow.particles.weight(i),
+            false => 1.0,
+        }
     }
 
     /// Right-hand side of (2), positive where the pressure must rise.
@@ -213,7 +222,7 @@ impl<S: Scheme> Projection<S> {
     /// What a surface holds before it tears, Pa: the tension of a particle of radius h.
     pub(super) fn cohesion(&self) -> f64 {
         let case = &self.liquid.case;
-        let sides = case.dimension.count() as f64 - 1.0;
+        let sides = case.space as f64 - 1.0;
         let sigma = case.effects.sigma().unwrap_or(0.0);
         self.settings.cohesion * sides * sigma / case.h
     }

@@ -1,10 +1,10 @@
 //! One step, as the algorithm box of Kuri et al. has it.
 
 use super::{Projection, Scheme};
-use crate::method::pass::{Extrapolation, Mark, Marked, Moving};
+use crate::method::pass::{Mark, Marked, Moving};
 use crate::method::{Diverged, frame};
+use crate::particle::weight_of;
 use crate::space::parallel::{each_mut, max, sum_mut, three};
-use std::marker::PhantomData;
 
 /// Halvings of a step whose pressure cannot be found, or that throws a particle.
 const HALVINGS: usize = 5;
@@ -131,6 +131,10 @@ impl<S: Scheme> Projection<S> {
             self.look_along_walls();
         }
         self.liquid.flow.find();
+        if self.adapt() {
+            self.liquid.sort(&mut self.own);
+            self.liquid.flow.find();
+        }
     }
 
     /// Density of wall particles by each other, once: walls stand still.
@@ -160,7 +164,10 @@ impl<S: Scheme> Projection<S> {
     pub(super) fn hold(&mut self, ahead: f64) {
         self.liquid.set_body_force(ahead);
         self.own.held.resize(self.liquid.len(), [0.0; 3]);
-        S::look_around(self);
+        match self.liquid.flow.is_axial() {
+            true => self.look_around_rings(),
+            false => S::look_around(self),
+        }
         if self.liquid.removes_mist {
             let (around, factor) = (&self.own.around, self.sum_factor());
             self.own.kernel_sum.clear();
@@ -185,7 +192,8 @@ impl<S: Scheme> Projection<S> {
 
     /// Records for viscosity.
     pub(in crate::method) fn pack_velocity(&mut self, weight: f32) {
-        self.liquid.flow.pack(
+        self.liquid.flow.pack_moving(
+            true,
             |p, i| Moving {
                 velocity: [0, 1, 2].map(|a| p.velocity[a][i] as f32),
                 pressure: 0.0,
@@ -204,10 +212,7 @@ impl<S: Scheme> Projection<S> {
         if self.is_printed() || self.walls.len() == 0 {
             return;
         }
-        let pass = Extrapolation::<S::Kernel> {
-            kernel: PhantomData,
-        };
-        self.liquid.sum_at_walls(&pass, &mut self.walls.sums);
+        self.extrapolate();
         let sums = &self.walls.sums;
         let still = self.liquid.flow.wall.velocity.each_ref();
         let viscous = |j: usize| {
@@ -225,7 +230,7 @@ impl<S: Scheme> Projection<S> {
         seen.clear();
         seen.extend((0..sums.len()).map(viscous));
         let seen = &*seen;
-        self.liquid.flow.pack_wall(|j| Moving {
+        self.liquid.flow.pack_moving_wall(|j| Moving {
             velocity: seen[j],
             pressure: 0.0,
             weight,
@@ -284,6 +289,7 @@ impl<S: Scheme> Projection<S> {
                 }
             },
         );
+        self.fold_prediction();
     }
 
     /// Rate of damping, 1/s. A relaxation whose source is density puts it right by displacements at
@@ -306,6 +312,7 @@ impl<S: Scheme> Projection<S> {
         let trapezoidal = S::TRAPEZOIDAL || theta < 1.0;
         let (push, before, friction) = (&self.own.push, &self.before, &self.liquid.friction);
         let p = &mut self.liquid.flow.particles;
+        let weights = &p.weight;
         let [work] = sum_mut(
             &mut self.liquid.parts,
             (three(&mut p.position, n), three(&mut p.velocity, n)),
@@ -321,7 +328,7 @@ impl<S: Scheme> Projection<S> {
                     let [x, y, z] = v.each_mut().map(|v| &mut **v);
                     let free = [*x, *y, *z];
                     [*x, *y, *z] = friction[i].slowed(free, dt);
-                    work = frame::gained(free, [*x, *y, *z]);
+                    work = weight_of(weights, i) * frame::gained(free, [*x, *y, *z]);
                 }
                 for a in 0..3 {
                     let v = &mut *v[a];
@@ -336,6 +343,7 @@ impl<S: Scheme> Projection<S> {
             },
         );
         self.liquid.ledger.rubbed = p.mass * work;
+        self.fold_axis();
         self.liquid.now.max_speed = self.liquid.max_speed();
     }
 }

@@ -231,6 +231,14 @@ impl Completion {
         Completion { lattice, ..self }
     }
 
+    /// The same for rings, whose sums at rest are those of a liquid without particles.
+    pub fn of_rings(self) -> Self {
+        Completion {
+            lattice: 1.0,
+            ..self
+        }
+    }
+
     /// The same for other weights w, which have no bound, with their sum over a full support.
     pub fn with_full(self, full: f64) -> Self {
         let spare = SPARE * full;

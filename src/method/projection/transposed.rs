@@ -125,17 +125,26 @@ pub(super) struct Transposed {
     given: Vec<bool>,
     /// By wall particle.
     at_walls: Vec<f64>,
+    /// Of rings: kernel sums and rates of density.
+    pub around: Vec<[f32; 4]>,
+    pub rates: Vec<[f32; 3]>,
 }
 
 impl Transposed {
     pub fn memory(&self) -> usize {
-        8 * (self.flux.capacity() + self.at_walls.capacity()) + self.given.capacity()
+        8 * (self.flux.capacity() + self.at_walls.capacity())
+            + self.given.capacity()
+            + 16 * self.around.capacity()
+            + 12 * self.rates.capacity()
     }
 }
 
 impl<S: Scheme> Projection<S> {
     /// D of v* or, without `moving`, of `push`, by unknown.
     fn find_divergence(&mut self, moving: bool, out: &mut [f64]) {
+        if self.liquid.flow.is_axial() {
+            return self.find_divergence_of_rings(moving, out);
+        }
         let n = self.liquid.len();
         let still = Flowing::default();
         let push = &self.own.push;
@@ -174,6 +183,9 @@ impl<S: Scheme> Projection<S> {
 
     /// `push` = G of `x` and, with `lifted`, of the offsets of wall particles.
     fn press(&mut self, x: Option<&[f64]>, lifted: bool) {
+        if self.liquid.flow.is_axial() {
+            return self.press_rings(x, lifted);
+        }
         let n = self.liquid.len();
         let walls = &self.walls;
         let value = |i: usize| x.map_or(0.0, |x| x[i] as f32);
@@ -262,7 +274,7 @@ impl<S: Scheme> Projection<S> {
                 *right = beta * this.wall_flux(i, dt) - flux / (dt * unit);
                 return;
             }
-            let rate = density * this.excess(i) / span - flux;
+            let rate = this.mass(i) * density * this.excess(i) / span - flux;
             *right = rate / (dt * unit) + beta * this.sums[i][1] as f64;
         });
         self.equation.right = lift;

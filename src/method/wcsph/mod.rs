@@ -12,7 +12,6 @@
 //! Fails where: summation density thins out at a free surface (skin without pressure); negative
 //! pressure with few neighbours clumps. Tests: tests/validation.
 
-mod adapt;
 mod budget;
 mod control;
 mod dual;
@@ -23,6 +22,7 @@ mod tension;
 mod verlet;
 mod walls;
 
+use super::adapt::Adaption;
 use super::limit::Limits;
 use super::liquid::Liquid;
 use super::model::Model;
@@ -78,7 +78,7 @@ pub struct Wcsph<K, V> {
     tension_age: f64,
     walls: walls::WallState,
     control: control::Control,
-    adaption: adapt::Adaption,
+    adaption: Adaption,
     kernel: PhantomData<K>,
 }
 
@@ -108,7 +108,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         model.load(state);
         let mut steps = control::Steps::default();
         steps.load(state);
-        let adaption = adapt::Adaption::of(state);
+        let adaption = Adaption::of(state);
         let mut walls = walls::WallState::default();
         walls.resize(liquid.flow.walls(), model.density);
         let mut solver = Wcsph {
@@ -171,6 +171,17 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.show_crushed();
             self.liquid.ledger.diffusion += self.stored() - before;
         }
+    }
+
+    /// Merges and splits rings; whether there were any.
+    fn adapt(&mut self) -> bool {
+        let Some(plan) = self.adaption.plan(&self.liquid) else {
+            return false;
+        };
+        let before = self.stored();
+        self.liquid.adapt(&plan, &mut self.own, &mut self.adaption);
+        self.liquid.ledger.removal += self.stored() - before;
+        true
     }
 
     /// (5): the sum can only lack support, so that it is the least that density can be. (2) does
@@ -243,7 +254,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
         if self.books() {
             self.liquid.ledger.save(&mut state);
         }
-        if self.adapts() {
+        if self.liquid.adapts() {
             self.adaption.save(&mut state);
         }
         state

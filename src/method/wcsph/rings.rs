@@ -4,54 +4,11 @@
 use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::kernel::ring::{Radii, Rings};
 use crate::method::flow::Flow;
-use crate::method::pass::{Moving, Sparing, Surroundings};
-use crate::method::ring::{Compressed, Continuity, Extrapolation, Force, Ring, Surrounded};
+use crate::method::pass::{Sparing, Surroundings};
+use crate::method::ring::{Compressed, Continuity, Extrapolation, Force, Surrounded};
 use crate::particle::{Particles, Wall};
 use crate::space::parallel::each_mut;
-
-/// Where the rings of `flow` are; `length`: h, m.
-fn radii(flow: &Flow, length: f64) -> Radii<'_> {
-    Radii {
-        liquid: &flow.particles.position[0],
-        wall: &flow.wall.position[0],
-        length,
-        rings: Rings::default(),
-    }
-}
-
-/// Packs what moves for a pass, as rings where particles are rings; `has_moved`: since the last
-/// time.
-pub(super) fn pack(
-    flow: &mut Flow,
-    has_moved: bool,
-    liquid: impl Fn(&Particles, usize) -> Moving + Sync,
-    wall: impl Fn(&Wall, usize) -> Moving + Sync,
-) {
-    match (flow.is_axial(), has_moved) {
-        (false, true) => flow.pack(liquid, wall),
-        (false, false) => flow.repack(liquid, wall),
-        (true, true) => flow.pack(
-            |p, i| Ring::of(liquid(p, i), p.weight(i)),
-            |w, j| Ring::of(wall(w, j), w.weight(j)),
-        ),
-        (true, false) => flow.repack(
-            |p, i| Ring::of(liquid(p, i), p.weight(i)),
-            |w, j| Ring::of(wall(w, j), w.weight(j)),
-        ),
-    }
-}
-
-/// The same for the walls alone.
-pub(super) fn pack_wall(flow: &mut Flow, wall: impl Fn(usize) -> Moving + Sync) {
-    if !flow.is_axial() {
-        return flow.pack_wall(wall);
-    }
-    let weights = std::mem::take(&mut flow.wall.weight);
-    flow.pack_wall(|j| Ring::of(wall(j), weights[j]));
-    flow.wall.weight = weights;
-}
 
 /// Packs what the rate of density is found from.
 pub(super) fn pack_density(
@@ -73,7 +30,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let dynamic = self.liquid.case.effects.mu().unwrap_or(0.0);
         let viscosity = (2.0 * dynamic / h) as f32;
         let mut sums = std::mem::take(&mut self.own.force);
-        let radii = radii(&self.liquid.flow, h);
+        let radii = self.liquid.flow.radii(h);
         self.liquid.sum(&Surrounded { radii, viscosity }, &mut sums);
         let p = &self.liquid.flow.particles;
         each_mut(&mut self.own.around[..p.len()], |i, around| {
@@ -97,7 +54,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let (h, c) = (self.liquid.case.h, self.model.sound_speed);
         let factor = self.gradient_factor();
         let gravity = self.liquid.body_force.total()[2];
-        let radii = radii(&self.liquid.flow, h);
+        let radii = self.liquid.flow.radii(h);
         let pass = Continuity {
             radii,
             diffusion: (2.0 * diffusion * c) as f32,
@@ -115,7 +72,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Fills `force` with the acceleration by pressure. Records must be packed.
     pub(super) fn force_on_rings(&mut self) {
         let factor = self.gradient_factor();
-        let radii = radii(&self.liquid.flow, self.liquid.case.h);
+        let radii = self.liquid.flow.radii(self.liquid.case.h);
         self.liquid.sum(&Force { radii }, &mut self.own.force);
         let (p, model) = (&self.liquid.flow.particles, &self.model);
         each_mut(&mut self.own.force[..p.len()], |i, out| {
@@ -128,7 +85,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Fills the sums of the walls. Records must be packed.
     pub(super) fn extrapolate_rings(&mut self) {
-        let radii = radii(&self.liquid.flow, self.liquid.case.h);
+        let radii = self.liquid.flow.radii(self.liquid.case.h);
         self.liquid
             .sum_at_walls(&Extrapolation { radii }, &mut self.walls.sums);
     }

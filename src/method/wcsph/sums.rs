@@ -37,7 +37,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.extrapolate_velocity();
         } else {
             let still = Moving::default();
-            rings::pack(&mut self.liquid.flow, true, |_, _| still, |_, _| still);
+            self.liquid
+                .flow
+                .pack_moving(true, |_, _| still, |_, _| still);
         }
         if self.liquid.flow.is_axial() {
             self.look_at_rings();

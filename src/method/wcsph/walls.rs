@@ -1,6 +1,6 @@
 //! What wall particles carry: density, pressure, and the velocity that viscosity sees.
 
-use super::{SURFACE, Wcsph, rings};
+use super::{SURFACE, Wcsph};
 use crate::columns;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::{self, Kernel};
@@ -95,7 +95,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             weight: inverse(rho0) as f32,
             ..Moving::default()
         };
-        rings::pack(&mut self.liquid.flow, moved, liquid, wall);
+        self.liquid.flow.pack_moving(moved, liquid, wall);
         if self.liquid.flow.walls() == 0 {
             return;
         }
@@ -106,7 +106,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.set_viscous_velocity();
         let (model, walls) = (&self.model, &self.walls);
-        rings::pack_wall(&mut self.liquid.flow, |i| {
+        self.liquid.flow.pack_moving_wall(|i| {
             let rho = walls.density[i];
             Moving {
                 velocity: walls.viscous[i],
@@ -222,8 +222,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn extrapolate_velocity(&mut self) {
         let w0 = (1.0 / (self.model.density * self.model.density)) as f32;
         let flow = &mut self.liquid.flow;
-        rings::pack(
-            flow,
+        flow.pack_moving(
             true,
             |p, i| Moving {
                 velocity: super::velocity(p, i),
@@ -243,7 +242,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.set_viscous_velocity();
         let viscous = &self.walls.viscous;
-        rings::pack_wall(&mut self.liquid.flow, |i| Moving {
+        self.liquid.flow.pack_moving_wall(|i| Moving {
             velocity: viscous[i],
             pressure: 0.0,
             weight: w0,

@@ -3,7 +3,8 @@
 use super::super::error::SceneError;
 use super::super::tree::Tree;
 use super::super::{
-    Density, KernelName, Method, Motion, Problem, Scene, TensionForm, ViscosityForm, WallPressure,
+    Closure, Density, Gradient, Isph, KernelName, Method, Motion, Mps, MpsClosure, MpsGradient,
+    PoissonSource, Problem, Scene, TensionForm, ViscosityForm, WallPressure, Wcsph,
 };
 
 const KEY: &str = "box.symmetry";
@@ -23,20 +24,16 @@ pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
 /// What rings do not have, and a remedy.
 fn unfit(scene: &Problem) -> Option<(&'static str, &'static str)> {
     let modern = "leave the settings of preset `modern` as they are";
-    let Method::Wcsph(settings) = &scene.method else {
-        return Some(("is for wcsph", "set `method.name = \"wcsph\"`"));
-    };
     let spins = |motion: &Motion| matches!(motion, Motion::TaylorGreen { .. });
-    if !settings.time_stepping.is_dual() {
-        return Some(("needs dual stepping", modern));
+    let lacking = match &scene.method {
+        Method::Wcsph(settings) => lacks_of_wcsph(settings),
+        Method::Isph(settings) => lacks_of_isph(settings),
+        Method::Mps(settings) => lacks_of_mps(settings),
+    };
+    if let Some(lacking) = lacking {
+        return Some((lacking, modern));
     }
-    if matches!(settings.density, Density::Summation) {
-        return Some(("needs a density by its rate", modern));
-    }
-    if settings.wall_pressure == WallPressure::Summation {
-        return Some(("needs the extrapolated pressure of walls", modern));
-    }
-    if settings.sph.kernel != KernelName::WendlandC2 {
+    if scene.method.sph().kernel != KernelName::WendlandC2 {
         return Some(("needs the kernel `wendland-c2`", modern));
     }
     if scene.effects.tension.is_some() && !scene.effects.has_tension(TensionForm::SurfaceEnergy) {
@@ -50,4 +47,40 @@ fn unfit(scene: &Problem) -> Option<(&'static str, &'static str)> {
     bodies
         .any(|body| spins(&body.motion))
         .then_some(("has no vortices", "remove `taylor_green`"))
+}
+
+/// What settings of WCSPH must have for rings and do not.
+fn lacks_of_wcsph(settings: &Wcsph) -> Option<&'static str> {
+    if !settings.time_stepping.is_dual() {
+        return Some("needs dual stepping");
+    }
+    if matches!(settings.density, Density::Summation) {
+        return Some("needs a density by its rate");
+    }
+    let is_extrapolated = settings.wall_pressure != WallPressure::Summation;
+    (!is_extrapolated).then_some("needs the extrapolated pressure of walls")
+}
+
+/// The same of ISPH.
+fn lacks_of_isph(settings: &Isph) -> Option<&'static str> {
+    if settings.gradient != Gradient::Transposed {
+        return Some("needs the gradient `transposed`");
+    }
+    if settings.projection.source == PoissonSource::Density {
+        return Some("needs a divergence as the source of the pressure equation");
+    }
+    let is_completed = settings.closure == Closure::Completed;
+    (!is_completed).then_some("needs the closure `completed`")
+}
+
+/// The same of MPS.
+fn lacks_of_mps(settings: &Mps) -> Option<&'static str> {
+    if settings.gradient != MpsGradient::Transposed {
+        return Some("needs the gradient `transposed`");
+    }
+    if settings.projection.source == PoissonSource::Density {
+        return Some("needs a divergence as the source of the pressure equation");
+    }
+    let is_completed = settings.closure == MpsClosure::Completed;
+    (!is_completed).then_some("needs the closure `completed`")
 }

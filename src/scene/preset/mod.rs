@@ -83,7 +83,10 @@ fn is_other(key: &str, name: MethodName) -> bool {
 fn adapted(tree: &Tree<'_>, name: MethodName, preset: Preset) -> Option<&'static str> {
     let form = tree.text_at("effects.tension.form");
     let is_modern = preset == Preset::Modern;
+    let is_axial = tree.text_at("box.symmetry") == Some("axis");
     match form {
+        // Rings have no other gradient and no other form.
+        None | Some("surface-energy") if is_modern && is_axial => transposed(name),
         Some("surface-energy") => transposed(name),
         None if is_modern && !bears_energy(tree, name) => Some(RAW_COLOUR),
         None if is_modern && tree.get("effects.tension").is_some() => transposed(name),

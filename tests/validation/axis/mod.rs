@@ -1,8 +1,8 @@
-//! Rings about an axis: cases with known answers, method WCSPH, preset `modern`.
+//! Rings about an axis: cases with known answers, preset `modern` of the method under test.
 
 mod wall;
 
-use crate::{Figure, begin, run, start, with};
+use crate::{Figure, begin, method_name, run, start, with};
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::column::{Columns, Retain};
 use coronet::particle::{Frame, Particles, State};
@@ -14,7 +14,8 @@ type Point = [f64; 2];
 
 /// A scene of `scenes/verification`, as rings.
 fn rings(name: &str, sets: &[&str]) -> Scene {
-    with(name, vec!["box.symmetry=axis".to_string()], sets)
+    let method = format!("method.name={}", method_name());
+    with(name, vec!["box.symmetry=axis".to_string(), method], sets)
 }
 
 fn figure(case: &str, what: &str, got: f64, theory: Option<f64>, target: f64) -> bool {

@@ -12,15 +12,17 @@
 //! (3) F = (M_0 + M_1 / (8 p)) / (2 pi sqrt(p)),  M_k(y) = INT w(sqrt(y + t^2)) t^2k dt;
 //!     what is left out is below 1e-6 of it. M_k is u^(4.5 + k) times a polynomial in q,
 //!     u = 1 - q^2 / 4, fitted by least squares to it and to its derivative.
-//! Elsewhere (1) is interpolated in a table of q and 1 / (1 + sqrt(p)), times powers of
-//! s = 1 / sqrt(1 + p).
+//! Elsewhere, and for other functions of the distance, (1) is interpolated in a table of q and
+//! 1 / (1 + sqrt(p)), times powers of s = 1 / sqrt(1 + p).
 //! Tests: tests/engine/ring.rs.
 
-use super::{Kernel, WendlandC2};
-use crate::space::lane::{Real, WIDTH};
+mod table;
+
+pub use table::mean;
+
+use crate::space::lane::Real;
 use crate::space::sweep::{Pair, Payload};
-use std::f64::consts::PI;
-use std::sync::LazyLock;
+use table::{Table, WENDLAND, interpolated};
 
 /// Radius in h beyond which (3) holds: the partner of a ring is at most 2 nearer to the axis.
 pub const FAR: f32 = 12.0;
@@ -48,91 +50,8 @@ const M1: [f32; 7] = [
     -0.011_205_646,
 ];
 
-/// Nodes of the table, in q and in 1 / (1 + sqrt(p)), and of that for a ring and itself.
-const ACROSS: usize = 160;
-const ALONG: usize = 128;
-const OWN: usize = 1024;
-
 /// Least q where second derivatives are divided by it.
 const TINY: f32 = 1e-3;
-
-/// Points of the mean over the angle.
-const POINTS: usize = 400;
-
-/// F and its derivatives by y and p, each times what makes it smooth in the table.
-struct Table {
-    /// F / s, F_y / s, F_p / s^3.
-    first: Vec<[f32; 4]>,
-    /// F_yy q / s, F_yp z / s^2, F_pp z / s^4, z = sqrt(y + p).
-    second: Vec<[f32; 4]>,
-    /// F / s, F_p / s^3, F_pp / s^5 at y = 0.
-    own: Vec<[f64; 3]>,
-}
-
-static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
-
-/// F, F_y, F_p, F_yy, F_yp, F_pp of (1) by the midpoint rule, which ends with the support.
-pub fn mean(q: f64, p: f64) -> [f64; 6] {
-    let y = q * q;
-    let reach = (4.0 - y).max(0.0) / (4.0 * p.max(1e-30));
-    let end = match reach < 1.0 {
-        true => 2.0 * reach.sqrt().asin(),
-        false => PI,
-    };
-    let mut sums = [0.0; 6];
-    for k in 0..POINTS {
-        // Points crowd at f = 0, where a ring that is near itself needs them.
-        let x = (k as f64 + 0.5) / POINTS as f64;
-        let (f, part) = (end * x * x, end * 2.0 * x / POINTS as f64 / PI);
-        let chord = 4.0 * (0.5 * f).sin().powi(2);
-        let apart = (y + p * chord).sqrt().max(1e-9);
-        let t = (1.0 - 0.5 * apart).max(0.0);
-        let (slope, curve) = (-2.5 * t * t * t, 1.875 * t * t / apart);
-        let of = [
-            WendlandC2::w(apart),
-            slope,
-            slope * chord,
-            curve,
-            curve * chord,
-            curve * chord * chord,
-        ];
-        for (sum, of) in sums.iter_mut().zip(of) {
-            *sum += of * part;
-        }
-    }
-    sums
-}
-
-impl Table {
-    fn new() -> Self {
-        let p_of = |place: f64| (1.0 / place.max(1e-3) - 1.0).powi(2);
-        let scale = |p: f64| 1.0 / (1.0 + p).sqrt();
-        let (mut first, mut second) = (Vec::new(), Vec::new());
-        for j in 0..=ALONG {
-            let p = p_of(j as f64 / ALONG as f64);
-            let s = scale(p);
-            for i in 0..=ACROSS {
-                let q = (2.0 * i as f64 / ACROSS as f64).max(1e-6);
-                let [f, fy, fp, fyy, fyp, fpp] = mean(q, p);
-                let z = (q * q + p).sqrt();
-                first.push([f / s, fy / s, fp / s.powi(3), 0.0].map(|x| x as f32));
-                let second_of = [fyy * q / s, fyp * z / (s * s), fpp * z / s.powi(4), 0.0];
-                second.push(second_of.map(|x| x as f32));
-            }
-        }
-        let own = (0..=OWN).map(|j| {
-            let p = p_of(j as f64 / OWN as f64).max(1e-9);
-            let s = scale(p);
-            let [f, _, fp, _, _, fpp] = mean(1e-9, p);
-            [f / s, fp / s.powi(3), fpp / s.powi(5)]
-        });
-        Table {
-            first,
-            second,
-            own: own.collect(),
-        }
-    }
-}
 
 /// The kernel of rings, ready to be evaluated.
 #[derive(Clone, Copy)]
@@ -140,7 +59,7 @@ pub struct Rings(&'static Table);
 
 impl Default for Rings {
     fn default() -> Self {
-        Rings(&TABLE)
+        Rings(&WENDLAND)
     }
 }
 
@@ -198,11 +117,19 @@ fn moments<F: Real, const SECOND: bool>(q: F, q2: F) -> [[F; 3]; 2] {
 }
 
 impl Rings {
+    /// Such that -2 F_y is the mean of a `weight` of the distance in h, that of points `apart` h from
+    /// each other along a ring: it sees none of itself that is nearer than half of that. F is not
+    /// found, nor are second derivatives. What is made is kept to the end of the program.
+    pub fn of_weight(weight: impl Fn(f64) -> f64, apart: f64) -> Self {
+        let function = |distance: f64| [0.0, -0.5 * weight(distance), 0.0];
+        Rings(Box::leak(Box::new(Table::of(&function, 0.5 * apart))))
+    }
+
     /// F, F_y and F_p of (1) for eight pairs; `far`: whether (3) holds; zero for q >= 2.
     #[inline(always)]
     pub fn first<F: Real>(self, far: bool, q2: F, p: F) -> [F; 3] {
         let q = q2.sqrt().min(q2.splat(2.0));
-        if far {
+        if far && self.0.is_fitted {
             let [m, n] = moments::<F, false>(q, q * q);
             // Lanes without a pair may have any p.
             let p = p.at_least(1.0);
@@ -241,16 +168,11 @@ impl Rings {
         [yy * s / q, yp * s2 / z, pp * s2 * s2 / z]
     }
 
-    /// F, F_p and F_pp of a ring and itself; `radius` in h.
+    /// F, F_p, F_pp and F_y of a ring and itself; `radius` in h.
     #[inline(always)]
-    pub fn own(self, radius: f64) -> [f64; 3] {
-        let s = 1.0 / (1.0 + radius * radius).sqrt();
-        let place = OWN as f64 / (1.0 + radius);
-        let j = (place as usize).min(OWN - 1);
-        let part = place - j as f64;
-        let (low, high) = (&self.0.own[j], &self.0.own[j + 1]);
-        let at = |k: usize| low[k] + part * (high[k] - low[k]);
-        [at(0) * s, at(1) * s.powi(3), at(2) * s.powi(5)]
+    pub fn own(self, radius: f64) -> [f64; 4] {
+        let ([f, fp, fpp, fy], s) = self.0.alone(radius);
+        [f * s, fp * s.powi(3), fpp * s.powi(5), fy * s]
     }
 }
 
@@ -263,6 +185,8 @@ pub struct Own {
     pub gradient: f64,
     /// F_p.
     pub turn: f64,
+    /// F_y.
+    pub slope: f64,
 }
 
 /// Distances of points from the axis: of liquid, then of walls, m.
@@ -292,11 +216,12 @@ impl Radii<'_> {
     /// Of a liquid ring and itself.
     pub fn own(&self, i: usize) -> Own {
         let radius = self.liquid[i] / self.length;
-        let [value, turn, _] = self.rings.own(radius);
+        let [value, turn, _, slope] = self.rings.own(radius);
         Own {
             value,
             gradient: radius * turn,
             turn,
+            slope,
         }
     }
 }
@@ -346,32 +271,4 @@ pub fn between<F: Real, P: Payload>(rings: Rings, pair: &Pair<F, P>) -> Between<
         ],
         axial: twice * pair.d[2],
     }
-}
-
-/// The first three columns of a table at q and p, bilinear.
-#[inline(always)]
-fn interpolated<F: Real>(table: &[[f32; 4]], q: F, p: F) -> [F; 3] {
-    let across = q * (0.5 * ACROSS as f32);
-    let along = q.splat(ALONG as f32) / (p.sqrt() + 1.0);
-    let (across, along) = (across.to_array(), along.to_array());
-    let mut found = [[0.0; WIDTH]; 3];
-    for k in 0..WIDTH {
-        let (i, j) = (
-            (across[k] as usize).min(ACROSS - 1),
-            (along[k] as usize).min(ALONG - 1),
-        );
-        let (u, v) = (across[k] - i as f32, along[k] - j as f32);
-        let at = j * (ACROSS + 1) + i;
-        let (low, high) = (&table[at..at + 2], &table[at + ACROSS + 1..at + ACROSS + 3]);
-        for (c, found) in found.iter_mut().enumerate() {
-            let below = low[0][c] + u * (low[1][c] - low[0][c]);
-            let above = high[0][c] + u * (high[1][c] - high[0][c]);
-            found[k] = below + v * (above - below);
-        }
-    }
-    [
-        q.of_array(found[0]),
-        q.of_array(found[1]),
-        q.of_array(found[2]),
-    ]
 }

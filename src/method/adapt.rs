@@ -8,11 +8,10 @@
 //! fewest neighbours: what it has of energy is kept, but for that of the surface, which is booked
 //! too. Half and two are those of [`crate::scene::Rings`].
 
-use super::Wcsph;
-use crate::effect::viscosity::PairViscosity;
-use crate::kernel::Kernel;
-use crate::particle::column::{Columns, Duplicate, Retain, Scalar, Scalars};
-use crate::particle::{Particles, State};
+use super::liquid::Liquid;
+use crate::kernel::{Kernel, WendlandC2};
+use crate::particle::State;
+use crate::particle::column::{Blend, Columns, Duplicate, Retain, Scalar, Scalars};
 use std::f64::consts::{PI, TAU};
 
 /// Distance below which rings merge, in spacings.
@@ -26,7 +25,7 @@ const STEPS: u64 = 100;
 
 /// When areas are looked at next.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Adaption {
+pub struct Adaption {
     next_step: u64,
     /// Identities given so far.
     ids: u32,
@@ -58,52 +57,60 @@ struct Split {
     by: [f64; 2],
 }
 
-impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+/// Rings that merge and that split.
+pub struct Plan {
+    splits: Vec<Split>,
+    merged: Vec<[u32; 2]>,
+}
+
+impl Adaption {
+    /// What merges and splits now, if anything does and the time has come. Rows must be those of
+    /// now.
+    pub fn plan(&mut self, liquid: &Liquid) -> Option<Plan> {
+        let step = liquid.now.step;
+        if !liquid.adapts() || step < self.next_step {
+            return None;
+        }
+        self.next_step = step + STEPS;
+        let splits = liquid.splits();
+        let merged = liquid.merging();
+        (!splits.is_empty() || !merged.is_empty()).then_some(Plan { splits, merged })
+    }
+}
+
+impl Liquid {
     /// Whether rings split and merge.
-    pub(super) fn adapts(&self) -> bool {
-        self.liquid.flow.is_axial() && self.liquid.case.damping == 0.0
+    pub fn adapts(&self) -> bool {
+        self.flow.is_axial() && self.case.damping == 0.0
     }
 
-    /// Merges and splits rings; returns whether there were any. Rows must be those of now, and have
-    /// to be found again then.
-    pub(super) fn adapt(&mut self) -> bool {
-        let step = self.liquid.now.step;
-        if !self.adapts() || step < self.adaption.next_step {
-            return false;
-        }
-        self.adaption.next_step = step + STEPS;
-        let splits = self.splits();
-        let merged = self.merging();
-        if splits.is_empty() && merged.is_empty() {
-            return false;
-        }
-        let before = self.stored();
-        let mut kept = vec![true; self.liquid.len()];
-        for [into, gone] in merged {
-            self.merge(into as usize, gone as usize);
+    /// Merges and splits rings; `own`: columns of the method. Particles have to be sorted, and rows
+    /// found, again then; what their energy changed by is for the caller to book.
+    pub fn adapt(&mut self, plan: &Plan, own: &mut impl Columns, adaption: &mut Adaption) {
+        let mut kept = vec![true; self.len()];
+        for &[into, gone] in &plan.merged {
+            self.merge(into as usize, gone as usize, own);
             kept[gone as usize] = false;
         }
-        self.split(&splits);
+        self.split(&plan.splits, own, adaption);
         let n = kept.len() as u32;
         let kept = (0..n).filter(|&i| kept[i as usize]);
-        let kept: Vec<u32> = kept.chain(n..self.liquid.len() as u32).collect();
-        self.liquid.flow.particles.visit(&mut Retain(&kept));
-        self.own.visit(&mut Retain(&kept));
-        self.liquid.ledger.removal += self.stored() - before;
-        self.liquid.ledger.removes = true;
-        true
+        let kept: Vec<u32> = kept.chain(n..self.len() as u32).collect();
+        self.flow.particles.visit(&mut Retain(&kept));
+        own.visit(&mut Retain(&kept));
+        self.ledger.removes = true;
     }
 
     /// Area of ring `i`, in cells.
     fn area(&self, i: usize) -> f64 {
-        let (p, spacing) = (&self.liquid.flow.particles, self.liquid.case.spacing);
+        let (p, spacing) = (&self.flow.particles, self.case.spacing);
         let radius = (p.position[0][i] / spacing).max(0.5);
         p.weight(i) / (TAU * radius)
     }
 
     /// Neighbours of ring `i` among the liquid, and where they are from it, m.
     fn around(&self, i: usize) -> impl Iterator<Item = (usize, [f64; 2])> {
-        let flow = &self.liquid.flow;
+        let flow = &self.flow;
         let n = flow.liquid();
         let [x, _, z] = &flow.particles.position;
         let row = flow.rows.row(i).iter().map(|&j| j as usize);
@@ -113,8 +120,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Pairs to merge: the one that stays and the one that goes.
     fn merging(&self) -> Vec<[u32; 2]> {
-        let p = &self.liquid.flow.particles;
-        let case = &self.liquid.case;
+        let p = &self.flow.particles;
+        let case = &self.case;
         let Some(limits) = case.domain.revolved else {
             return Vec::new();
         };
@@ -150,8 +157,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         pairs.collect()
     }
 
-    fn merge(&mut self, i: usize, j: usize) {
-        let p = &mut self.liquid.flow.particles;
+    fn merge(&mut self, i: usize, j: usize, own: &mut impl Columns) {
+        let p = &mut self.flow.particles;
         let (a, b) = (p.weight[i], p.weight[j]);
         let whole = a + b;
         let mean = |values: &mut Vec<f64>| values[i] = (a * values[i] + b * values[j]) / whole;
@@ -159,27 +166,23 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         p.velocity.iter_mut().for_each(mean);
         p.density[i] = whole / (a / p.density[i] + b / p.density[j]);
         p.weight[i] = whole;
-        let part = (b / whole) as f32;
-        let (own, held) = (&mut self.own.rate, &mut self.own.held);
-        own[i] += part * (own[j] - own[i]);
-        for c in 0..3 {
-            held[i][c] += part * (held[j][c] - held[i][c]);
-        }
+        let part = b / whole;
+        own.visit(&mut Blend { i, j, part });
     }
 
     /// Rings that split.
     fn splits(&self) -> Vec<Split> {
-        let most = self.liquid.case.domain.revolved.unwrap_or_default().split;
-        let large = (0..self.liquid.len()).filter(|&i| self.area(i) > most);
+        let most = self.case.domain.revolved.unwrap_or_default().split;
+        let large = (0..self.len()).filter(|&i| self.area(i) > most);
         large.map(|i| self.divided(i)).collect()
     }
 
     fn divided(&self, i: usize) -> Split {
-        let (flow, case) = (&self.liquid.flow, &self.liquid.case);
+        let (flow, case) = (&self.flow, &self.case);
         let mut spread = [0.0; 3];
         for (_, [x, z]) in self.around(i) {
             let distance = (x * x + z * z).sqrt() / case.h;
-            let w = K::w(distance);
+            let w = WendlandC2::w(distance);
             spread = [
                 spread[0] + w * x * x,
                 spread[1] + w * x * z,
@@ -203,20 +206,20 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         Split { ring: i as u32, by }
     }
 
-    fn split(&mut self, splits: &[Split]) {
-        let n = self.liquid.len();
+    fn split(&mut self, splits: &[Split], own: &mut impl Columns, adaption: &mut Adaption) {
+        let n = self.len();
         let rings: Vec<u32> = splits.iter().map(|split| split.ring).collect();
-        let p: &mut Particles = &mut self.liquid.flow.particles;
+        let p = &mut self.flow.particles;
         p.visit(&mut Duplicate(&rings));
-        self.own.visit(&mut Duplicate(&rings));
+        own.visit(&mut Duplicate(&rings));
         for (k, split) in splits.iter().enumerate() {
             for (i, side) in [(split.ring as usize, 1.0), (n + k, -1.0)] {
                 p.weight[i] *= 0.5;
                 p.position[0][i] += side * split.by[0];
                 p.position[2][i] += side * split.by[1];
             }
-            p.id[n + k] = self.adaption.ids;
-            self.adaption.ids += 1;
+            p.id[n + k] = adaption.ids;
+            adaption.ids += 1;
         }
     }
 }

@@ -31,6 +31,7 @@
 
 mod closed;
 pub mod correction;
+mod links;
 pub mod look;
 mod report;
 mod rings;

@@ -35,7 +35,7 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// Where rings are, with the kernel of gradients.
-    fn sloping(&self) -> Radii<'_> {
+    pub(super) fn sloping(&self) -> Radii<'_> {
         let [rings, _] = self.scheme.of_rings();
         self.liquid.flow.radii_of(rings, self.liquid.case.h)
     }

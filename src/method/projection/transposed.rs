@@ -15,6 +15,7 @@
 //! which is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
 //! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]).
 
+use super::links::Links;
 use super::{Projection, SURFACE, Scheme};
 use crate::kernel::Kernel;
 use crate::method::pressure::{Equation, Matrix, Outcome};
@@ -128,6 +129,7 @@ pub(super) struct Transposed {
     /// Of rings: kernel sums and rates of density.
     pub around: Vec<[f32; 4]>,
     pub rates: Vec<[f32; 3]>,
+    pub links: Links,
 }
 
 impl Transposed {
@@ -136,6 +138,7 @@ impl Transposed {
             + self.given.capacity()
             + 16 * self.around.capacity()
             + 12 * self.rates.capacity()
+            + self.links.memory()
     }
 }
 
@@ -210,6 +213,9 @@ impl<S: Scheme> Projection<S> {
         self.transposed.given.clear();
         self.transposed.given.resize(self.equation.len(), false);
         self.set_right_transposed(dt, density);
+        if self.liquid.flow.is_axial() {
+            self.link_rings();
+        }
         self.guess();
         let tolerance = self.settings.tolerance;
         let rough = self.go_on((ROUGH * tolerance).min(ROUGHEST));
@@ -298,8 +304,13 @@ impl<S: Scheme> Matrix for Product<'_, S> {
     fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]) {
         let this = &mut *self.0;
         let beta = share(this.settings.theta);
-        this.press(Some(x), false);
-        this.find_divergence(false, out);
+        match this.liquid.flow.is_axial() {
+            true => this.multiply_rings(x, out),
+            false => {
+                this.press(Some(x), false);
+                this.find_divergence(false, out);
+            }
+        }
         let scale = (1.0 - beta) / S::unit(this);
         each_mut(out, |i, out| {
             *out = scale * *out + beta * equation.row(i, x)

@@ -79,24 +79,26 @@ fn node(place: f64) -> [f64; 2] {
 
 impl Table {
     fn of_wendland() -> Self {
-        let second = nodes(|q, p, s| {
-            let [.., fyy, fyp, fpp] = mean(q, p);
-            let z = (q * q + p).sqrt();
-            [fyy * q / s, fyp * z / (s * s), fpp * z / s.powi(4)]
-        });
         Table {
-            second,
             is_fitted: true,
             ..Table::of(&wendland, 0.0)
         }
     }
 
-    /// Without second derivatives. Of a ring itself, what is nearer than `apart` h is left out.
+    /// Of any function. Of a ring itself, what is nearer than `apart` h is left out.
     pub fn of(function: &impl Fn(f64) -> [f64; 3], apart: f64) -> Self {
-        let first = nodes(|q, p, s| {
-            let [f, fy, fp, ..] = mean_of(function, q, p);
-            [f / s, fy / s, fp / s.powi(3)]
-        });
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        for j in 0..=ALONG {
+            let [p, s] = node(j as f64 / ALONG as f64);
+            for i in 0..=ACROSS {
+                let q = (2.0 * i as f64 / ACROSS as f64).max(1e-6);
+                let [f, fy, fp, fyy, fyp, fpp] = mean_of(function, q, p);
+                let z = (q * q + p).sqrt();
+                first.push([f / s, fy / s, fp / s.powi(3), 0.0].map(|x| x as f32));
+                let second_of = [fyy * q / s, fyp * z / (s * s), fpp * z / s.powi(4), 0.0];
+                second.push(second_of.map(|x| x as f32));
+            }
+        }
         let others = |distance: f64| match distance < apart {
             true => [0.0; 3],
             false => function(distance),
@@ -108,7 +110,7 @@ impl Table {
         });
         Table {
             first,
-            second: Vec::new(),
+            second,
             own: own.collect(),
             is_fitted: false,
         }
@@ -125,20 +127,6 @@ impl Table {
         let at = |k: usize| low[k] + part * (high[k] - low[k]);
         ([0, 1, 2, 3].map(at), s)
     }
-}
-
-/// Values at all q, p and s, row by row of equal p.
-fn nodes(of: impl Fn(f64, f64, f64) -> [f64; 3]) -> Vec<[f32; 4]> {
-    let mut all = Vec::with_capacity((ALONG + 1) * (ACROSS + 1));
-    for j in 0..=ALONG {
-        let [p, s] = node(j as f64 / ALONG as f64);
-        for i in 0..=ACROSS {
-            let q = (2.0 * i as f64 / ACROSS as f64).max(1e-6);
-            let [a, b, c] = of(q, p, s);
-            all.push([a as f32, b as f32, c as f32, 0.0]);
-        }
-    }
-    all
 }
 
 /// The first three columns of a table at q and p, bilinear.

@@ -95,8 +95,8 @@ fn the_equation_of_rings_is_the_laplacian_on_the_axis_and_off() {
         let k = 500.0;
         let cases: [Case; 4] = [
             ("z^2", &|_, z| z * z, 2.0, 0.06),
-            ("r^2", &|r, _| r * r, 4.0, 0.12),
-            ("r^2 - 2 z^2", &|r, z| r * r - 2.0 * z * z, 0.0, 0.2),
+            ("r^2", &|r, _| r * r, 4.0, 0.06),
+            ("r^2 - 2 z^2", &|r, z| r * r - 2.0 * z * z, 0.0, 0.12),
             // Over k^2, as the parts of its Laplacian are.
             (
                 "J0 cosh",

@@ -331,7 +331,7 @@ fn thread(state: &mut State, radius: f64) {
 fn pipe() {
     println!();
     let mut reached = 1.0;
-    for spacing in affordable(&["0.5 mm", "0.25 mm", "0.125 mm"]) {
+    for spacing in affordable(&["0.25 mm", "0.125 mm"]) {
         let scene = rings("pipe", &[&format!("pack.spacing={spacing}")]);
         let radius = scene.domain.size[0];
         let mu = scene.effects.mu().unwrap();

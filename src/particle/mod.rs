@@ -17,6 +17,7 @@ pub mod poisson;
 pub mod quality;
 pub mod repulse;
 pub mod ring;
+pub mod scalar;
 pub mod shape;
 pub mod wall;
 

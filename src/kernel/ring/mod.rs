@@ -117,8 +117,8 @@ fn moments<F: Real, const SECOND: bool>(q: F, q2: F) -> [[F; 3]; 2] {
 }
 
 impl Rings {
-    /// Such that -2 F_y is the mean of a `weight` of the distance in h, that of points `apart` h from
-    /// each other along a ring: it sees none of itself that is nearer than half of that. F and
+    /// Such that -2 F_y is the mean of a `weight` of the distance in h, that of points `apart` h
+    /// from each other along a ring: it sees none of itself that is nearer than half of that. F and
     /// second derivatives are not found. What is made is kept to the end of the program.
     pub fn of_weight(weight: impl Fn(f64) -> f64, apart: f64) -> Self {
         let function = |distance: f64| [0.0, -0.5 * weight(distance), 0.0];

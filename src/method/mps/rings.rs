@@ -1,5 +1,5 @@
-//! MPS of rings about an axis: a ring is a row of particles a spacing apart, and the sum of a weight
-//! over them is its mean over the angle times their number, which is the mass of the ring.
+//! MPS of rings about an axis: a ring is a row of particles a spacing apart, and the sum of a
+//! weight over them is its mean over the angle times their number, which is the mass of the ring.
 
 use super::pass::NEAREST;
 use super::{Lattice, Mps};

@@ -1,5 +1,5 @@
-//! D G of rings ([`super::rings`]) as matrices: an equation is solved by many products with the same
-//! derivatives of the kernel, which cost more than all else in them.
+//! D G of rings ([`super::rings`]) as matrices: an equation is solved by many products with the
+//! same derivatives of the kernel, which cost more than all else in them.
 //!
 //! (1) m_a (G p)_a = -c/rho0 SUM m_a m_b (p_a + p_b) g_a
 //! (2) m_a (D u)_a = -c SUM m_a m_b (u_a . g_a + u_b . g_b),  u = 0 in walls

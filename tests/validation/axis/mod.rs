@@ -164,7 +164,7 @@ fn column_at_rest() {
             1.0,
         );
     }
-    reaches("column at rest", reached, [0.006, 0.006, 0.01]);
+    reaches("column at rest", reached, [0.006, 0.006, 0.025]);
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn standing_wave() {
         let case = format!("standing wave, R = {:.0} s0", radius / scene.spacing);
         reached = figure(&case, "frequency, 1/s", found, Some(omega), 0.01);
     }
-    reaches("standing wave", reached, [0.02, 0.05, 0.05]);
+    reaches("standing wave", reached, [0.11, 0.11, 0.11]);
 }
 
 /// Keeps the liquid within `radius` m of the axis.

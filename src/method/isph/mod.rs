@@ -31,7 +31,6 @@ use super::projection::correction::times;
 use super::projection::look::Sums;
 use super::projection::transposed::OfKernel;
 use super::projection::{Projection, Scheme, surface};
-use super::ring::Laplacian;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::kernel::ring::Rings;
@@ -111,17 +110,6 @@ impl<K: Kernel> Isph<K> {
         });
     }
 
-    /// The same weights of rings.
-    fn couple_rings(p: &mut Projection<Self>) {
-        p.pack_joined();
-        let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
-        let [_, rings] = p.scheme.of_rings();
-        let radii = p.liquid.flow.radii_of(rings, p.liquid.case.h);
-        let e = &mut p.equation;
-        let (sparse, degree, sums) = (&mut e.coupling, &mut e.diagonal, &mut p.sums);
-        sparse.build(&layout, &Laplacian { radii }, degree, sums);
-    }
-
     fn slope_with<const SYMMETRIC: bool>(p: &mut Projection<Self>) {
         let pass = PressureSlope::<K, SYMMETRIC>(PhantomData);
         p.liquid.sum(&pass, &mut p.own.push);
@@ -199,7 +187,7 @@ impl<K: Kernel> Scheme for Isph<K> {
     /// The weights of Eq. 8 in units of 2 m norm / (rho0^2 h^(d+2)).
     fn couple(p: &mut Projection<Self>) {
         if p.liquid.flow.is_axial() {
-            return Self::couple_rings(p);
+            return p.couple_rings();
         }
         let (local, walls) = (&p.own.local, &p.walls);
         p.liquid.flow.pack(

@@ -295,7 +295,7 @@ impl Scheme for Mps {
     /// The weights of (4).
     fn couple(p: &mut Projection<Self>) {
         if p.liquid.flow.is_axial() {
-            return Self::couple_rings(p);
+            return p.couple_rings();
         }
         Self::flag(p);
         let (local, walls, inside) = (&p.own.local, &p.walls, &p.scheme.inside);

@@ -1,11 +1,9 @@
 //! MPS of rings about an axis: a ring is a row of particles a spacing apart, and the sum of a
 //! weight over them is its mean over the angle times their number, which is the mass of the ring.
 
+use super::Lattice;
 use super::pass::NEAREST;
-use super::{Lattice, Mps};
 use crate::kernel::ring::Rings;
-use crate::method::projection::{Projection, Scheme};
-use crate::method::ring::Laplacian;
 use std::sync::Mutex;
 
 /// Points of the sum along a row of a lattice.
@@ -60,18 +58,5 @@ impl Lattice {
             }
         }
         Lattice { number, spread }
-    }
-}
-
-impl Mps {
-    /// The weights of (4) of rings.
-    pub(super) fn couple_rings(p: &mut Projection<Self>) {
-        p.pack_joined();
-        let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
-        let [_, rings] = p.scheme.of_rings();
-        let radii = p.liquid.flow.radii_of(rings, p.liquid.case.h);
-        let e = &mut p.equation;
-        let (sparse, degree, sums) = (&mut e.coupling, &mut e.diagonal, &mut p.sums);
-        sparse.build(&layout, &Laplacian { radii }, degree, sums);
     }
 }

@@ -16,7 +16,7 @@ use crate::effect::tension::ringed::{Heavy, Look};
 use crate::kernel::ring::Radii;
 use crate::method::pass::{Extrapolation as Plain, Sparing};
 use crate::method::ring::{Compressed, Continuity, Extrapolation, Force};
-use crate::method::ring::{Joined, Ring, Surrounded};
+use crate::method::ring::{Joined, Laplacian, Ring, Surrounded};
 use crate::space::parallel::each_mut;
 use std::marker::PhantomData;
 
@@ -123,8 +123,11 @@ impl<S: Scheme> Projection<S> {
         self.transposed.around = sums;
     }
 
-    /// Packs what couples rings, and numbers the walls.
-    pub(in crate::method) fn pack_joined(&mut self) {
+    /// [`Scheme::couple`] of rings.
+    pub(in crate::method) fn couple_rings<const N: usize>(&mut self)
+    where
+        S: Scheme<Row = [f32; N]>,
+    {
         let (local, walls) = (&self.own.local, &self.walls);
         self.liquid.flow.pack(
             |p, i| Joined {
@@ -137,6 +140,12 @@ impl<S: Scheme> Projection<S> {
             },
         );
         self.walls.number(self.liquid.len());
+        let layout = self.walls.layout(&self.liquid.flow, self.liquid.case.h);
+        let [_, rings] = self.scheme.of_rings();
+        let radii = self.liquid.flow.radii_of(rings, self.liquid.case.h);
+        let e = &mut self.equation;
+        let (sparse, degree) = (&mut e.coupling, &mut e.diagonal);
+        sparse.build(&layout, &Laplacian { radii }, degree, &mut self.sums);
     }
 
     /// What ring `i` adds to its own couplings, which the equation leaves out: along it p is one.

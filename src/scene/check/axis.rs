@@ -3,8 +3,8 @@
 use super::super::error::SceneError;
 use super::super::tree::Tree;
 use super::super::{
-    Closure, Density, Gradient, Isph, KernelName, Method, Motion, Mps, MpsClosure, MpsGradient,
-    PoissonSource, Problem, Scene, TensionForm, ViscosityForm, WallPressure, Wcsph,
+    Closure, Density, Gradient, KernelName, Method, Motion, MpsClosure, MpsGradient, PoissonSource,
+    Problem, Scene, TensionForm, ViscosityForm, WallPressure, Wcsph,
 };
 
 const KEY: &str = "box.symmetry";
@@ -27,8 +27,16 @@ fn unfit(scene: &Problem) -> Option<(&'static str, &'static str)> {
     let spins = |motion: &Motion| matches!(motion, Motion::TaylorGreen { .. });
     let lacking = match &scene.method {
         Method::Wcsph(settings) => lacks_of_wcsph(settings),
-        Method::Isph(settings) => lacks_of_isph(settings),
-        Method::Mps(settings) => lacks_of_mps(settings),
+        Method::Isph(settings) => lacks_of_projection(
+            settings.gradient == Gradient::Transposed,
+            settings.projection.source,
+            settings.closure == Closure::Completed,
+        ),
+        Method::Mps(settings) => lacks_of_projection(
+            settings.gradient == MpsGradient::Transposed,
+            settings.projection.source,
+            settings.closure == MpsClosure::Completed,
+        ),
     };
     if let Some(lacking) = lacking {
         return Some((lacking, modern));
@@ -61,26 +69,17 @@ fn lacks_of_wcsph(settings: &Wcsph) -> Option<&'static str> {
     (!is_extrapolated).then_some("needs the extrapolated pressure of walls")
 }
 
-/// The same of ISPH.
-fn lacks_of_isph(settings: &Isph) -> Option<&'static str> {
-    if settings.gradient != Gradient::Transposed {
+/// The same of ISPH and MPS.
+fn lacks_of_projection(
+    is_transposed: bool,
+    source: PoissonSource,
+    is_completed: bool,
+) -> Option<&'static str> {
+    if !is_transposed {
         return Some("needs the gradient `transposed`");
     }
-    if settings.projection.source == PoissonSource::Density {
+    if source == PoissonSource::Density {
         return Some("needs a divergence as the source of the pressure equation");
     }
-    let is_completed = settings.closure == Closure::Completed;
-    (!is_completed).then_some("needs the closure `completed`")
-}
-
-/// The same of MPS.
-fn lacks_of_mps(settings: &Mps) -> Option<&'static str> {
-    if settings.gradient != MpsGradient::Transposed {
-        return Some("needs the gradient `transposed`");
-    }
-    if settings.projection.source == PoissonSource::Density {
-        return Some("needs a divergence as the source of the pressure equation");
-    }
-    let is_completed = settings.closure == MpsClosure::Completed;
     (!is_completed).then_some("needs the closure `completed`")
 }

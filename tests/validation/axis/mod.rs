@@ -4,7 +4,7 @@ mod wall;
 mod wave;
 
 use crate::{Figure, begin, method_name, run, start, with};
-use coronet::method::{self, Phase, Solver};
+use coronet::method::{self, Phase};
 use coronet::particle::{Frame, State};
 use coronet::scene::Scene;
 use std::f64::consts::PI;
@@ -107,11 +107,26 @@ fn oscillation(track: &[(f64, f64)]) -> Option<[f64; 2]> {
     Some([PI / half, fall / half])
 }
 
-/// Packs and relaxes, and builds with what `change` makes of that.
-fn changed(scene: &Scene, change: impl Fn(&mut State)) -> Box<dyn Solver> {
+/// Packs and relaxes, lets `shape` change what there is, sets it in motion by `speed` times
+/// `field`, and follows how much of that motion is left, every so often up to the end.
+fn swing(
+    scene: &Scene,
+    field: impl Fn(Point) -> Point,
+    speed: f64,
+    [end, every]: [f64; 2],
+    shape: impl Fn(&mut State),
+) -> Vec<(f64, f64)> {
     let (mut state, strength) = begin(scene).expect("packs and relaxes");
-    change(&mut state);
-    method::build(scene, state, Phase::Impact, strength).expect("builds")
+    shape(&mut state);
+    stir(&mut state, |at| field(at).map(|v| speed * v));
+    let built = method::build(scene, state, Phase::Impact, strength);
+    let mut solver = built.expect("builds");
+    let mut track = Vec::new();
+    run(solver.as_mut(), end, every, |f| {
+        track.push((f.time, share(f, &field) / speed));
+    })
+    .expect("stays stable");
+    track
 }
 
 #[test]
@@ -236,15 +251,8 @@ fn oscillating_drop() {
             let omega = (square - decay * decay).sqrt();
             let speed = 0.03 * radius * omega;
             let field = |at: Point| mode(n, radius, middle, at);
-            let mut solver = changed(&scene, |state| {
-                stir(state, |at| field(at).map(|v| speed * v));
-            });
-            let mut track = Vec::new();
             let end = scene.impact.end;
-            run(solver.as_mut(), end, 0.0025 * end, |f| {
-                track.push((f.time, share(f, field) / speed));
-            })
-            .expect("stays stable");
+            let track = swing(&scene, field, speed, [end, 0.0025 * end], |_| ());
             let [found, fall] = oscillation(&track).unwrap_or([f64::NAN; 2]);
             let case = format!("mode {n}, R = {:.0} s0", radius / scene.spacing);
             let wrong = figure(&case, "frequency, 1/s", found, Some(omega), 0.01);

@@ -1,6 +1,6 @@
 //! Waves, pipes and threads as rings.
 
-use super::{Point, affordable, changed, figure, mean, oscillation, reaches, rings, share, stir};
+use super::{Point, affordable, figure, mean, oscillation, reaches, rings, swing};
 use crate::{run, start};
 use coronet::particle::column::{Columns, Retain};
 use coronet::particle::{Particles, State};
@@ -51,15 +51,8 @@ fn standing_wave() {
         };
         // Smaller waves drown in what moves in liquid at rest.
         let speed = 1e-3 * omega;
-        let mut solver = changed(&scene, |state| {
-            stir(state, |at| field(at).map(|v| speed * v))
-        });
-        let mut track = Vec::new();
         let end = scene.impact.end;
-        run(solver.as_mut(), end, 0.002 * end, |f| {
-            track.push((f.time, share(f, field) / speed));
-        })
-        .expect("stays stable");
+        let track = swing(&scene, field, speed, [end, 0.002 * end], |_| ());
         let [found, fall] = oscillation(&track).unwrap_or([f64::NAN; 2]);
         println!("  decay {fall:.2} 1/s");
         let case = format!("standing wave, R = {:.0} s0", radius / scene.spacing);
@@ -134,16 +127,10 @@ fn rayleigh_plateau() {
             [first * (k * z).cos() / edge, -zeroth * (k * z).sin() / edge]
         };
         let speed = 0.01 * radius * omega;
-        let mut solver = changed(&scene, |state| {
-            thread(state, radius);
-            stir(state, |at| field(at).map(|v| speed * v));
-        });
-        let mut track = Vec::new();
         let end = 3.0 / omega;
-        run(solver.as_mut(), end, 0.005 * end, |f| {
-            track.push((f.time, share(f, field) / speed));
-        })
-        .expect("stays stable");
+        let track = swing(&scene, field, speed, [end, 0.005 * end], |state| {
+            thread(state, radius);
+        });
         // From rest the velocity grows as cosh(omega t).
         let grown = |size: f64| track.iter().find(|(_, v)| *v >= size);
         let rate = |size: f64| grown(size).map_or(f64::NAN, |(t, v)| v.acosh() / t);

@@ -2,6 +2,7 @@
 
 pub mod adapt;
 pub mod calibrate;
+pub mod completed;
 pub mod flow;
 pub mod frame;
 pub mod isph;

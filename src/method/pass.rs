@@ -20,8 +20,9 @@ payload! {
     }
 }
 
+/// a - b.
 #[inline(always)]
-fn difference<F: Real>(a: [F; 3], b: [F; 3]) -> [F; 3] {
+pub(super) fn difference<F: Real>(a: [F; 3], b: [F; 3]) -> [F; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 

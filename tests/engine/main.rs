@@ -31,6 +31,7 @@ mod measure_series;
 mod measure_splash;
 mod measure_tradeoff;
 mod method_budget;
+mod method_completed;
 mod method_conservation;
 mod method_control;
 mod method_crush;

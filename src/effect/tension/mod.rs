@@ -43,8 +43,8 @@ pub mod counted;
 pub mod energy;
 pub mod level;
 
-mod pass;
-pub(crate) mod ringed;
+pub mod pass;
+pub mod ringed;
 pub mod shore;
 mod stressed;
 mod virial;

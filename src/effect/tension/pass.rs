@@ -3,7 +3,7 @@
 use crate::effect::normal::{Coloured, Root};
 use crate::kernel::Kernel;
 use crate::payload;
-use crate::space::lane::{Real, dot};
+use crate::space::lane::{Real, are_zero, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
@@ -25,7 +25,10 @@ impl<K: Kernel> Pass<1> for Volume<K> {
 
 payload! {
     /// V of (2).
-    pub struct Filled<F> { volume: F }
+    pub struct Filled<F> {
+        /// m^d.
+        volume: F,
+    }
 }
 
 /// SUM V_b w: (2).
@@ -69,7 +72,7 @@ impl<K: Kernel> Pass<6> for Difference<K> {
 /// What the neighbours' stress adds to the acceleration, (5) without the own stress:
 /// T_b / rho^2 = |u|^2 I - u u.
 #[derive(Clone, Copy)]
-pub struct Summed<K> {
+pub(super) struct Summed<K> {
     pub factor: f64,
     pub kernel: PhantomData<K>,
 }
@@ -95,11 +98,11 @@ impl<K: Kernel> Pass<3> for Summed<K> {
 
 payload! {
     /// T / rho^2.
-    pub struct Stress<F> { xx: F, yy: F, zz: F, yz: F, xz: F, xy: F }
+    pub(super) struct Stress<F> { xx: F, yy: F, zz: F, yz: F, xz: F, xy: F }
 }
 
 /// The same for stresses of any shape.
-pub struct Tensor<K>(pub Summed<K>);
+pub(super) struct Tensor<K>(pub Summed<K>);
 
 impl<K: Kernel> Pass<3> for Tensor<K> {
     type Payload = Stress;
@@ -135,7 +138,7 @@ fn stress<K: Kernel, F: Real>(pair: &Pair<F, Root>) -> [F; 3] {
 }
 
 /// The whole pair force as an acceleration.
-pub struct Whole<K>(pub Summed<K>);
+pub(super) struct Whole<K>(pub Summed<K>);
 
 impl<K: Kernel> Pass<3> for Whole<K> {
     type Payload = Root;
@@ -155,7 +158,7 @@ impl<K: Kernel> Pass<3> for Whole<K> {
 
 /// Tangential over (d-1) minus normal virial, about the normal of the surface at the target: that
 /// of the colour is noisy, and takes some per cent of the one for the other.
-pub struct Virial<'a, K> {
+pub(super) struct Virial<'a, K> {
     /// Of each target.
     pub normals: &'a [[f32; 3]],
     /// 1 / (d-1).
@@ -187,7 +190,7 @@ impl<K: Kernel> Pass<1> for Virial<'_, K> {
 
 payload! {
     /// What [`Pull`] reads.
-    pub(super) struct Energetic<F> {
+    pub struct Energetic<F> {
         /// e'.
         slope: F,
         /// g / H.
@@ -196,8 +199,10 @@ payload! {
 }
 
 /// (2) of [`super::energy`].
-pub(super) struct Pull<K> {
+pub struct Pull<K> {
+    /// What the sum is multiplied by.
     pub factor: f64,
+    /// The kernel.
     pub kernel: PhantomData<K>,
 }
 
@@ -207,13 +212,20 @@ impl<K: Kernel> Pass<3> for Pull<K> {
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 3]) {
         let q = pair.q2.sqrt();
-        let (slope, curve) = (K::slope_lanes(q), K::curve_lanes(q));
+        let slope = K::slope_lanes(q);
         let (own, other) = (&pair.own, &pair.other);
         let mut g = own.gradient;
         for a in 0..3 {
             g[a] = own.gradient[a] - other.gradient[a];
         }
-        let along = curve * dot(g, pair.d);
+        if are_zero(g) {
+            let both = slope * (own.slope + other.slope);
+            for a in 0..3 {
+                sum[a] = both.mul_add(pair.d[a], sum[a]);
+            }
+            return;
+        }
+        let along = K::curve_lanes(q) * dot(g, pair.d);
         let central = slope.mul_add(own.slope + other.slope, along);
         for a in 0..3 {
             sum[a] = central.mul_add(pair.d[a], slope.mul_add(g[a], sum[a]));

@@ -9,22 +9,23 @@
 use super::Tension;
 use super::shore::Shore;
 use crate::effect::surface::Surface;
-use crate::kernel::ring::{Radii, between, mass_apart, places};
+use crate::kernel::ring::{Between, Radii, Rings, between, mass_apart, places};
 use crate::payload;
-use crate::space::lane::Real;
+use crate::space::lane::{Real, are_zero};
 use crate::space::parallel::each_mut;
-use crate::space::sweep::{self, Pair, Pass};
+use crate::space::sweep::{self, Pair, Pass, Payload};
 
 payload! {
     /// What [`Look`] reads.
-    pub(crate) struct Heavy<F> {
+    pub struct Heavy<F> {
         /// Mass over the nominal one.
         mass: F,
     }
 }
 
 /// (1) without a itself: H n_r, H n_z, phi, in that order at 0, 2 and 3.
-pub(crate) struct Look<'a> {
+pub struct Look<'a> {
+    /// Where rings are.
     pub radii: Radii<'a>,
 }
 
@@ -51,7 +52,7 @@ impl Pass<3> for Look<'_> {
 
 payload! {
     /// What [`Pull`] reads.
-    pub(super) struct Energetic<F> {
+    pub struct Energetic<F> {
         /// e'.
         slope: F,
         /// g_r / H.
@@ -63,8 +64,64 @@ payload! {
     }
 }
 
+/// Second derivatives of the kernel of two rings by their places.
+pub(crate) struct Bent<F> {
+    /// By r_a twice.
+    pub rr: F,
+    /// By r_a and z_a, minus that by r_a and z_b.
+    pub rz: F,
+    /// By z_a twice, minus that by z_a and z_b.
+    pub zz: F,
+    /// By r_a and r_b.
+    pub mixed_rr: F,
+    /// By z_a and r_b.
+    pub mixed_zr: F,
+}
+
+impl<F: Real> Bent<F> {
+    /// Of a pair whose target has its radius in `extra`.
+    #[inline(always)]
+    pub fn of<P: Payload>(rings: Rings, pair: &Pair<F, P>, w: &Between<F>) -> Self {
+        let ([own, other], is_far) = places(pair);
+        let [yy, yp, pp] = rings.second(is_far, pair.q2, own * other);
+        let [r, z] = [pair.d[0] * 2.0, pair.d[2] * 2.0];
+        let zero = pair.q2.splat(0.0);
+        // By r_a and r_b of F_y, and of F_p.
+        let y = [other.mul_add(yp, r * yy), own.mul_add(yp, zero - r * yy)];
+        let p = [other.mul_add(pp, r * yp), own.mul_add(pp, zero - r * yp)];
+        let twice = w.slope * 2.0;
+        Bent {
+            rr: twice + r.mul_add(y[0], other * p[0]),
+            rz: z * y[0],
+            zz: twice + z * z * yy,
+            mixed_rr: w.turn - twice + r.mul_add(y[1], other * p[1]),
+            mixed_zr: z * y[1],
+        }
+    }
+}
+
+/// What ring `i` adds to its own force, before its factor and over its mass, from e' and g_r / H.
+pub fn alone(radii: Radii, i: usize, [slope, radial]: [f64; 2]) -> f64 {
+    let radius = radii.liquid[i] / radii.length;
+    let [_, turn, second, _] = radii.rings.own(radius);
+    2.0 * slope * radius * turn + radial * (turn + 2.0 * radius * radius * second)
+}
+
+impl Energetic {
+    /// A ring of this `mass`.
+    pub fn of(energetic: super::pass::Energetic, mass: f64) -> Self {
+        Energetic {
+            slope: energetic.slope,
+            radial: energetic.gradient[0],
+            mass: mass as f32,
+            axial: energetic.gradient[2],
+        }
+    }
+}
+
 /// (2) without a itself, before its factor.
-pub(super) struct Pull<'a> {
+pub struct Pull<'a> {
+    /// Where rings are.
     pub radii: Radii<'a>,
 }
 
@@ -77,34 +134,22 @@ impl Pass<2> for Pull<'_> {
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 2]) {
-        let rings = self.radii.rings;
         let (a, b) = (&pair.own, &pair.other);
         let m = mass_apart(b.mass, pair.q2);
-        let w = between(rings, pair);
-        let ([own, other], is_far) = places(pair);
-        let [yy, yp, pp] = rings.second(is_far, pair.q2, own * other);
-        let [r, z] = [pair.d[0] * 2.0, pair.d[2] * 2.0];
-        let zero = pair.q2.splat(0.0);
-        // By r_a and r_b of F_y, and of F_p.
-        let y = [other.mul_add(yp, r * yy), own.mul_add(yp, zero - r * yy)];
-        let p = [other.mul_add(pp, r * yp), own.mul_add(pp, zero - r * yp)];
-        let twice = w.slope * 2.0;
-        // d2W/dx_a dx_a, which is symmetric, then d2W/dx_b dx_a: of [a][b], the first by x_a.
-        let rr = twice + r.mul_add(y[0], other * p[0]);
-        let rz = z * y[0];
-        let zz = twice + z * z * yy;
-        let mixed_rr = w.turn - twice + r.mul_add(y[1], other * p[1]);
-        let mixed_rz = zero - z * y[0];
-        let mixed_zr = z * y[1];
-        let e = a.slope + b.slope;
-        let radial = e * w.radial[0]
-            + a.radial * rr
-            + a.axial * rz
-            + b.radial * mixed_rr
-            + b.axial * mixed_rz;
-        let axial = e * w.axial + a.radial * rz + a.axial * zz + b.radial * mixed_zr - b.axial * zz;
-        sum[0] = m.mul_add(radial, sum[0]);
-        sum[1] = m.mul_add(axial, sum[1]);
+        let w = between(self.radii.rings, pair);
+        let e = m * (a.slope + b.slope);
+        sum[0] = e.mul_add(w.radial[0], sum[0]);
+        sum[1] = e.mul_add(w.axial, sum[1]);
+        let axial = a.axial.abs().max(b.axial.abs());
+        if are_zero([a.radial, b.radial, axial]) {
+            return;
+        }
+        let bent = Bent::of(self.radii.rings, pair, &w);
+        let axial = a.axial - b.axial;
+        let by_r = a.radial * bent.rr + b.radial.mul_add(bent.mixed_rr, axial * bent.rz);
+        let by_z = a.radial * bent.rz + b.radial.mul_add(bent.mixed_zr, axial * bent.zz);
+        sum[0] = m.mul_add(by_r, sum[0]);
+        sum[1] = m.mul_add(by_z, sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, [r, z]: [f32; 2], out: &mut [f32; 3]) {
@@ -214,7 +259,7 @@ impl Tension {
         each_mut(&mut force[..reached.len()], |k, force| {
             let i = reached[k] as usize;
             let radius = flow.position[0][i] / self.length;
-            let [_, turn, second, _] = radii.rings.own(radius);
+            let [_, turn, second, ..] = radii.rings.own(radius);
             let (slope, gradient) = (words[0][i] as f64, words[1][i] as f64);
             let of =
                 2.0 * slope * radius * turn + gradient * (turn + 2.0 * radius * radius * second);

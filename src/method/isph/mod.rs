@@ -124,6 +124,7 @@ impl<K: Kernel> Scheme for Isph<K> {
     type Own = [f32; 3];
     type Weight = OfKernel<K>;
     type Row = [f32; 6];
+    const COMPLETES: bool = true;
 
     fn completion(&self, case: &Case) -> surface::Completion {
         surface::Completion::of::<K>(case.sph.kernel, case.space, case.sph.smoothing)

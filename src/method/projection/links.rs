@@ -1,91 +1,101 @@
 //! D G of rings ([`super::rings`]) as matrices: an equation is solved by many products with the
 //! same derivatives of the kernel, which cost more than all else in them.
 //!
-//! (1) m_a (G p)_a = -c/rho0 SUM m_a m_b (p_a + p_b) g_a
-//! (2) m_a (D u)_a = -c SUM m_a m_b (u_a . g_a + u_b . g_b),  u = 0 in walls
-//! of which r has two matrices, for g_a and for g_b, and z one, for there g_b = -g_a.
+//! (1) m_a (G p)_a = -c/rho0 SUM m_a m_b (p_a s_ab + p_b t_ab)
+//! (2) m_a (D u)_a = -c SUM m_a m_b (u_a . s_ab + u_b . t_ba),  u = 0 in walls
+//! s_ab: the rate of density of a by its own velocity, t_ab: that of b by the velocity of a
+//! ([`Rates`]). Each component has a matrix for t_ab and one for t_ba; of s sums are enough.
 //! Test: tests/engine/ring_projection.rs.
 
 use super::{Projection, Scheme};
-use crate::effect::tension::ringed::Heavy;
-use crate::kernel::ring::{Radii, between, mass_apart};
+use crate::effect::tension::ringed::Energetic;
+use crate::kernel::ring::{Radii, mass_apart};
+use crate::method::completed::Completed;
+use crate::method::completed::ring::{Rates, alone_of};
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
 use crate::space::sparse::{Couple, Sparse};
 use crate::space::sweep::Pair;
 
-/// m_a m_b times a component of g: of g_a along r, of g_b along r, of g_a along z.
-struct Along<'a, const OF: usize>(Radii<'a>);
+/// m_a m_b times t_ab along r and z, then t_ba. Sums: of s_ab. `BENDS`: of a completed density.
+struct Along<'a, const OF: usize, const BENDS: bool>(Radii<'a>);
 
-impl<const OF: usize> Couple<0> for Along<'_, OF> {
-    type Payload = Heavy;
+impl<const OF: usize, const BENDS: bool> Couple<2> for Along<'_, OF, BENDS> {
+    type Payload = Energetic;
     #[inline(always)]
     fn extra(&self, target: usize) -> [f32; 3] {
         self.0.of(target)
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Heavy>, _: &mut [F; 0]) -> F {
-        let w = between(self.0.rings, pair);
+    fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 2]) -> F {
+        let rates = Rates::of::<BENDS>(self.0, pair);
         let masses = mass_apart(pair.own.mass * pair.other.mass, pair.q2);
-        masses
-            * match OF {
-                0 | 1 => w.radial[OF],
-                _ => w.axial,
+        if OF == 0 {
+            for a in 0..2 {
+                sum[a] = masses.mul_add(rates.own[a], sum[a]);
             }
+        }
+        let ([r, z], [back_r, back_z]) = (rates.of_other, rates.by_other);
+        masses * [r, z, back_r, back_z][OF]
     }
 }
 
 /// The matrices.
 #[derive(Default)]
 pub(super) struct Links {
-    radial: Sparse,
-    radial_of_other: Sparse,
-    axial: Sparse,
-    /// Sums of the rows of the first and of the last, with what a ring adds to its own.
-    degree: [Vec<f64>; 2],
+    of_other: [Sparse; 2],
+    by_other: [Sparse; 2],
+    /// Sums of s, with what a ring adds to its own.
+    own: Vec<[f32; 2]>,
     /// -G p rho0 / c, r and z, by unknown.
     push: [Vec<f64>; 2],
-    spare: (Vec<f64>, Vec<[f32; 0]>),
+    spare: (Vec<f64>, Vec<[f32; 2]>),
 }
 
 impl Links {
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let matrices = [&self.radial, &self.radial_of_other, &self.axial];
-        let vectors = [
-            &self.degree[0],
-            &self.degree[1],
-            &self.push[0],
-            &self.push[1],
-        ];
-        matrices.map(Sparse::memory).iter().sum::<usize>()
-            + 8 * vectors.map(Vec::capacity).iter().sum::<usize>()
+        let matrices = self.of_other.iter().chain(&self.by_other);
+        let push = self.push.iter().map(Vec::capacity).sum::<usize>();
+        matrices.map(Sparse::memory).sum::<usize>() + 8 * (self.own.capacity() + push)
     }
 }
 
 impl<S: Scheme> Projection<S> {
     /// Makes the matrices for the rings as they are.
     pub(super) fn link_rings(&mut self) {
-        let heavy = |mass: f64| Heavy { mass: mass as f32 };
-        let flow = &mut self.liquid.flow;
-        flow.repack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j)));
+        match self.transposed.completed.is_empty() {
+            true => self.link::<false>(),
+            false => self.link::<true>(),
+        }
+    }
+
+    fn link<const BENDS: bool>(&mut self) {
+        let completed = &self.transposed.completed;
+        let of = |i: usize| completed.get(i).copied().unwrap_or_default();
+        let whole = Completed::default();
+        self.liquid.flow.repack(
+            |p, i| Energetic::of(of(i).press(1.0), p.weight(i)),
+            |w, j| Energetic::of(whole.press(1.0), w.weight(j)),
+        );
         let mut links = std::mem::take(&mut self.transposed.links);
         let layout = self.walls.layout(&self.liquid.flow, self.liquid.case.h);
         let radii = self.sloping();
         let Links {
-            radial,
-            radial_of_other,
-            axial,
-            degree: [r, z],
-            spare: (unused, none),
+            of_other: [r, z],
+            by_other: [back_r, back_z],
+            own,
+            spare: (degree, sums),
             ..
         } = &mut links;
-        radial.build(&layout, &Along::<0>(radii), r, none);
-        radial_of_other.build(&layout, &Along::<1>(radii), unused, none);
-        axial.build(&layout, &Along::<2>(radii), z, none);
-        let p = &self.liquid.flow.particles;
-        each_mut(&mut r[..p.len()], |i, degree| {
-            *degree += 2.0 * p.weight(i).powi(2) * radii.own(i).gradient;
+        r.build(&layout, &Along::<0, BENDS>(radii), degree, own);
+        z.build(&layout, &Along::<1, BENDS>(radii), degree, sums);
+        back_r.build(&layout, &Along::<2, BENDS>(radii), degree, sums);
+        back_z.build(&layout, &Along::<3, BENDS>(radii), degree, sums);
+        let (p, completed) = (&self.liquid.flow.particles, &self.transposed.completed);
+        each_mut(&mut own[..p.len()], |i, own| {
+            let of = completed.get(i).copied().unwrap_or_default();
+            own[0] += (p.weight(i).powi(2) * alone_of(radii, i, &of)) as f32;
         });
         self.transposed.links = links;
     }
@@ -95,29 +105,25 @@ impl<S: Scheme> Projection<S> {
         let mut links = std::mem::take(&mut self.transposed.links);
         let (n, p) = (self.liquid.len(), &self.liquid.flow.particles);
         let Links {
-            radial,
-            radial_of_other,
-            axial,
-            degree,
+            of_other,
+            by_other: [r, z],
+            own,
             push,
             ..
         } = &mut links;
-        for (along, (matrix, degree)) in push
-            .iter_mut()
-            .zip([&*radial, &*axial].into_iter().zip(&*degree))
-        {
+        for (a, (along, matrix)) in push.iter_mut().zip(&*of_other).enumerate() {
             along.clear();
             along.resize(x.len(), 0.0);
             each_mut(&mut along[..n], |i, along| {
-                *along = (matrix.dot(i, x) + degree[i] * x[i]) / p.weight(i);
+                *along = (matrix.dot(i, x) + own[i][a] as f64 * x[i]) / p.weight(i);
             });
         }
         let factor = S::weight(self).1.powi(2) / self.liquid.case.density;
-        let [r, z] = &*push;
+        let [push_r, push_z] = &*push;
         each_mut(out, |i, out| {
-            let own = degree[0][i] * r[i] + degree[1][i] * z[i];
-            let others = radial_of_other.dot(i, r) - axial.dot(i, z);
-            *out = factor * (own + others);
+            let [of_r, of_z] = own[i].map(f64::from);
+            let own = of_r * push_r[i] + of_z * push_z[i];
+            *out = factor * (own + r.dot(i, push_r) + z.dot(i, push_z));
         });
         self.transposed.links = links;
     }

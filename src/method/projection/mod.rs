@@ -118,6 +118,9 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn slope(p: &mut Projection<Self>);
     /// Of rings: kernels K of which -K'/q is the weight of gradients and that of the equation.
     fn of_rings(&self) -> [Rings; 2];
+    /// Whether a density that is completed near a surface can take the place of the divergence:
+    /// gradients have the weight of the kernel.
+    const COMPLETES: bool = false;
     /// The weight of gradients, and its factor c, 1/m.
     fn weight(p: &Projection<Self>) -> (Self::Weight, f64);
     /// Bytes held.

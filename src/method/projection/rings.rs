@@ -12,11 +12,13 @@
 use super::correction::IDENTITY;
 use super::look::{Local, Sums};
 use super::{Projection, Scheme};
-use crate::effect::tension::ringed::{Heavy, Look};
+use crate::effect::tension::ringed::{Energetic, Heavy, Look, Pull};
 use crate::kernel::ring::Radii;
+use crate::method::completed::Completed;
+use crate::method::completed::ring as completed;
 use crate::method::pass::{Extrapolation as Plain, Sparing};
-use crate::method::ring::{Compressed, Continuity, Extrapolation, Force};
-use crate::method::ring::{Joined, Laplacian, Ring, Surrounded};
+use crate::method::ring::{Compressed, Continuity, Extrapolation};
+use crate::method::ring::{Joined, Laplacian, Surrounded};
 use crate::space::parallel::each_mut;
 use std::marker::PhantomData;
 
@@ -185,22 +187,40 @@ impl<S: Scheme> Projection<S> {
         let factor = -S::weight(self).1;
         let mut sums = std::mem::take(&mut self.transposed.rates);
         sums.resize(n.max(self.liquid.flow.walls()), [0.0; 3]);
+        let (p, push) = (&self.liquid.flow.particles, &self.own.push);
+        let radial = |i: usize| match moving {
+            true => p.velocity[0][i],
+            false => push[i][0] as f64,
+        };
         let pass = Continuity {
             radii: self.sloping(),
             diffusion: 0.0,
             held: 0.0,
         };
-        self.liquid.sum(&pass, &mut sums[..n]);
-        let (p, push) = (&self.liquid.flow.particles, &self.own.push);
-        each_mut(&mut out[..n], |i, out| {
-            let mass = p.weight(i);
-            let radial = match moving {
-                true => p.velocity[0][i],
-                false => push[i][0] as f64,
-            };
-            let own = 2.0 * mass * pass.radii.own(i).gradient * radial;
-            *out = factor * mass * (sums[i][0] as f64 + own);
-        });
+        let radii = pass.radii;
+        match &self.transposed.completed[..] {
+            [] => {
+                self.liquid.sum(&pass, &mut sums[..n]);
+                each_mut(&mut out[..n], |i, out| {
+                    let mass = p.weight(i);
+                    let own = 2.0 * mass * radii.own(i).gradient * radial(i);
+                    *out = factor * mass * (sums[i][0] as f64 + own);
+                });
+            }
+            completed => {
+                let pass = completed::Continuity {
+                    radii,
+                    diffusion: 0.0,
+                    held: 0.0,
+                    completed,
+                };
+                self.liquid.sum(&pass, &mut sums[..n]);
+                each_mut(&mut out[..n], |i, out| {
+                    let mass = p.weight(i);
+                    *out = factor * mass * pass.closing(i, sums[i], mass * radial(i));
+                });
+            }
+        }
         let walls = self.liquid.flow.walls();
         if walls > 0 {
             self.liquid.sum_at_walls(&pass, &mut sums[..walls]);
@@ -220,29 +240,28 @@ impl<S: Scheme> Projection<S> {
         let walls = &self.walls;
         let value = |i: usize| x.map_or(0.0, |x| x[i]);
         let offset = |j: usize| if lifted { walls.offset[j] } else { 0.0 };
-        let of = |pressure: f32, mass: f64| Ring {
-            pressure,
-            mass: mass as f32,
-            ..Ring::default()
-        };
+        let at_wall = |j: usize| value(n + walls.group[j] as usize) as f32 + offset(j);
+        let completed = &self.transposed.completed;
+        let of = |i: usize| completed.get(i).copied().unwrap_or_default();
         self.liquid.flow.repack(
-            |p, i| of(value(i) as f32, p.weight(i)),
-            |w, j| {
-                let pressure = value(n + walls.group[j] as usize) as f32 + offset(j);
-                of(pressure, w.weight(j))
-            },
+            |p, i| Energetic::of(of(i).press(value(i) as f32), p.weight(i)),
+            |w, j| Energetic::of(Completed::default().press(at_wall(j)), w.weight(j)),
         );
-        self.own.push.resize(n, [0.0; 3]);
-        let [rings, _] = self.scheme.of_rings();
-        let radii = self.liquid.flow.radii_of(rings, self.liquid.case.h);
-        self.liquid.sum(&Force { radii }, &mut self.own.push);
-        let factor = S::weight(self).1 / self.liquid.case.density;
+        let mut push = std::mem::take(&mut self.own.push);
+        push.resize(n, [0.0; 3]);
+        let radii = self.sloping();
+        match completed.is_empty() {
+            true => self.liquid.sum(&completed::Force { radii }, &mut push),
+            false => self.liquid.sum(&Pull { radii }, &mut push),
+        }
+        let factor = -S::weight(self).1 / self.liquid.case.density;
         let p = &self.liquid.flow.particles;
-        each_mut(&mut self.own.push[..n], |i, push| {
-            let own = 2.0 * p.weight(i) * radii.own(i).gradient * value(i);
-            let [r, z] = [push[0] as f64 - own, push[2] as f64];
+        each_mut(&mut push[..n], |i, push| {
+            let own = p.weight(i) * value(i) * completed::alone_of(radii, i, &of(i));
+            let [r, z] = [push[0] as f64 + own, push[2] as f64];
             *push = [(factor * r) as f32, 0.0, (factor * z) as f32];
         });
+        self.own.push = push;
     }
 
     /// Puts what a prediction took across the axis back, with its past: the ring on the other side

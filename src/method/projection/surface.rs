@@ -125,12 +125,29 @@ impl Share {
     /// F and z / h; `steepness` = h |grad C| / C.
     #[inline(always)]
     pub fn at(&self, steepness: f64) -> [f64; 2] {
+        let ([a, b], part) = self.beside(steepness);
+        [0, 1].map(|c| a[c] + (b[c] - a[c]) * part)
+    }
+
+    /// F and its derivative, which is zero beyond the table.
+    #[inline(always)]
+    pub fn slope(&self, steepness: f64) -> [f64; 2] {
+        let ([[low, _], [high, _]], part) = self.beside(steepness);
+        let by = match steepness < self.step * (ENTRIES - 1) as f64 {
+            true => (high - low) / self.step,
+            false => 0.0,
+        };
+        [low + (high - low) * part, by]
+    }
+
+    /// The entries beside a steepness, and how far it is from the first to the second.
+    #[inline(always)]
+    fn beside(&self, steepness: f64) -> ([[f64; 2]; 2], f64) {
         let x = (steepness / self.step)
             .min((ENTRIES - 1) as f64 - 1e-9)
             .max(0.0);
         let k = x as usize;
-        let (a, b, part) = (self.table[k], self.table[k + 1], x - k as f64);
-        [0, 1].map(|c| a[c] + (b[c] - a[c]) * part)
+        ([self.table[k], self.table[k + 1]], x - k as f64)
     }
 }
 

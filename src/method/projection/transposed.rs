@@ -13,11 +13,14 @@
 //! particle up, every second down) have no pressure. A mixture keeps both: over a step of which
 //! theta is implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence,
 //! which is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
-//! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]).
+//! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]); with a
+//! tension that has an energy those of ISPH are the ones of [`completed`] near a surface.
 
 use super::links::Links;
 use super::{Projection, SURFACE, Scheme};
+use crate::effect::tension::pass::Pull;
 use crate::kernel::Kernel;
+use crate::method::completed::{self, Completed};
 use crate::method::pressure::{Equation, Matrix, Outcome};
 use crate::payload;
 use crate::space::lane::{Real, dot};
@@ -130,6 +133,8 @@ pub(super) struct Transposed {
     pub around: Vec<[f32; 4]>,
     pub rates: Vec<[f32; 3]>,
     pub links: Links,
+    /// The density at a surface; empty where it is not completed.
+    pub completed: Vec<Completed>,
 }
 
 impl Transposed {
@@ -139,6 +144,7 @@ impl Transposed {
             + 16 * self.around.capacity()
             + 12 * self.rates.capacity()
             + self.links.memory()
+            + size_of::<Completed>() * self.completed.capacity()
     }
 }
 
@@ -171,7 +177,17 @@ impl<S: Scheme> Projection<S> {
         }
         let (weight, factor) = S::weight(self);
         let pass = Divergence { weight, factor };
-        self.liquid.sum(&pass, &mut out[..n]);
+        match &self.transposed.completed[..] {
+            [] => self.liquid.sum(&pass, &mut out[..n]),
+            completed => {
+                let pass = completed::pass::Divergence::<S::Kernel> {
+                    factor,
+                    completed,
+                    kernel: PhantomData,
+                };
+                self.liquid.sum(&pass, &mut out[..n]);
+            }
+        }
         if self.walls.len() == 0 {
             return;
         }
@@ -193,17 +209,51 @@ impl<S: Scheme> Projection<S> {
         let walls = &self.walls;
         let value = |i: usize| x.map_or(0.0, |x| x[i] as f32);
         let offset = |j: usize| if lifted { walls.offset[j] } else { 0.0 };
-        self.liquid.flow.repack(
-            |_, i| Pressing { pressure: value(i) },
-            |_, j| Pressing {
-                pressure: value(n + walls.group[j] as usize) + offset(j),
-            },
-        );
+        let at_wall = |j: usize| value(n + walls.group[j] as usize) + offset(j);
         self.own.push.resize(n, [0.0; 3]);
         let (weight, factor) = S::weight(self);
         let factor = factor / self.liquid.case.density;
-        self.liquid
-            .sum(&PressureForce { weight, factor }, &mut self.own.push);
+        let flow = &mut self.liquid.flow;
+        let completed = &self.transposed.completed;
+        if completed.is_empty() {
+            flow.repack(
+                |_, i| Pressing { pressure: value(i) },
+                |_, j| Pressing {
+                    pressure: at_wall(j),
+                },
+            );
+            let pass = PressureForce { weight, factor };
+            return self.liquid.sum(&pass, &mut self.own.push);
+        }
+        flow.repack(
+            |_, i| completed[i].press(value(i)),
+            |_, j| Completed::default().press(at_wall(j)),
+        );
+        let pass = Pull::<S::Kernel> {
+            factor: -factor,
+            kernel: PhantomData,
+        };
+        self.liquid.sum(&pass, &mut self.own.push);
+    }
+
+    /// Completes the density of particles near a surface.
+    fn complete(&mut self) {
+        if !S::COMPLETES || !self.liquid.follows_energy() {
+            return;
+        }
+        let (local, marks, h) = (&self.own.local, &self.own.marks, self.liquid.case.h);
+        let share = &self.closure.share;
+        let completed = &mut self.transposed.completed;
+        completed.resize(self.liquid.flow.liquid(), Completed::default());
+        each_mut(&mut completed[..], |i, out| {
+            *out = match marks[i] > 0.0 {
+                false => Completed::default(),
+                true => {
+                    let gradient = local[i].slope.map(|s| h * s as f64);
+                    Completed::of(share, local[i].kernel_sum as f64, gradient)
+                }
+            };
+        });
     }
 
     /// Solves (3), `dt` s; `density`: the part of its deviation that goes. Liquid at a surface
@@ -212,6 +262,7 @@ impl<S: Scheme> Projection<S> {
     pub(super) fn solve_transposed(&mut self, dt: f64, density: f64) -> Outcome {
         self.transposed.given.clear();
         self.transposed.given.resize(self.equation.len(), false);
+        self.complete();
         self.set_right_transposed(dt, density);
         if self.liquid.flow.is_axial() {
             self.link_rings();

@@ -13,6 +13,7 @@
 //! pressure with few neighbours clumps. Tests: tests/validation.
 
 mod budget;
+mod completed;
 mod control;
 mod dual;
 mod report;
@@ -23,10 +24,12 @@ mod verlet;
 mod walls;
 
 use super::adapt::Adaption;
+use super::completed::Completed;
 use super::limit::Limits;
 use super::liquid::Liquid;
 use super::model::Model;
 use super::pass::Surroundings;
+use super::projection::surface::Share;
 use super::{Diverged, Solver, frame};
 use crate::columns;
 use crate::effect::viscosity::PairViscosity;
@@ -53,6 +56,8 @@ columns! {
         /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
         pub driven: Driven => Role::Scratch,
         pub around: Surroundings => Role::Held,
+        /// Near a surface whose tension has an energy; else empty.
+        pub completed: Completed => Role::Scratch,
         /// Kernel sum, where mist is removed at the next rebuild.
         pub kernel_sum: f32 => Role::Persistent("kernel_sum"),
     }
@@ -79,6 +84,10 @@ pub struct Wcsph<K, V> {
     walls: walls::WallState,
     control: control::Control,
     adaption: Adaption,
+    /// What a flat surface leaves of a kernel sum.
+    share: Share,
+    /// Of rings: gradients of kernel sums and the sums.
+    sums: Vec<[f32; 4]>,
     kernel: PhantomData<K>,
 }
 
@@ -96,6 +105,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             force: vec![[0.0; 3]; n],
             driven: Vec::new(),
             around: vec![Surroundings::default(); n],
+            completed: Vec::new(),
             kernel_sum: Vec::new(),
             role_of_held: match is_dual {
                 true => Role::Held,
@@ -111,6 +121,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let adaption = Adaption::of(state);
         let mut walls = walls::WallState::default();
         walls.resize(liquid.flow.walls(), model.density);
+        let share = match liquid.follows_energy() {
+            true => Share::of(liquid.case.sph.kernel, liquid.case.space),
+            false => Share::default(),
+        };
         let mut solver = Wcsph {
             model,
             liquid,
@@ -120,6 +134,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             walls,
             control: control::Control::new(steps),
             adaption,
+            share,
+            sums: Vec::new(),
             kernel: PhantomData,
         };
         let lacks_surface = solver.liquid.ledger.surface.is_none();

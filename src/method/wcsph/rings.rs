@@ -54,6 +54,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let (h, c) = (self.liquid.case.h, self.model.sound_speed);
         let factor = self.gradient_factor();
         let gravity = self.liquid.body_force.total()[2];
+        if self.completes() {
+            return self.completed_rate_of_rings(diffusion);
+        }
         let radii = self.liquid.flow.radii(h);
         let pass = Continuity {
             radii,

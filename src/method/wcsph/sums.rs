@@ -126,6 +126,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// The same for the budget, sparing what holds the load of a tension that has an energy.
     fn density_rate_apart(&mut self, diffusion: f64) {
+        if self.completes() && self.liquid.flow.is_axial() {
+            self.complete(true);
+        }
         let (rho0, c) = (self.model.density, self.model.sound_speed);
         let gravity = self.liquid.body_force.total();
         let (around, density) = (&self.own.around, &self.walls.density);
@@ -162,7 +165,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             held: gravity.map(|g| (2.0 * diffusion * self.liquid.case.h / c * g) as f32),
             kernel: self.kernel,
         };
-        self.liquid.sum(&pass, &mut self.own.force);
+        match self.completes() {
+            true => self.completed_rate(pass),
+            false => self.liquid.sum(&pass, &mut self.own.force),
+        }
     }
 
     /// (4) without a_s, g and viscosity, and the gradient of the kernel sum, into `driven`.
@@ -185,6 +191,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
     pub(super) fn pair_force<U: PairViscosity>(&mut self, viscosity: U) {
+        if self.completes() {
+            return self.completed_force();
+        }
         if self.model.settings.pressure == Pressure::Controlled {
             self.pair_force_with::<U, true>(viscosity);
         } else {

@@ -142,6 +142,13 @@ pub fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
+/// Whether all lanes of three are zero, so that what is multiplied by them need not be found.
+#[inline(always)]
+pub fn are_zero<F: Real>([x, y, z]: [F; 3]) -> bool {
+    let most = x.abs().max(y.abs()).max(z.abs());
+    x.splat(0.0).less_mask(most) == 0
+}
+
 /// The operators of a type, by the functions of their names; those with f32 by a splat.
 macro_rules! operators {
     ([$($bound:tt)*] $type:ty: $sum:path, $difference:path, $product:path, $quotient:path) => {

@@ -1,0 +1,133 @@
+//! The density of [`crate::method::completed`] at a surface whose tension has an energy. Its
+//! derivatives are found anew wherever a force or a rate is: held over an advective step they feed
+//! energy in.
+
+use super::{Completed, Wcsph};
+use crate::effect::tension::pass::Pull;
+use crate::effect::tension::ringed::{self, Heavy, alone};
+use crate::effect::viscosity::PairViscosity;
+use crate::kernel::Kernel;
+use crate::method::completed::{pass, ring};
+use crate::method::pass::Spared;
+use crate::space::parallel::each_mut;
+use std::marker::PhantomData;
+
+impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    /// Whether density is completed.
+    pub(super) fn completes(&self) -> bool {
+        self.liquid.follows_energy() && self.books()
+    }
+
+    /// Finds n and its derivatives of all particles near a surface: where the tension has seen one.
+    /// Records must hold the present positions; those of rings are packed, `has_moved` as in
+    /// [`crate::method::flow::Flow::pack_moving`].
+    pub(super) fn complete(&mut self, has_moved: bool) {
+        let mut completed = std::mem::take(&mut self.own.completed);
+        completed.resize(self.liquid.len(), Completed::default());
+        self.look_completed(has_moved, &mut completed);
+        self.own.completed = completed;
+    }
+
+    fn look_completed(&mut self, has_moved: bool, completed: &mut [Completed]) {
+        let (around, share) = (&self.own.around, &self.share);
+        let wanted = |i: usize| around[i].vector != [0.0; 3];
+        let unit = self.sum_factor() as f64;
+        if !self.liquid.flow.is_axial() {
+            let pass = pass::Look {
+                unit,
+                share,
+                wanted,
+                kernel: self.kernel,
+            };
+            return self.liquid.sum(&pass, completed);
+        }
+        let heavy = |mass: f64| Heavy { mass: mass as f32 };
+        let flow = &mut self.liquid.flow;
+        match has_moved {
+            true => flow.pack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
+            false => flow.repack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
+        }
+        let radii = self.liquid.flow.radii(self.liquid.case.h);
+        self.sums.resize(self.liquid.len(), [0.0; 4]);
+        self.liquid.sum(&ringed::Look { radii }, &mut self.sums);
+        let (sums, weights) = (&self.sums, &self.liquid.flow.particles.weight);
+        each_mut(completed, |i, completed| {
+            *completed = match wanted(i) {
+                false => Completed::default(),
+                true => {
+                    let ([r, _, z, sum], own) = (sums[i].map(f64::from), radii.own(i));
+                    let r = r + weights[i] * own.gradient;
+                    let sum = sum + weights[i] * own.value;
+                    Completed::of(share, unit * sum, [unit * r, 0.0, unit * z])
+                }
+            };
+        });
+    }
+
+    /// The rate of density, as `plain` has it, and its part from diffusion, into `force`.
+    /// What it reads must be packed.
+    pub(super) fn completed_rate(&mut self, plain: Spared<K>) {
+        self.complete(false);
+        let pass = pass::Spared {
+            factor: plain.factor,
+            diffusion: plain.diffusion,
+            held: plain.held,
+            completed: &self.own.completed,
+            kernel: self.kernel,
+        };
+        self.liquid.sum(&pass, &mut self.own.force);
+    }
+
+    /// The same of rings.
+    pub(super) fn completed_rate_of_rings(&mut self, diffusion: f64) {
+        let (h, c) = (self.liquid.case.h, self.model.sound_speed);
+        let factor = self.gradient_factor();
+        let gravity = self.liquid.body_force.total()[2];
+        let pass = ring::Continuity {
+            radii: self.liquid.flow.radii(h),
+            diffusion: (2.0 * diffusion * c) as f32,
+            held: (2.0 * diffusion * h / c * gravity) as f32,
+            completed: &self.own.completed,
+        };
+        self.liquid.sum(&pass, &mut self.own.force);
+        let p = &self.liquid.flow.particles;
+        each_mut(&mut self.own.force[..p.len()], |i, out| {
+            let evened = out[2] as f64;
+            let rate = evened + pass.closing(i, *out, p.weight(i) * p.velocity[0][i]);
+            *out = [rate, evened, 0.0].map(|s| (factor * s) as f32);
+        });
+    }
+
+    /// The acceleration by pressure, into `force`. What moves must be packed.
+    pub(super) fn completed_force(&mut self) {
+        self.complete(false);
+        let (model, factor) = (&self.model, self.gradient_factor());
+        let (completed, walls) = (&self.own.completed, &self.walls);
+        let of = |rho: f64| (model.pressure(rho) / (rho * rho)) as f32;
+        let flow = &mut self.liquid.flow;
+        let wall = |j: usize| Completed::default().press(of(walls.density[j]));
+        if !flow.is_axial() {
+            flow.repack(|p, i| completed[i].press(of(p.density[i])), |_, j| wall(j));
+            let pass = Pull::<K> {
+                factor: -factor,
+                kernel: PhantomData,
+            };
+            return self.liquid.sum(&pass, &mut self.own.force);
+        }
+        flow.repack(
+            |p, i| ringed::Energetic::of(completed[i].press(of(p.density[i])), p.weight(i)),
+            |w, j| ringed::Energetic::of(wall(j), w.weight(j)),
+        );
+        let radii = self.liquid.flow.radii(self.liquid.case.h);
+        self.liquid
+            .sum(&ringed::Pull { radii }, &mut self.own.force);
+        let p = &self.liquid.flow.particles;
+        each_mut(&mut self.own.force[..p.len()], |i, out| {
+            let Completed { slope, along, .. } = completed[i];
+            let pressed = of(p.density[i]) as f64 * p.weight(i);
+            let own = pressed * alone(radii, i, [slope, along[0]].map(f64::from));
+            let r = out[0] as f64 + own;
+            *out = [r, 0.0, out[2] as f64].map(|s| (-factor * s) as f32);
+        });
+    }
+}

@@ -28,9 +28,9 @@ pub mod version {
     /// Of packing.
     pub const PACK: u32 = 2;
     /// Of the calibration of the tension.
-    pub const CALIBRATE: u32 = 8;
+    pub const CALIBRATE: u32 = 9;
     /// Of relaxation and impact.
-    pub const FLOW: u32 = 21;
+    pub const FLOW: u32 = 22;
     /// Of the evaluation.
     pub const POST: u32 = 13;
 

@@ -12,7 +12,7 @@
 //! alpha within 1.5 %.
 //! That of [`crate::effect::tension`]'s counted forms acts on one layer, which is taken to be what
 //! lies within a spacing of the surface; where that is flat they need no alpha.
-//! A tension that is the derivative of an energy needs no body: [`energy::carried`].
+//! A tension that is the derivative of an energy needs no body: [`energy::CARRIED`].
 //! A block has edges, where neither holds: its alpha is that of a flat continuous liquid.
 //! (1) is read off the packed bodies: a stress that acts below the surface crushes it as it
 //! relaxes, and alpha would grow with what it had done (WCSPH `corrected`: 11 to 25 at R = 2.5 to
@@ -80,7 +80,7 @@ const DEEPEST: f64 = 0.75;
 fn ratio_of(problem: &Problem, particles: &Particles) -> Result<f64, MethodError> {
     let case = Case::new(problem, Phase::Relax { damping: 0.0 });
     if case.follows_energy() {
-        return Ok(energy::carried(case.is_implicit));
+        return Ok(energy::CARRIED);
     }
     let walls = wall::build(problem);
     let state = super::start::resting(problem, particles);

@@ -202,7 +202,7 @@ fn tension_of(case: &Case, alpha: f64, shifts: bool) -> Option<Tension> {
     if let Some(wetting) = &mut tension.wetting {
         wetting.short = shifts.then_some(case.h);
     }
-    tension.energy.carried = energy::carried(case.is_implicit);
+    tension.energy.carried = energy::CARRIED;
     tension.energy.shore = select::shore(&case.effects, &case.domain, case.dimension, case.spacing);
     tension.typed = select::typed(&case.effects, &case.domain, case.spacing);
     Some(tension)

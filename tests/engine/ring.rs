@@ -159,7 +159,7 @@ fn splash_of(more: &str) -> Scene {
 }
 
 fn start(scene: &Scene, state: State) -> Box<dyn Solver> {
-    method::build(scene, state, Phase::Impact, Some(1.0 / 0.885)).unwrap()
+    method::build(scene, state, Phase::Impact, Some(1.0 / 0.955)).unwrap()
 }
 
 #[test]

@@ -17,9 +17,10 @@
 //! sigma times its area (quadrature over a continuous liquid) and leave the layer at the surface
 //! almost without a load: a half-space is in equilibrium with pressures between -0.4 and 0.7
 //! sigma / H in it, where c^2 alone needs 3.7, and a pair attraction 4.7. A load presses the layer
-//! as long as density diffuses ([`LOAD`] is spared), and takes part of the tension: SPH sees a
-//! divergence where such a layer is stretched along itself. What little is left points inwards and
-//! keeps particles from leaving. e grows with c to the end, so that a lone particle costs most.
+//! as long as density diffuses ([`LOAD`] is spared), and takes part of the tension where the
+//! density of such a layer changes as it is stretched along itself ([`crate::method::completed`]).
+//! What little is left points inwards and keeps particles from leaving. e grows with c to the end,
+//! so that a lone particle costs most.
 //! Liquid has to be stiff beside sigma / H ([`crate::scene::Scene::layer_speed`]).
 //! Time: the force is taken where particles will be in the middle of the step that it is held over;
 //! at its beginning it would feed energy in, omega^2 dt / 4 a second of a wave of omega.
@@ -46,17 +47,10 @@ const DISORDER: [f64; 2] = [0.05, 0.02];
 /// Largest c in e of (1); a flat surface has 0.48.
 const LINEAR: f64 = 0.48;
 
-/// Tension at alpha = 1 over sigma, of which the strength is the inverse. E falls to 0.955 sigma A
-/// as a surface relaxes, and that is the pressure in drops of a projection (0.955 in a disc of 20
-/// s0). In a compressible liquid what load is left takes a part: drops at rest have the pressure of
-/// 0.893 sigma (disc, R = 20 s0) and 0.896 (sphere, 16 s0), but a sphere swings a little slower
-/// (docs/results/validation.md).
-pub fn carried(is_projection: bool) -> f64 {
-    match is_projection {
-        true => 0.955,
-        false => 0.885,
-    }
-}
+/// Tension at alpha = 1 over sigma, of which the strength is the inverse: E falls to 0.955 sigma A
+/// as a surface relaxes, and that is the pressure in drops (a disc of 20 s0; 0.956 with WCSPH),
+/// where the density of the layer knows the surface ([`crate::method::completed`]).
+pub const CARRIED: f64 = 0.955;
 
 /// Differences of pressure in sigma / H that hold the load of the layer at a surface: a flat
 /// half-space has 1.1; as much again for disorder.
@@ -149,7 +143,7 @@ pub struct Energy {
     slope: Vec<f32>,
     /// Of rings: their masses over the nominal one.
     pub(super) masses: Vec<f32>,
-    /// [`carried`].
+    /// [`CARRIED`].
     pub carried: f64,
     parts: Vec<[f64; 1]>,
     /// Of walls with a contact angle.

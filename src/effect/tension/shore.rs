@@ -2,7 +2,7 @@
 //!
 //! (1) E of [`super::energy`] plus cos theta sigma A of what is dry of the walls, A measured as the
 //!     liquid's own surface is: wall particles have the energy b cos theta e, with sums over liquid
-//!     and walls, and b what relaxed surfaces have of their energy ([`super::energy::carried`]).
+//!     and walls, and b what relaxed surfaces have of their energy ([`super::energy::CARRIED`]).
 //! A dry wall costs sigma cos theta more than a wet one, whatever e is: Young's law is where (1) is
 //! least. At 90 degrees walls have no energy.
 //!

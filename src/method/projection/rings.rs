@@ -164,26 +164,7 @@ impl<S: Scheme> Projection<S> {
     /// D of (1) times the masses; see [`Projection::find_divergence`].
     pub(super) fn find_divergence_of_rings(&mut self, moving: bool, out: &mut [f64]) {
         let n = self.liquid.len();
-        let push = &self.own.push;
-        let of = |velocity: [f32; 3], mass: f64| {
-            let moving = Sparing {
-                velocity,
-                ..Sparing::default()
-            };
-            Compressed::of(moving, mass)
-        };
-        let narrow = |v: &[Vec<f64>; 3], i: usize| [0, 1, 2].map(|a| v[a][i] as f32);
-        let flow = &mut self.liquid.flow;
-        match moving {
-            true => flow.repack(
-                |p, i| of(narrow(&p.velocity, i), p.weight(i)),
-                |w, j| of(narrow(&w.velocity, j), w.weight(j)),
-            ),
-            false => flow.repack(
-                |p, i| of(push[i], p.weight(i)),
-                |w, j| of([0.0; 3], w.weight(j)),
-            ),
-        }
+        self.pack_flux(moving);
         let factor = -S::weight(self).1;
         let mut sums = std::mem::take(&mut self.transposed.rates);
         sums.resize(n.max(self.liquid.flow.walls()), [0.0; 3]);
@@ -232,6 +213,30 @@ impl<S: Scheme> Projection<S> {
             }
         }
         self.transposed.rates = sums;
+    }
+
+    /// Packs v* or, without `moving`, `push`.
+    fn pack_flux(&mut self, moving: bool) {
+        let push = &self.own.push;
+        let of = |velocity: [f32; 3], mass: f64| {
+            let moving = Sparing {
+                velocity,
+                ..Sparing::default()
+            };
+            Compressed::of(moving, mass)
+        };
+        let narrow = |v: &[Vec<f64>; 3], i: usize| [0, 1, 2].map(|a| v[a][i] as f32);
+        let flow = &mut self.liquid.flow;
+        match moving {
+            true => flow.repack(
+                |p, i| of(narrow(&p.velocity, i), p.weight(i)),
+                |w, j| of(narrow(&w.velocity, j), w.weight(j)),
+            ),
+            false => flow.repack(
+                |p, i| of(push[i], p.weight(i)),
+                |w, j| of([0.0; 3], w.weight(j)),
+            ),
+        }
     }
 
     /// G of (1); see [`Projection::press`].

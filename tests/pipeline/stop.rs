@@ -11,8 +11,8 @@ use serde_json::Value;
 use crate::program::{Ended, Program, members};
 
 /// Long enough for the crater of `tiny.toml` to be deepest and to rise.
-const END: &str = "impact.end=40 ms";
-const LATER: &str = "impact.end=60 ms";
+const END: &str = "impact.end=60 ms";
+const LATER: &str = "impact.end=80 ms";
 const STOP: &str = "impact.stop_when=['crater-deepest', 'rest']";
 /// Particle spacing of `tiny.toml`, m.
 const SPACING: f64 = 0.3e-3;
@@ -68,7 +68,7 @@ fn a_run_ends_with_the_frame_that_shows_it() {
     );
     let ended = objects.last().unwrap()["ended"].as_str().unwrap();
     assert!(
-        ended.starts_with(&at) && ended.ends_with("before impact.end = 40 ms"),
+        ended.starts_with(&at) && ended.ends_with("before impact.end = 60 ms"),
         "{ended}"
     );
     let stamp = Stamp::read(&program.latest("impact")).unwrap().unwrap();
@@ -135,7 +135,7 @@ fn it_ends_at_the_same_frame_after_interruptions_and_with_other_ends() {
     assert_eq!(members(&objects, "status")["impact"], "resumed");
     assert_eq!(results(&stopped, &objects), expected);
     let ended = objects.last().unwrap()["ended"].as_str().unwrap();
-    assert!(ended.ends_with("before impact.end = 60 ms"), "{ended}");
+    assert!(ended.ends_with("before impact.end = 80 ms"), "{ended}");
 
     // An earlier end comes first, and a later one then goes on to the condition.
     let short = Program::new();

@@ -32,7 +32,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 22;
     /// Of the evaluation.
-    pub const POST: u32 = 13;
+    pub const POST: u32 = 14;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {

@@ -129,13 +129,15 @@ fn angle((centre, radius): &Round) -> f64 {
 }
 
 /// Where a circle through `points` meets the wall, nearest to the lowest of them, m (where a film
-/// extends from a drop the circle lies outside); `None` if it does not meet it.
+/// extends from a drop the circle lies outside); `None` if it does not meet it on this side.
 fn foot((centre, radius): &Round, points: &[[f64; 3]]) -> Option<f64> {
     let lowest = points.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let half = (radius * radius - centre[1] * centre[1]).sqrt();
     let feet = [centre[0] + half, centre[0] - half];
     let far = |foot: &f64| (foot - lowest[0]).abs();
-    let found = feet.into_iter().filter(|foot| foot.is_finite());
+    let found = feet
+        .into_iter()
+        .filter(|&foot| foot > 0.0 && foot.is_finite());
     found.min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 

@@ -4,9 +4,10 @@
 //! Two rings of one body, each the nearest of the other, merge where one has less than half of a
 //! cell and both together less than a cell, if they are near and hardly move apart: mass, momentum,
 //! centre of mass and volume are kept, and the kinetic energy that is lost is booked. A ring of
-//! more than two cells becomes two halves beside each other in the direction in which it has the
-//! fewest neighbours: what it has of energy is kept, but for that of the surface, which is booked
-//! too. Half and two are those of [`crate::scene::Rings`].
+//! more than root 2 cells, which is as far from one as its halves are, becomes two beside each
+//! other in the direction in which it has the fewest neighbours: what it has of energy is kept,
+//! but for that of the surface, which is booked too. These limits are those of
+//! [`crate::scene::Rings`].
 
 use super::liquid::Liquid;
 use crate::kernel::{Kernel, WendlandC2};

@@ -120,6 +120,14 @@ payload! {
     }
 }
 
+/// What of a difference is evened out of a pair that spares `own` and `other`.
+#[inline(always)]
+pub fn beyond<F: Real>(difference: F, own: F, other: F) -> F {
+    let spared = own.max(other);
+    let least = spared.splat(0.0) - spared;
+    difference - difference.max(least).min(spared)
+}
+
 /// [`Continuity`] with gravity alone as f, whose part from diffusion is known, for the budget of
 /// energy: first the rate, then that part. It may spare small differences of density.
 ///
@@ -146,10 +154,11 @@ impl<K: Kernel> Pass<2> for Spared<K> {
         let v = difference(pair.own.velocity, pair.other.velocity);
         let e = pair.own.excess - pair.other.excess;
         let held = dot(pair.q2.splat3(self.held), pair.d);
-        let evened = e * self.diffusion - held;
-        let spared = pair.own.spared.max(pair.other.spared);
-        let least = pair.q2.splat(0.0) - spared;
-        let evened = evened - evened.max(least).min(spared);
+        let evened = beyond(
+            e * self.diffusion - held,
+            pair.own.spared,
+            pair.other.spared,
+        );
         let rate = evened + dot(v, pair.d);
         let slope = K::slope_lanes(pair.q2.sqrt());
         sum[0] = slope.mul_add(rate, sum[0]);

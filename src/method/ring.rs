@@ -10,10 +10,13 @@
 //! Sums leave a ring itself out; [`crate::kernel::ring::Own`] is what it adds.
 //! Tests: tests/engine/ring.rs.
 
-use super::pass::{Moving, Sparing, WallSums};
+use super::liquid::Liquid;
+use super::pass::{Moving, Sparing, WallSums, beyond};
+use crate::effect::tension::ringed::{Heavy, Look};
 use crate::kernel::ring::{Radii, between, mass_apart, places};
 use crate::payload;
 use crate::space::lane::Real;
+use crate::space::parallel::each_mut;
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
 
@@ -132,9 +135,7 @@ impl Pass<2> for Continuity<'_> {
         let m = mass_apart(other.mass, pair.q2);
         let held = pair.d[2] * self.held;
         let evened = (own.excess - other.excess) * self.diffusion - held;
-        let spared = own.spared.max(other.spared);
-        let least = pair.q2.splat(0.0) - spared;
-        let evened = (evened - evened.max(least).min(spared)) * (w.slope * 2.0);
+        let evened = beyond(evened, own.spared, other.spared) * (w.slope * 2.0);
         let closing = w.radial[0] * own.radial
             + w.radial[1].mul_add(other.radial, w.axial * (own.axial - other.axial));
         sum[0] = m.mul_add(closing + evened, sum[0]);
@@ -249,5 +250,32 @@ impl<const N: usize> Couple<N> for Laplacian<'_> {
         }
         sum[5] = w.mul_add(pair.own.offset, sum[5]);
         w
+    }
+}
+
+impl Liquid {
+    /// Kernel sums and their gradients of the rings for which they are `wanted`, over norm / h^3
+    /// and h: along r and z at 0 and 2, the sum at 3. `has_moved`: whether places have to be packed.
+    pub fn sum_rings<W: Fn(usize) -> bool + Sync>(
+        &mut self,
+        has_moved: bool,
+        wanted: W,
+        sums: &mut Vec<[f32; 4]>,
+    ) {
+        let heavy = |mass: f64| Heavy { mass: mass as f32 };
+        let flow = &mut self.flow;
+        match has_moved {
+            true => flow.pack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
+            false => flow.repack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
+        }
+        sums.resize(self.len(), [0.0; 4]);
+        let radii = self.flow.radii(self.case.h);
+        self.sum(&Look { radii, wanted }, sums);
+        let p = &self.flow.particles;
+        each_mut(&mut sums[..], |i, sums| {
+            let (own, mass) = (radii.own(i), p.weight(i));
+            sums[0] += (mass * own.gradient) as f32;
+            sums[3] += (mass * own.value) as f32;
+        });
     }
 }

@@ -61,7 +61,7 @@ impl Default for Rings {
     fn default() -> Self {
         Rings {
             merge: 0.5,
-            split: 2.0,
+            split: std::f64::consts::SQRT_2,
         }
     }
 }
@@ -113,8 +113,8 @@ pub struct BoxTable {
     /// on, in which particles are rings; walls in x and y are then one cylinder.
     #[serde(default)]
     pub symmetry: Option<Symmetry>,
-    /// Of rings: areas beyond which they merge or split, over that of a cell; 0.5 and 2 if left
-    /// out.
+    /// Of rings: areas beyond which they merge or split, over that of a cell; 0.5 and the root
+    /// of 2 if left out.
     #[serde(default)]
     pub rings: Option<Rings>,
     /// Velocities of sliding walls.

@@ -3,7 +3,7 @@
 use super::cloud::{Cloud, OPEN};
 use coronet::effect::tension::pass::{Energetic, Pull};
 use coronet::effect::tension::ringed::{self, Heavy, alone};
-use coronet::kernel::{Kernel, WendlandC2};
+use coronet::kernel::{Kernel, WendlandC2, plane};
 use coronet::method::completed::{Completed, pass, ring};
 use coronet::method::pass::Sparing;
 use coronet::method::projection::surface::Share;
@@ -88,7 +88,8 @@ impl Body {
         let flow = &self.cloud.flow;
         let radii = flow.radii(self.cloud.h);
         let mut sums = vec![[0.0f32; 4]; n];
-        let pass = ringed::Look { radii };
+        let wanted = |_| true;
+        let pass = ringed::Look { radii, wanted };
         rows(&flow.records, &flow.rows, scale, &pass, &mut sums);
         let of = |i: usize| {
             let ([r, _, z, sum], own) = (sums[i].map(f64::from), radii.own(i));
@@ -284,5 +285,50 @@ fn a_surface_that_is_stretched_keeps_its_density() {
         let [with, without] = [mean(&with), mean(&without)];
         println!("{without:.4} to {with:.4}");
         assert!(with.abs() < 0.25 * without.abs(), "{with} of {without}");
+    }
+}
+
+/// Over the surface too, where tips of liquid are, a half-space has its density, and n_C and n_g
+/// are the slopes of n.
+#[test]
+fn of_a_half_space_from_above_it_to_below_it() {
+    for dimension in [2, 3] {
+        let kernel = KernelName::WendlandC2;
+        let share = Share::of(kernel, dimension);
+        let steps = 2000;
+        let dz = 2.0 / steps as f64;
+        let mut fill = 0.5;
+        for k in 0..steps {
+            let z = k as f64 * dz;
+            let slope = plane(kernel, dimension, z);
+            for (fill, z) in [(fill, z), (1.0 - fill, -z)] {
+                if z > -0.55 {
+                    let of = Completed::of(&share, 1.1 * fill, [0.0, 0.0, 1.1 * slope]);
+                    assert!((of.value - 1.1).abs() < 4e-3, "{dimension} {z}: {of:?}");
+                }
+            }
+            fill += plane(kernel, dimension, z + 0.5 * dz) * dz;
+        }
+        for k in 1..29 {
+            let (sum, steepness) = (0.7, 0.1 * k as f64);
+            let value = |sum: f64, g: f64| {
+                let [part, _] = share.slope(g / sum);
+                sum / part
+            };
+            let (g, d) = (steepness * sum, 2e-3);
+            let of = Completed::of(&share, sum, [0.0, 0.0, g]);
+            let by_sum = (value(sum + d, g) - value(sum - d, g)) / (2.0 * d);
+            let by_gradient = (value(sum, g + d) - value(sum, g - d)) / (2.0 * d);
+            let near = |a: f64, b: f64| (a - b).abs() < 0.02 * b.abs() + 0.02;
+            assert!(
+                near(of.slope as f64, by_sum),
+                "{steepness}: {of:?} {by_sum}"
+            );
+            let along = of.along[2] as f64;
+            assert!(
+                near(along, by_gradient),
+                "{steepness}: {of:?} {by_gradient}"
+            );
+        }
     }
 }

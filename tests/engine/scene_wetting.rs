@@ -53,6 +53,28 @@ fn a_contact_angle_needs_tension_a_wall_and_a_form_that_has_it() {
 }
 
 #[test]
+fn a_surface_energy_needs_what_can_do_its_work() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/tiny.toml");
+    for (set, need) in [
+        ("density=summation", "density that follows from its rate"),
+        ("density={continuity={}}", ""),
+        ("wall_pressure=summation", "density of their own"),
+        ("pressure=controlled", "one pressure for each particle"),
+        ("time_stepping={adaptive={}}", "dual stepping"),
+        ("kernel=cubic-spline", "Wendland's kernel"),
+    ] {
+        let read = file::load(&path, &[format!("method.wcsph.{set}")]);
+        match (read.map(|_| ()), need) {
+            (read, "") => assert!(read.is_ok(), "{set}: {read:?}"),
+            (read, need) => {
+                let parts = ["effects.tension.form", need, "set "];
+                holds(&read.unwrap_err().to_string(), &parts);
+            }
+        }
+    }
+}
+
+#[test]
 fn types_of_particles_are_for_two_dimensions_and_have_layers() {
     let read = |sets: &[&str]| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/xie-2007/static.toml");

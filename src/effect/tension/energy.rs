@@ -26,7 +26,7 @@
 //! at its beginning it would feed energy in, omega^2 dt / 4 a second of a wave of omega.
 //! Wall particles count as liquid and have no energy: 90 degrees; others: [`super::shore`].
 //! Pressure forces must do the work that their divergence sees, as those of WCSPH do and of ISPH
-//! with the symmetric gradient; steps of ISPH are a quarter of the capillary limit.
+//! with the transposed gradient; steps of ISPH are a quarter of the capillary limit.
 //! Tests: tests/engine/effect_energy.rs.
 
 use super::Tension;
@@ -48,8 +48,9 @@ const DISORDER: [f64; 2] = [0.05, 0.02];
 const LINEAR: f64 = 0.48;
 
 /// Tension at alpha = 1 over sigma, of which the strength is the inverse: E falls to 0.955 sigma A
-/// as a surface relaxes, and that is the pressure in drops (a disc of 20 s0; 0.956 with WCSPH),
-/// where the density of the layer knows the surface ([`crate::method::completed`]).
+/// as a surface relaxes, and that is the pressure in drops (a disc of 20 s0; 0.956 with WCSPH), with
+/// MPS too, and with the others as the density of the layer knows the surface
+/// ([`crate::method::completed`]).
 pub const CARRIED: f64 = 0.955;
 
 /// Differences of pressure in sigma / H that hold the load of the layer at a surface: a flat
@@ -111,6 +112,17 @@ fn complete<K: Kernel>(dimension: usize, unit: f64, s: &mut [f32; 4]) -> Density
     density(dimension, s[3] as f64, [0, 1, 2].map(|a| s[a] as f64))
 }
 
+/// Adds slope d and w of a pair.
+#[inline(always)]
+pub fn look<K: Kernel, F: Real>(q2: F, d: [F; 3], sum: &mut [F; 4]) {
+    let q = q2.sqrt();
+    let slope = K::slope_lanes(q);
+    for a in 0..3 {
+        sum[a] = slope.mul_add(d[a], sum[a]);
+    }
+    sum[3] += K::w_apart(q, q2);
+}
+
 /// SUM slope d and SUM w of the others.
 struct Look<K>(PhantomData<K>);
 
@@ -119,12 +131,7 @@ impl<K: Kernel> Pass<4> for Look<K> {
     type Out = [f32; 4];
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
-        let q = pair.q2.sqrt();
-        let slope = K::slope_lanes(q);
-        for a in 0..3 {
-            sum[a] = slope.mul_add(pair.d[a], sum[a]);
-        }
-        sum[3] += K::w_apart(q, pair.q2);
+        look::<K, F>(pair.q2, pair.d, sum);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {

@@ -24,14 +24,20 @@ payload! {
 }
 
 /// (1) without a itself: H n_r, H n_z, phi, in that order at 0, 2 and 3.
-pub struct Look<'a> {
+pub struct Look<'a, W> {
     /// Where rings are.
     pub radii: Radii<'a>,
+    /// Whether the sums of a ring are; others are zero.
+    pub wanted: W,
 }
 
-impl Pass<3> for Look<'_> {
+impl<W: Fn(usize) -> bool + Sync> Pass<3> for Look<'_, W> {
     type Payload = Heavy;
     type Out = [f32; 4];
+    #[inline(always)]
+    fn skips(&self, target: usize) -> bool {
+        !(self.wanted)(target)
+    }
     #[inline(always)]
     fn extra(&self, target: usize) -> [f32; 3] {
         self.radii.of(target)
@@ -198,7 +204,9 @@ impl Tension {
     ) {
         let words = [self.masses(flow, weights)];
         let radii = self.radii(flow);
-        self.runs(flow, &words, (&self.near, &Look { radii }), sums);
+        let wanted = |_| true;
+        let pass = Look { radii, wanted };
+        self.runs(flow, &words, (&self.near, &pass), sums);
         let near = &self.near;
         each_mut(&mut sums[..near.len()], |k, sums| {
             let i = near[k] as usize;
@@ -232,7 +240,9 @@ impl Tension {
         };
         shore.sums.resize(walls, [0.0; 4]);
         let field = flow.about(flow.wall, flow.of_liquid(), &words, self.length);
-        sweep::runs(field, &shore.near, &Look { radii }, &mut shore.sums);
+        let wanted = |_| true;
+        let pass = Look { radii, wanted };
+        sweep::runs(field, &shore.near, &pass, &mut shore.sums);
         let dry = &shore.dry;
         each_mut(&mut shore.sums[..], |j, sums| {
             (0..4).for_each(|a| sums[a] += dry[j][a]);
@@ -258,12 +268,8 @@ impl Tension {
         let reached = &self.reached;
         each_mut(&mut force[..reached.len()], |k, force| {
             let i = reached[k] as usize;
-            let radius = flow.position[0][i] / self.length;
-            let [_, turn, second, ..] = radii.rings.own(radius);
-            let (slope, gradient) = (words[0][i] as f64, words[1][i] as f64);
-            let of =
-                2.0 * slope * radius * turn + gradient * (turn + 2.0 * radius * radius * second);
-            let r = force[0] as f64 + weights[0][i] * of;
+            let own = alone(radii, i, [words[0][i], words[1][i]].map(f64::from));
+            let r = force[0] as f64 + weights[0][i] * own;
             *force = [(factor * r) as f32, 0.0, (factor * force[2] as f64) as f32];
         });
         self.energy.masses = std::mem::replace(&mut words[2], empty);

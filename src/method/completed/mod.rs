@@ -7,9 +7,9 @@
 //! (3) m_a dv_a/dt = -SUM p_b V_b dn_b/dx_a: its work is that of (2)
 //! With n = C a surface that is stretched along itself seems to expand: C does not tell missing
 //! liquid from thin liquid. Its layer then becomes thinner than it should, and pressures in it take
-//! part of the tension: a capillary wave of wave number k is too slow by 0.17 k H, and the modes of
-//! drops and the breakup of threads with it. With (1), which is exact for flat surfaces whatever
-//! their depth and density, by 0.11 (k H)^2 (docs/lab.md). Like C, n is a function of where
+//! part of the tension: a capillary wave of wave number k is too slow by 0.17 k H (and 1 % of
+//! another origin), and the modes of drops and the breakup of threads with it. With (1), which is
+//! exact for flat surfaces whatever their depth and density, by 0.11 (k H)^2 (docs/lab.md). Like C, n is a function of where
 //! particles are: what is squeezed and released has its density back. A divergence that is made
 //! exact by the inverse of a moment (Bonet & Lok 1999) is not the rate of such a function; a drop
 //! that oscillated lost a quarter of its surface energy to that (docs/lab.md).
@@ -28,7 +28,7 @@ use crate::particle::column::Entry;
 /// n and its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Completed {
-    /// n; zero where it was not asked for.
+    /// n; zero away from a surface.
     pub value: f32,
     /// n_C.
     pub slope: f32,
@@ -47,11 +47,7 @@ impl Default for Completed {
     }
 }
 
-impl Entry for Completed {
-    fn reflect(&mut self, axis: usize) {
-        self.along[axis] = -self.along[axis];
-    }
-}
+impl Entry for Completed {}
 
 impl Completed {
     /// From C and h grad C.

@@ -1,21 +1,22 @@
 //! The sums of [`super`] over particles. Lengths in units of h, as in [`crate::method::pass`].
 
 use super::Completed;
+use crate::effect::tension::energy::look;
 use crate::kernel::Kernel;
-use crate::method::pass::{Sparing, difference};
+use crate::method::pass::{Sparing, beyond, difference};
 use crate::method::projection::surface::Share;
 use crate::method::projection::transposed::Flowing;
 use crate::space::lane::{Real, are_zero, dot};
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
-/// (1), of those for whom it is `wanted`.
+/// (1), of particles for which it is `wanted`.
 pub struct Look<'a, K, W> {
     /// V norm / h^d.
     pub unit: f64,
     /// F.
     pub share: &'a Share,
-    /// Whom a surface is near.
+    /// Whether a surface is near a particle.
     pub wanted: W,
     /// The kernel.
     pub kernel: PhantomData<K>,
@@ -30,12 +31,7 @@ impl<K: Kernel, W: Fn(usize) -> bool + Sync> Pass<4> for Look<'_, K, W> {
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
-        let q = pair.q2.sqrt();
-        let slope = K::slope_lanes(q);
-        for a in 0..3 {
-            sum[a] = slope.mul_add(pair.d[a], sum[a]);
-        }
-        sum[3] += K::w_apart(q, pair.q2);
+        look::<K, F>(pair.q2, pair.d, sum);
     }
     #[inline(always)]
     fn finish(&self, target: usize, [x, y, z, sum]: [f32; 4], out: &mut Completed) {
@@ -88,10 +84,11 @@ impl<K: Kernel> Pass<3> for Spared<'_, K> {
         let v = difference(pair.own.velocity, pair.other.velocity);
         let e = pair.own.excess - pair.other.excess;
         let held = dot(pair.q2.splat3(self.held), pair.d);
-        let evened = e * self.diffusion - held;
-        let spared = pair.own.spared.max(pair.other.spared);
-        let least = pair.q2.splat(0.0) - spared;
-        let evened = evened - evened.max(least).min(spared);
+        let evened = beyond(
+            e * self.diffusion - held,
+            pair.own.spared,
+            pair.other.spared,
+        );
         let [sums, gradients] = rates::<K, F>(pair.q2, pair.d, v, pair.extra);
         sum[0] += sums;
         sum[1] += gradients;

@@ -3,6 +3,7 @@
 use super::Completed;
 use crate::effect::tension::ringed::{Bent, Energetic, alone};
 use crate::kernel::ring::{Radii, between, mass_apart};
+use crate::method::pass::beyond;
 use crate::method::ring::Compressed;
 use crate::space::lane::{Real, are_zero};
 use crate::space::sweep::{Pair, Pass};
@@ -36,9 +37,7 @@ impl Pass<3> for Continuity<'_> {
         let m = mass_apart(b.mass, pair.q2);
         let held = pair.d[2] * self.held;
         let evened = (a.excess - b.excess) * self.diffusion - held;
-        let spared = a.spared.max(b.spared);
-        let least = pair.q2.splat(0.0) - spared;
-        let evened = (evened - evened.max(least).min(spared)) * (w.slope * 2.0);
+        let evened = beyond(evened, a.spared, b.spared) * (w.slope * 2.0);
         let axial = a.axial - b.axial;
         let closing = w.radial[0] * a.radial + w.radial[1].mul_add(b.radial, w.axial * axial);
         sum[0] = m.mul_add(closing, sum[0]);
@@ -63,13 +62,14 @@ impl Continuity<'_> {
     /// v_r.
     #[inline(always)]
     pub fn closing(&self, i: usize, [sums, gradients, _]: [f32; 3], push: f64) -> f64 {
-        let Completed { slope, along, .. } = self.completed[i];
-        let own = push * alone(self.radii, i, [slope, along[0]].map(f64::from));
-        slope as f64 * sums as f64 + gradients as f64 + own
+        let completed = &self.completed[i];
+        let own = push * alone_of(self.radii, i, completed);
+        completed.slope as f64 * sums as f64 + gradients as f64 + own
     }
 }
 
-/// What ring `i` adds to its own force over its mass and pressure, before minus its factor.
+/// What ring `i` adds to its own force divided by its mass and pressure, before the factor and its
+/// sign.
 pub fn alone_of(radii: Radii, i: usize, completed: &Completed) -> f64 {
     let Completed { slope, along, .. } = *completed;
     alone(radii, i, [slope, along[0]].map(f64::from))
@@ -86,8 +86,8 @@ pub struct Rates<F> {
 }
 
 impl<F: Real> Rates<F> {
-    /// Of a pair whose target has its radius in `extra`; `BENDS`: whether gradients count, which
-    /// kernels that are not smooth do not have.
+    /// Of a pair whose target has its radius in `extra`; `BENDS`: whether gradients count: they need
+    /// second derivatives of the kernel, which tables of a weight lack.
     #[inline(always)]
     pub fn of<const BENDS: bool>(radii: Radii, pair: &Pair<F, Energetic>) -> Self {
         let (a, b) = (&pair.own, &pair.other);
@@ -110,31 +110,5 @@ impl<F: Real> Rates<F> {
             rates.of_other[1] += r * bent.mixed_zr - z * bent.zz;
         }
         rates
-    }
-}
-
-/// The force of pressure without gradients, as [`crate::effect::tension::ringed::Pull`].
-pub struct Force<'a> {
-    /// Where rings are.
-    pub radii: Radii<'a>,
-}
-
-impl Pass<2> for Force<'_> {
-    type Payload = Energetic;
-    type Out = [f32; 3];
-    #[inline(always)]
-    fn extra(&self, target: usize) -> [f32; 3] {
-        self.radii.of(target)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 2]) {
-        let w = between(self.radii.rings, pair);
-        let p = mass_apart(pair.other.mass, pair.q2) * (pair.own.slope + pair.other.slope);
-        sum[0] = p.mul_add(w.radial[0], sum[0]);
-        sum[1] = p.mul_add(w.axial, sum[1]);
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, [r, z]: [f32; 2], out: &mut [f32; 3]) {
-        *out = [r, 0.0, z];
     }
 }

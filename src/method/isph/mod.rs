@@ -14,7 +14,8 @@
 //! `gradient.symmetric` is Eq. 9 as printed, which keeps momentum; `corrected` is
 //! SUM V (p_b - p_a) L grad W with the matrix L of Bonet & Lok 1999, exact for linear p, but Eq. 9
 //! where a surface is in the support: differences do not hold a surface together. `transposed` is
-//! Eq. 9 in the pressure equation too, as `projection::transposed` has it.
+//! Eq. 9 in the pressure equation too, as `projection::transposed` has it; near a surface whose
+//! tension has an energy it is [`super::completed`].
 //!
 //! The step, its limits, walls and shifting: [`super::projection`]. The paper gives steps of 5 to
 //! 20 us "by the largest speed" and no law.

@@ -4,7 +4,8 @@
 //! (1) m_a (G p)_a = -c/rho0 SUM m_a m_b (p_a s_ab + p_b t_ab)
 //! (2) m_a (D u)_a = -c SUM m_a m_b (u_a . s_ab + u_b . t_ba),  u = 0 in walls
 //! s_ab: the rate of density of a by its own velocity, t_ab: that of b by the velocity of a
-//! ([`Rates`]). Each component has a matrix for t_ab and one for t_ba; of s sums are enough.
+//! ([`Rates`]). Each component has a matrix for t_ab and one for t_ba, but t_ba = -t_ab along z where
+//! density is not completed; of s sums are enough, which there are those of t_ab.
 //! Test: tests/engine/ring_projection.rs.
 
 use super::{Projection, Scheme};
@@ -30,7 +31,7 @@ impl<const OF: usize, const BENDS: bool> Couple<2> for Along<'_, OF, BENDS> {
     fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 2]) -> F {
         let rates = Rates::of::<BENDS>(self.0, pair);
         let masses = mass_apart(pair.own.mass * pair.other.mass, pair.q2);
-        if OF == 0 {
+        if BENDS && OF == 0 {
             for a in 0..2 {
                 sum[a] = masses.mul_add(rates.own[a], sum[a]);
             }
@@ -46,9 +47,10 @@ pub(super) struct Links {
     of_other: [Sparse; 2],
     by_other: [Sparse; 2],
     /// Sums of s, with what a ring adds to its own.
-    own: Vec<[f32; 2]>,
+    own: [Vec<f64>; 2],
     /// -G p rho0 / c, r and z, by unknown.
     push: [Vec<f64>; 2],
+    /// Sums of rows that nothing needs, and of s, r and z.
     spare: (Vec<f64>, Vec<[f32; 2]>),
 }
 
@@ -56,8 +58,10 @@ impl Links {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let matrices = self.of_other.iter().chain(&self.by_other);
-        let push = self.push.iter().map(Vec::capacity).sum::<usize>();
-        matrices.map(Sparse::memory).sum::<usize>() + 8 * (self.own.capacity() + push)
+        let (degree, sums) = &self.spare;
+        let vectors = self.own.iter().chain(&self.push).map(Vec::capacity);
+        let words = vectors.sum::<usize>() + degree.capacity() + sums.capacity();
+        matrices.map(Sparse::memory).sum::<usize>() + 8 * words
     }
 }
 
@@ -88,14 +92,26 @@ impl<S: Scheme> Projection<S> {
             spare: (degree, sums),
             ..
         } = &mut links;
-        r.build(&layout, &Along::<0, BENDS>(radii), degree, own);
-        z.build(&layout, &Along::<1, BENDS>(radii), degree, sums);
+        r.build(&layout, &Along::<0, BENDS>(radii), &mut own[0], sums);
+        let [own_r, own_z] = own;
+        if BENDS {
+            own_r
+                .iter_mut()
+                .zip(&*sums)
+                .for_each(|(own, s)| *own = s[0] as f64);
+            own_z.clear();
+            own_z.extend(sums.iter().map(|s| s[1] as f64));
+        }
+        let degree_z = if BENDS { &mut *degree } else { own_z };
+        z.build(&layout, &Along::<1, BENDS>(radii), degree_z, sums);
         back_r.build(&layout, &Along::<2, BENDS>(radii), degree, sums);
-        back_z.build(&layout, &Along::<3, BENDS>(radii), degree, sums);
+        if BENDS {
+            back_z.build(&layout, &Along::<3, BENDS>(radii), degree, sums);
+        }
         let (p, completed) = (&self.liquid.flow.particles, &self.transposed.completed);
-        each_mut(&mut own[..p.len()], |i, own| {
+        each_mut(&mut own_r[..p.len()], |i, own| {
             let of = completed.get(i).copied().unwrap_or_default();
-            own[0] += (p.weight(i).powi(2) * alone_of(radii, i, &of)) as f32;
+            *own += p.weight(i).powi(2) * alone_of(radii, i, &of);
         });
         self.transposed.links = links;
     }
@@ -115,15 +131,18 @@ impl<S: Scheme> Projection<S> {
             along.clear();
             along.resize(x.len(), 0.0);
             each_mut(&mut along[..n], |i, along| {
-                *along = (matrix.dot(i, x) + own[i][a] as f64 * x[i]) / p.weight(i);
+                *along = (matrix.dot(i, x) + own[a][i] * x[i]) / p.weight(i);
             });
         }
         let factor = S::weight(self).1.powi(2) / self.liquid.case.density;
         let [push_r, push_z] = &*push;
         each_mut(out, |i, out| {
-            let [of_r, of_z] = own[i].map(f64::from);
-            let own = of_r * push_r[i] + of_z * push_z[i];
-            *out = factor * (own + r.dot(i, push_r) + z.dot(i, push_z));
+            let own = own[0][i] * push_r[i] + own[1][i] * push_z[i];
+            let by_z = match z.is_empty() {
+                true => -of_other[1].dot(i, push_z),
+                false => z.dot(i, push_z),
+            };
+            *out = factor * (own + r.dot(i, push_r) + by_z);
         });
         self.transposed.links = links;
     }

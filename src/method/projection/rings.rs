@@ -2,7 +2,7 @@
 //! the gradient that is the transpose of the divergence:
 //! (1) (D v)_a = -SUM V_b (v_a . dK/dx_a + v_b . dK/dx_b),  (G p)_a = -1/rho0 SUM V_b (p_a + p_b)
 //!     dK/dx_a,  a itself among b,  K: that of which -K'/r is the weight of the method's gradients,
-//!     W for ISPH
+//!     W for ISPH; near a surface whose tension has an energy: [`crate::method::completed`]
 //! (2) (A p)_a = 2 SUM V_b w (p_a - p_b) / (n_a n_b),  w: the mean of the weight over the angle
 //! (3) (lap v)_a as (2), of vectors, which turn with the angle
 //! Rows of the equation are multiplied by the masses of their rings: then it is symmetric, and the
@@ -12,7 +12,7 @@
 use super::correction::IDENTITY;
 use super::look::{Local, Sums};
 use super::{Projection, Scheme};
-use crate::effect::tension::ringed::{Energetic, Heavy, Look, Pull};
+use crate::effect::tension::ringed::{Energetic, Pull};
 use crate::kernel::ring::Radii;
 use crate::method::completed::Completed;
 use crate::method::completed::ring as completed;
@@ -48,27 +48,6 @@ impl<S: Scheme> Projection<S> {
         self.liquid.flow.radii_of(rings, self.liquid.case.h)
     }
 
-    /// Kernel sums and their gradients, over norm / h^3 and h, by ring.
-    fn sum_rings(&mut self, has_moved: bool) -> Vec<[f32; 4]> {
-        let mut sums = std::mem::take(&mut self.transposed.around);
-        let flow = &mut self.liquid.flow;
-        let heavy = |mass: f64| Heavy { mass: mass as f32 };
-        match has_moved {
-            true => flow.pack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
-            false => flow.repack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
-        }
-        sums.resize(self.liquid.len(), [0.0; 4]);
-        let radii = self.liquid.flow.radii(self.liquid.case.h);
-        self.liquid.sum(&Look { radii }, &mut sums);
-        let p = &self.liquid.flow.particles;
-        each_mut(&mut sums[..], |i, sums| {
-            let (own, mass) = (radii.own(i), p.weight(i));
-            sums[0] += (mass * own.gradient) as f32;
-            sums[3] += (mass * own.value) as f32;
-        });
-        sums
-    }
-
     /// [`Scheme::look_around`] of rings.
     pub(super) fn look_around_rings(&mut self) {
         let n = self.liquid.len();
@@ -92,7 +71,9 @@ impl<S: Scheme> Projection<S> {
                 *held = [factor * r, 0.0, factor * held[1] as f64].map(|a| a as f32);
             });
         }
-        let sums = self.sum_rings(viscosity.is_none());
+        let mut sums = std::mem::take(&mut self.transposed.around);
+        let has_moved = viscosity.is_none();
+        self.liquid.sum_rings(has_moved, |_| true, &mut sums);
         self.own.around.resize(n, Sums::default());
         each_mut(&mut self.own.around[..n], |i, around| {
             let [r, _, z, kernel] = sums[i];
@@ -107,7 +88,8 @@ impl<S: Scheme> Projection<S> {
 
     /// [`Scheme::look`] of rings.
     pub(super) fn look_at_rings(&mut self) {
-        let sums = self.sum_rings(false);
+        let mut sums = std::mem::take(&mut self.transposed.around);
+        self.liquid.sum_rings(false, |_| true, &mut sums);
         let (value, gradient) = (self.factor(0), self.factor(1));
         let full = self.closure.lattice() as f32;
         each_mut(&mut self.own.local[..sums.len()], |i, local| {
@@ -255,10 +237,7 @@ impl<S: Scheme> Projection<S> {
         let mut push = std::mem::take(&mut self.own.push);
         push.resize(n, [0.0; 3]);
         let radii = self.sloping();
-        match completed.is_empty() {
-            true => self.liquid.sum(&completed::Force { radii }, &mut push),
-            false => self.liquid.sum(&Pull { radii }, &mut push),
-        }
+        self.liquid.sum(&Pull { radii }, &mut push);
         let factor = -S::weight(self).1 / self.liquid.case.density;
         let p = &self.liquid.flow.particles;
         each_mut(&mut push[..n], |i, push| {

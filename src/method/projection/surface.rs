@@ -81,12 +81,13 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// h |grad C| = n h F'(z), so that F and z are functions of h |grad C| / C alone, and n = C / F.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Share {
-    /// F and z / h at equal distances of h |grad C| / C.
+    /// F and z / h at equal distances of h |grad C| / C: as many entries above the surface, where
+    /// tips and corners are, as below it.
     table: Vec<[f64; 2]>,
     step: f64,
 }
 
-/// Entries of the table, and steps of the integral that it is made from.
+/// Entries of the table under the surface, and steps of the integral that it is made from.
 const ENTRIES: usize = 128;
 const STEPS: usize = 1000;
 
@@ -98,16 +99,19 @@ impl Share {
     /// For a kernel, by quadrature over a half-space of liquid.
     pub fn of(kernel: KernelName, dimension: usize) -> Self {
         let dz = 2.0 / STEPS as f64;
-        let (mut f, mut curve) = (0.5, Vec::with_capacity(STEPS));
+        let (mut f, mut curve) = (0.5, Vec::with_capacity(2 * STEPS));
         for k in 0..STEPS {
             let z = k as f64 * dz;
-            curve.push([kernel::plane(kernel, dimension, z) / f, f, z]);
+            curve.push([kernel::plane(kernel, dimension, z), f, z]);
             f += kernel::plane(kernel, dimension, z + 0.5 * dz) * dz;
         }
-        curve.push([0.0, 1.0, 2.0]);
-        let step = curve[0][0] / (ENTRIES - 1) as f64;
+        let above = curve[1..].iter().rev();
+        let above = above.map(|&[slope, f, z]| [slope / (1.0 - f), 1.0 - f, -z]);
+        let under = curve.iter().map(|&[slope, f, z]| [slope / f, f, z]);
+        let step = curve[0][0] / curve[0][1] / (ENTRIES - 1) as f64;
+        let curve: Vec<_> = above.chain(under).chain([[0.0, 1.0, 2.0]]).collect();
         let at = |x: f64| {
-            let k = curve.partition_point(|c| c[0] > x).max(1);
+            let k = curve.partition_point(|c| c[0] >= x).max(1);
             let (a, b) = (curve[k - 1], curve[k.min(curve.len() - 1)]);
             let part = if a[0] == b[0] {
                 0.0
@@ -117,7 +121,7 @@ impl Share {
             [1, 2].map(|c| a[c] + (b[c] - a[c]) * part)
         };
         Share {
-            table: (0..ENTRIES).map(|k| at(k as f64 * step)).collect(),
+            table: (0..2 * ENTRIES).map(|k| at(k as f64 * step)).collect(),
             step,
         }
     }
@@ -125,26 +129,27 @@ impl Share {
     /// F and z / h; `steepness` = h |grad C| / C.
     #[inline(always)]
     pub fn at(&self, steepness: f64) -> [f64; 2] {
-        let ([a, b], part) = self.beside(steepness);
+        let ([a, b], part) = self.beside(steepness, ENTRIES);
         [0, 1].map(|c| a[c] + (b[c] - a[c]) * part)
     }
 
-    /// F and its derivative, which is zero beyond the table.
+    /// F, above the surface too, and its derivative, which is zero where the steepness is.
     #[inline(always)]
     pub fn slope(&self, steepness: f64) -> [f64; 2] {
-        let ([[low, _], [high, _]], part) = self.beside(steepness);
-        let by = match steepness < self.step * (ENTRIES - 1) as f64 {
-            true => (high - low) / self.step,
-            false => 0.0,
-        };
-        [low + (high - low) * part, by]
+        let ([[low, _], [high, _]], part) = self.beside(steepness, self.table.len());
+        let rise = high - low;
+        match steepness < self.step {
+            true => [low + rise * part * part, 2.0 * rise * part / self.step],
+            false => [low + rise * part, rise / self.step],
+        }
     }
 
-    /// The entries beside a steepness, and how far it is from the first to the second.
+    /// The entries beside a steepness, of the first `count`, and how far it is from one to the
+    /// other.
     #[inline(always)]
-    fn beside(&self, steepness: f64) -> ([[f64; 2]; 2], f64) {
+    fn beside(&self, steepness: f64, count: usize) -> ([[f64; 2]; 2], f64) {
         let x = (steepness / self.step)
-            .min((ENTRIES - 1) as f64 - 1e-9)
+            .min((count - 1) as f64 - 1e-9)
             .max(0.0);
         let k = x as usize;
         ([self.table[k], self.table[k + 1]], x - k as f64)

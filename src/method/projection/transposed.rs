@@ -14,7 +14,8 @@
 //! theta is implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence,
 //! which is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
 //! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]); with a
-//! tension that has an energy those of ISPH are the ones of [`completed`] near a surface.
+//! tension that has an energy those of ISPH are the ones of [`completed`] near a surface. What s
+//! brings back there is the density of [`super::surface`], whose half-space is that of a lattice.
 
 use super::links::Links;
 use super::{Projection, SURFACE, Scheme};

@@ -1,23 +1,19 @@
 //! The density of [`crate::method::completed`] at a surface whose tension has an energy. Its
-//! derivatives are found anew wherever a force or a rate is: held over an advective step they feed
+//! derivatives are found anew for every force and rate: held over an advective step they feed
 //! energy in.
 
 use super::{Completed, Wcsph};
 use crate::effect::tension::pass::Pull;
-use crate::effect::tension::ringed::{self, Heavy, alone};
+use crate::effect::tension::ringed;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::completed::ring::alone_of;
 use crate::method::completed::{pass, ring};
 use crate::method::pass::Spared;
 use crate::space::parallel::each_mut;
 use std::marker::PhantomData;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
-    /// Whether density is completed.
-    pub(super) fn completes(&self) -> bool {
-        self.liquid.follows_energy() && self.books()
-    }
-
     /// Finds n and its derivatives of all particles near a surface: where the tension has seen one.
     /// Records must hold the present positions; those of rings are packed, `has_moved` as in
     /// [`crate::method::flow::Flow::pack_moving`].
@@ -41,24 +37,14 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             };
             return self.liquid.sum(&pass, completed);
         }
-        let heavy = |mass: f64| Heavy { mass: mass as f32 };
-        let flow = &mut self.liquid.flow;
-        match has_moved {
-            true => flow.pack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
-            false => flow.repack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
-        }
-        let radii = self.liquid.flow.radii(self.liquid.case.h);
-        self.sums.resize(self.liquid.len(), [0.0; 4]);
-        self.liquid.sum(&ringed::Look { radii }, &mut self.sums);
-        let (sums, weights) = (&self.sums, &self.liquid.flow.particles.weight);
+        self.liquid.sum_rings(has_moved, wanted, &mut self.sums);
+        let sums = &self.sums;
         each_mut(completed, |i, completed| {
             *completed = match wanted(i) {
                 false => Completed::default(),
                 true => {
-                    let ([r, _, z, sum], own) = (sums[i].map(f64::from), radii.own(i));
-                    let r = r + weights[i] * own.gradient;
-                    let sum = sum + weights[i] * own.value;
-                    Completed::of(share, unit * sum, [unit * r, 0.0, unit * z])
+                    let [r, _, z, sum] = sums[i].map(|s| unit * s as f64);
+                    Completed::of(share, sum, [r, 0.0, z])
                 }
             };
         });
@@ -123,10 +109,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             .sum(&ringed::Pull { radii }, &mut self.own.force);
         let p = &self.liquid.flow.particles;
         each_mut(&mut self.own.force[..p.len()], |i, out| {
-            let Completed { slope, along, .. } = completed[i];
             let pressed = of(p.density[i]) as f64 * p.weight(i);
-            let own = pressed * alone(radii, i, [slope, along[0]].map(f64::from));
-            let r = out[0] as f64 + own;
+            let r = out[0] as f64 + pressed * alone_of(radii, i, &completed[i]);
             *out = [r, 0.0, out[2] as f64].map(|s| (-factor * s) as f32);
         });
     }

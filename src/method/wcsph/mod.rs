@@ -5,6 +5,7 @@
 //! (3) P = c^2 rho0 / chi ((rho / rho0)^chi - 1)                                 Nishio Eqs. 7-8
 //!     with (5) rho_a >= rho0 (1 + min(C / compaction - 1, (V / c)^2)), C = SUM m / rho0 W
 //! (4) dv/dt = -SUM m (P_a/rho_a^2 + P_b/rho_b^2) grad W + viscosity + a_s + g   Nishio Eq. 5
+//! (2) and (4) near a surface whose tension has an energy: [`super::completed`].
 //!
 //! Walls are particles that take part in every sum; they carry their own summed density or the
 //! extrapolation of Adami, Hu & Adams (2012). Time steps: [`super::limit`]; single-rate velocity
@@ -56,7 +57,7 @@ columns! {
         /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
         pub driven: Driven => Role::Scratch,
         pub around: Surroundings => Role::Held,
-        /// Near a surface whose tension has an energy; else empty.
+        /// Of a tension that has an energy; else empty. That of [`Default`] away from a surface.
         pub completed: Completed => Role::Scratch,
         /// Kernel sum, where mist is removed at the next rebuild.
         pub kernel_sum: f32 => Role::Persistent("kernel_sum"),
@@ -291,6 +292,7 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
     }
 
     fn memory(&self) -> (f64, f64) {
-        self.liquid.memory(&self.own, self.control.memory())
+        let sums = 16 * self.sums.capacity();
+        self.liquid.memory(&self.own, self.control.memory() + sums)
     }
 }

@@ -10,16 +10,21 @@ use crate::method::ring::{Compressed, Continuity, Extrapolation, Force, Surround
 use crate::particle::{Particles, Wall};
 use crate::space::parallel::each_mut;
 
-/// Packs what the rate of density is found from.
+/// Packs what the rate of density is found from; `has_moved` as in [`Liquid::sum_rings`].
+///
+/// [`Liquid::sum_rings`]: crate::method::liquid::Liquid::sum_rings
 pub(super) fn pack_density(
     flow: &mut Flow,
+    has_moved: bool,
     liquid: impl Fn(&Particles, usize) -> Sparing + Sync,
     wall: impl Fn(&Wall, usize) -> Sparing + Sync,
 ) {
-    flow.pack(
-        |p, i| Compressed::of(liquid(p, i), p.weight(i)),
-        |w, j| Compressed::of(wall(w, j), w.weight(j)),
-    );
+    let liquid = |p: &Particles, i: usize| Compressed::of(liquid(p, i), p.weight(i));
+    let wall = |w: &Wall, j: usize| Compressed::of(wall(w, j), w.weight(j));
+    match has_moved {
+        true => flow.pack(liquid, wall),
+        false => flow.repack(liquid, wall),
+    }
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -51,12 +56,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Fills `force` with the rate of density of all rings and its part from diffusion.
     /// Records must be packed.
     pub(super) fn density_rate_of_rings(&mut self, diffusion: f64) {
+        if self.liquid.follows_energy() {
+            return self.completed_rate_of_rings(diffusion);
+        }
         let (h, c) = (self.liquid.case.h, self.model.sound_speed);
         let factor = self.gradient_factor();
         let gravity = self.liquid.body_force.total()[2];
-        if self.completes() {
-            return self.completed_rate_of_rings(diffusion);
-        }
         let radii = self.liquid.flow.radii(h);
         let pass = Continuity {
             radii,

@@ -126,19 +126,15 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// The same for the budget, sparing what holds the load of a tension that has an energy.
     fn density_rate_apart(&mut self, diffusion: f64) {
-        if self.completes() && self.liquid.flow.is_axial() {
+        let completes = self.liquid.follows_energy();
+        if completes && self.liquid.flow.is_axial() {
             self.complete(true);
         }
         let (rho0, c) = (self.model.density, self.model.sound_speed);
         let gravity = self.liquid.body_force.total();
         let (around, density) = (&self.own.around, &self.walls.density);
         let excess = |rho: f64| (rho / rho0 - 1.0) as f32;
-        let tension = self
-            .liquid
-            .effects
-            .tension
-            .as_ref()
-            .filter(|_| self.liquid.follows_energy());
+        let tension = self.liquid.effects.tension.as_ref().filter(|_| completes);
         let load = tension.map_or(0.0, |t| t.coefficient / t.length);
         let spared = (2.0 * diffusion * c * LOAD * load / (rho0 * c * c)) as f32;
         let liquid = |p: &Particles, i: usize| {
@@ -155,7 +151,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             spared: 0.0,
         };
         if self.liquid.flow.is_axial() {
-            rings::pack_density(&mut self.liquid.flow, liquid, wall);
+            rings::pack_density(&mut self.liquid.flow, !completes, liquid, wall);
             return self.density_rate_of_rings(diffusion);
         }
         self.liquid.flow.pack(liquid, wall);
@@ -165,7 +161,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             held: gravity.map(|g| (2.0 * diffusion * self.liquid.case.h / c * g) as f32),
             kernel: self.kernel,
         };
-        match self.completes() {
+        match completes {
             true => self.completed_rate(pass),
             false => self.liquid.sum(&pass, &mut self.own.force),
         }
@@ -191,7 +187,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (4) without a_s and g; viscosity `U` in the same loop. Records must be packed.
     pub(super) fn pair_force<U: PairViscosity>(&mut self, viscosity: U) {
-        if self.completes() {
+        if self.liquid.follows_energy() {
             return self.completed_force();
         }
         if self.model.settings.pressure == Pressure::Controlled {

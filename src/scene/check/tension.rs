@@ -2,7 +2,10 @@
 
 use super::super::error::SceneError;
 use super::super::tree::Tree;
-use super::super::{Dimension, Gradient, KernelName, Method, MpsGradient, Scene, TensionForm};
+use super::super::{
+    Density, Dimension, Gradient, KernelName, Method, MpsGradient, Pressure, Scene,
+};
+use super::super::{TensionForm, WallPressure};
 
 pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     wetting(scene, tree)?;
@@ -38,7 +41,8 @@ fn wetting(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     Err(tree.fault(key, problem, remedy))
 }
 
-/// The energy form needs dual stepping, Wendland's kernel and a symmetric pressure gradient.
+/// The energy form needs dual stepping, a density that is found from its rate everywhere, Wendland's
+/// kernel and a pressure force that does the work of that rate.
 fn surface_energy(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let sph = scene.method.sph();
     if !scene.effects.has_tension(TensionForm::SurfaceEnergy) {
@@ -48,6 +52,18 @@ fn surface_energy(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
         Method::Wcsph(settings) if !settings.time_stepping.is_dual() => {
             let remedy = "set `method.wcsph.time_stepping.dual`, as preset `modern` does";
             ("needs dual stepping", remedy)
+        }
+        Method::Wcsph(settings) if matches!(settings.density, Density::Summation) => {
+            let remedy = "set `method.wcsph.density = { continuity = {} }`";
+            ("needs a density that follows from its rate", remedy)
+        }
+        Method::Wcsph(settings) if settings.wall_pressure == WallPressure::Summation => {
+            let remedy = "set `method.wcsph.wall_pressure = \"extrapolated\"`";
+            ("needs walls without a density of their own", remedy)
+        }
+        Method::Wcsph(settings) if settings.pressure == Pressure::Controlled => {
+            let remedy = "set `method.wcsph.pressure = \"signed\"`";
+            ("needs one pressure for each particle", remedy)
         }
         Method::Isph(settings) if settings.gradient != Gradient::Transposed => {
             let remedy = "set `method.isph.gradient = \"transposed\"`";

@@ -255,7 +255,7 @@ impl<const N: usize> Couple<N> for Laplacian<'_> {
 
 impl Liquid {
     /// Kernel sums and their gradients of the rings for which they are `wanted`, over norm / h^3
-    /// and h: along r and z at 0 and 2, the sum at 3. `has_moved`: whether places have to be packed.
+    /// and h: along r and z at 0 and 2, the sum at 3. `has_moved`: whether places must be packed.
     pub fn sum_rings<W: Fn(usize) -> bool + Sync>(
         &mut self,
         has_moved: bool,

@@ -48,8 +48,8 @@ const DISORDER: [f64; 2] = [0.05, 0.02];
 const LINEAR: f64 = 0.48;
 
 /// Tension at alpha = 1 over sigma, of which the strength is the inverse: E falls to 0.955 sigma A
-/// as a surface relaxes, and that is the pressure in drops (a disc of 20 s0; 0.956 with WCSPH), with
-/// MPS too, and with the others as the density of the layer knows the surface
+/// as a surface relaxes, and that is the pressure in drops (a disc of 20 s0; 0.956 with WCSPH):
+/// with MPS, and with the others because the density of the layer knows the surface
 /// ([`crate::method::completed`]).
 pub const CARRIED: f64 = 0.955;
 

@@ -9,10 +9,11 @@
 //! liquid from thin liquid. Its layer then becomes thinner than it should, and pressures in it take
 //! part of the tension: a capillary wave of wave number k is too slow by 0.17 k H (and 1 % of
 //! another origin), and the modes of drops and the breakup of threads with it. With (1), which is
-//! exact for flat surfaces whatever their depth and density, by 0.11 (k H)^2 (docs/lab.md). Like C, n is a function of where
-//! particles are: what is squeezed and released has its density back. A divergence that is made
-//! exact by the inverse of a moment (Bonet & Lok 1999) is not the rate of such a function; a drop
-//! that oscillated lost a quarter of its surface energy to that (docs/lab.md).
+//! exact for flat surfaces whatever their depth and density, by 0.11 (k H)^2 (docs/lab.md). Like C,
+//! n is a function of where particles are: what is squeezed and released has its density back. A
+//! divergence that is made exact by the inverse of a moment (Bonet & Lok 1999) is not the rate of
+//! such a function; a drop that oscillated lost a quarter of its surface energy to that
+//! (docs/lab.md).
 //! The sums are those of the surface energy ([`crate::effect::tension::energy`]) with h in place of
 //! H. Tests: tests/engine/method_completed.rs.
 //!

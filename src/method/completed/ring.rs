@@ -86,8 +86,8 @@ pub struct Rates<F> {
 }
 
 impl<F: Real> Rates<F> {
-    /// Of a pair whose target has its radius in `extra`; `BENDS`: whether gradients count: they need
-    /// second derivatives of the kernel, which tables of a weight lack.
+    /// Of a pair whose target has its radius in `extra`; `BENDS`: whether gradients count, for
+    /// which tables of a weight lack the second derivatives.
     #[inline(always)]
     pub fn of<const BENDS: bool>(radii: Radii, pair: &Pair<F, Energetic>) -> Self {
         let (a, b) = (&pair.own, &pair.other);

@@ -4,8 +4,8 @@
 //! (1) m_a (G p)_a = -c/rho0 SUM m_a m_b (p_a s_ab + p_b t_ab)
 //! (2) m_a (D u)_a = -c SUM m_a m_b (u_a . s_ab + u_b . t_ba),  u = 0 in walls
 //! s_ab: the rate of density of a by its own velocity, t_ab: that of b by the velocity of a
-//! ([`Rates`]). Each component has a matrix for t_ab and one for t_ba, but t_ba = -t_ab along z where
-//! density is not completed; of s sums are enough, which there are those of t_ab.
+//! ([`Rates`]). Each component has a matrix for t_ab and one for t_ba; of s sums are enough. Where
+//! density is not completed they are those of t_ab, and t_ba = -t_ab along z.
 //! Test: tests/engine/ring_projection.rs.
 
 use super::{Projection, Scheme};

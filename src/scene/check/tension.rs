@@ -41,8 +41,8 @@ fn wetting(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     Err(tree.fault(key, problem, remedy))
 }
 
-/// The energy form needs dual stepping, a density that is found from its rate everywhere, Wendland's
-/// kernel and a pressure force that does the work of that rate.
+/// The energy form needs dual stepping, a density that follows from its rate, Wendland's kernel and
+/// a pressure force that does the work of that rate.
 fn surface_energy(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let sph = scene.method.sph();
     if !scene.effects.has_tension(TensionForm::SurfaceEnergy) {

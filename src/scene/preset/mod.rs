@@ -109,9 +109,9 @@ fn transposed(name: MethodName) -> Option<&'static str> {
 }
 
 /// Whether `modern` has a tension that is the derivative of an energy with the user's settings:
-/// Wendland's kernel and dual stepping, or the pressure equation of a transposed gradient. With
-/// contact angles the projections have the stress, whose angles are nearer
-/// (docs/results/wetting.md).
+/// Wendland's kernel, dual stepping and a density from its rate, or the pressure equation of a
+/// transposed gradient. With contact angles the projections have the stress, whose angles are
+/// nearer (docs/results/wetting.md).
 fn bears_energy(tree: &Tree<'_>, name: MethodName) -> bool {
     let is = |key: &str, value: &str| {
         let key = format!("method.{}.{key}", name.word());
@@ -122,7 +122,12 @@ fn bears_energy(tree: &Tree<'_>, name: MethodName) -> bool {
         tree.get(&table).is_none() || tree.get(&format!("{table}.{key}")).is_some()
     };
     match name {
-        MethodName::Wcsph => is("kernel", "wendland-c2") && has("time_stepping", "dual"),
+        MethodName::Wcsph => {
+            let is_controlled = tree.text_at("method.wcsph.pressure") == Some("controlled");
+            let has_rate = has("time_stepping", "dual") && has("density", "continuity");
+            let sees = is("kernel", "wendland-c2") && is("wall_pressure", "extrapolated");
+            has_rate && sees && !is_controlled
+        }
         MethodName::Isph | MethodName::Mps => {
             let words = [
                 ("kernel", "wendland-c2"),

@@ -92,7 +92,7 @@ fn a_setting_reaches_exactly_the_stages_that_read_it() {
         ("method.wcsph.exponent=7", &all[2..]),
         ("method.wcsph.sound_speed_factor=12", &motion),
         ("method.wcsph.reference_speed=2 m/s", &motion),
-        ("method.wcsph.wall_pressure=summation", &pool[1..]),
+        ("method.wcsph.wall_pressure=summation", &all[2..]),
         ("method.wcsph.shifting=0.5", &all[2..]),
         ("method.wcsph.time_stepping={ adaptive = {} }", &all[2..]),
     ] {

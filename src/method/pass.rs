@@ -146,19 +146,24 @@ pub struct Spared<K> {
     pub kernel: PhantomData<K>,
 }
 
+impl<K> Spared<K> {
+    /// What diffusion evens out of a pair.
+    #[inline(always)]
+    pub fn evened<F: Real>(&self, pair: &Pair<F, Sparing>) -> F {
+        let (own, other) = (&pair.own, &pair.other);
+        let held = dot(pair.q2.splat3(self.held), pair.d);
+        let evened = (own.excess - other.excess) * self.diffusion - held;
+        beyond(evened, own.spared, other.spared)
+    }
+}
+
 impl<K: Kernel> Pass<2> for Spared<K> {
     type Payload = Sparing;
     type Out = [f32; 3];
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Sparing>, sum: &mut [F; 2]) {
         let v = difference(pair.own.velocity, pair.other.velocity);
-        let e = pair.own.excess - pair.other.excess;
-        let held = dot(pair.q2.splat3(self.held), pair.d);
-        let evened = beyond(
-            e * self.diffusion - held,
-            pair.own.spared,
-            pair.other.spared,
-        );
+        let evened = self.evened(pair);
         let rate = evened + dot(v, pair.d);
         let slope = K::slope_lanes(pair.q2.sqrt());
         sum[0] = slope.mul_add(rate, sum[0]);

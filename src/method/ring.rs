@@ -112,6 +112,7 @@ impl Compressed {
 }
 
 /// (1): the rate, and its part from diffusion, as [`super::pass::Spared`].
+#[derive(Clone, Copy)]
 pub struct Continuity<'a> {
     /// Where rings are.
     pub radii: Radii<'a>,
@@ -119,6 +120,17 @@ pub struct Continuity<'a> {
     pub diffusion: f32,
     /// 2 delta h / c times gravity along z, m/s.
     pub held: f32,
+}
+
+impl Continuity<'_> {
+    /// What diffusion evens out of a pair, before the slope of the kernel.
+    #[inline(always)]
+    pub fn evened<F: Real>(&self, pair: &Pair<F, Compressed>) -> F {
+        let (own, other) = (&pair.own, &pair.other);
+        let held = pair.d[2] * self.held;
+        let evened = (own.excess - other.excess) * self.diffusion - held;
+        beyond(evened, own.spared, other.spared)
+    }
 }
 
 impl Pass<2> for Continuity<'_> {
@@ -133,9 +145,7 @@ impl Pass<2> for Continuity<'_> {
         let (own, other) = (&pair.own, &pair.other);
         let w = between(self.radii.rings, pair);
         let m = mass_apart(other.mass, pair.q2);
-        let held = pair.d[2] * self.held;
-        let evened = (own.excess - other.excess) * self.diffusion - held;
-        let evened = beyond(evened, own.spared, other.spared) * (w.slope * 2.0);
+        let evened = self.evened(pair) * (w.slope * 2.0);
         let closing = w.radial[0] * own.radial
             + w.radial[1].mul_add(other.radial, w.axial * (own.axial - other.axial));
         sum[0] = m.mul_add(closing + evened, sum[0]);

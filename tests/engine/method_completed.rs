@@ -5,9 +5,9 @@ use coronet::effect::tension::pass::{Energetic, Pull};
 use coronet::effect::tension::ringed::{self, Heavy, alone};
 use coronet::kernel::{Kernel, WendlandC2, plane};
 use coronet::method::completed::{Completed, pass, ring};
-use coronet::method::pass::Sparing;
+use coronet::method::pass::{Spared, Sparing};
 use coronet::method::projection::surface::Share;
-use coronet::method::ring::Compressed;
+use coronet::method::ring::{Compressed, Continuity};
 use coronet::scene::{Dimension, KernelName, Side};
 use coronet::space::sweep::rows;
 use std::marker::PhantomData;
@@ -117,11 +117,13 @@ impl Body {
         if !self.is_axial() {
             self.cloud.pack::<Sparing>(&carried);
             let pass = pass::Spared {
-                factor: unit,
-                diffusion: 0.0,
-                held: [0.0; 3],
+                plain: Spared {
+                    factor: unit,
+                    diffusion: 0.0,
+                    held: [0.0; 3],
+                    kernel: PhantomData::<WendlandC2>,
+                },
                 completed,
-                kernel: PhantomData::<WendlandC2>,
             };
             let flow = &self.cloud.flow;
             rows(&flow.records, &flow.rows, scale, &pass, &mut out);
@@ -130,9 +132,11 @@ impl Body {
         self.cloud.pack::<Compressed>(&carried);
         let flow = &self.cloud.flow;
         let pass = ring::Continuity {
-            radii: flow.radii(self.cloud.h),
-            diffusion: 0.0,
-            held: 0.0,
+            plain: Continuity {
+                radii: flow.radii(self.cloud.h),
+                diffusion: 0.0,
+                held: 0.0,
+            },
             completed,
         };
         rows(&flow.records, &flow.rows, scale, &pass, &mut out);

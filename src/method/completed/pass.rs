@@ -3,7 +3,7 @@
 use super::Completed;
 use crate::effect::tension::energy::look;
 use crate::kernel::Kernel;
-use crate::method::pass::{Sparing, beyond, difference};
+use crate::method::pass::{self, Sparing, difference};
 use crate::method::projection::surface::Share;
 use crate::method::projection::transposed::Flowing;
 use crate::space::lane::{Real, are_zero, dot};
@@ -58,18 +58,12 @@ fn rates<K: Kernel, F: Real>(q2: F, d: [F; 3], v: [F; 3], along: [F; 3]) -> [F; 
     [slope * closing, slope.mul_add(dot(along, v), turning)]
 }
 
-/// The rate of density, as [`crate::method::pass::Spared`] has it, by (2).
+/// The rate of density, as [`pass::Spared`] has it, by (2).
 pub struct Spared<'a, K> {
-    /// m norm / h^(d+1).
-    pub factor: f64,
-    /// 2 delta c, m/s.
-    pub diffusion: f32,
-    /// 2 delta h / c times gravity, m/s.
-    pub held: [f32; 3],
+    /// What it is of a full support.
+    pub plain: pass::Spared<K>,
     /// By particle.
     pub completed: &'a [Completed],
-    /// The kernel.
-    pub kernel: PhantomData<K>,
 }
 
 impl<K: Kernel> Pass<3> for Spared<'_, K> {
@@ -82,13 +76,7 @@ impl<K: Kernel> Pass<3> for Spared<'_, K> {
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Sparing>, sum: &mut [F; 3]) {
         let v = difference(pair.own.velocity, pair.other.velocity);
-        let e = pair.own.excess - pair.other.excess;
-        let held = dot(pair.q2.splat3(self.held), pair.d);
-        let evened = beyond(
-            e * self.diffusion - held,
-            pair.own.spared,
-            pair.other.spared,
-        );
+        let evened = self.plain.evened(pair);
         let [sums, gradients] = rates::<K, F>(pair.q2, pair.d, v, pair.extra);
         sum[0] += sums;
         sum[1] += gradients;
@@ -97,7 +85,7 @@ impl<K: Kernel> Pass<3> for Spared<'_, K> {
     #[inline(always)]
     fn finish(&self, target: usize, [sums, gradients, evened]: [f32; 3], out: &mut [f32; 3]) {
         let closing = self.completed[target].slope * sums + gradients;
-        *out = [closing + evened, evened, 0.0].map(|s| (self.factor * s as f64) as f32);
+        *out = [closing + evened, evened, 0.0].map(|s| (self.plain.factor * s as f64) as f32);
     }
 }
 

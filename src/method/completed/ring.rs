@@ -3,20 +3,15 @@
 use super::Completed;
 use crate::effect::tension::ringed::{Bent, Energetic, alone};
 use crate::kernel::ring::{Radii, between, mass_apart};
-use crate::method::pass::beyond;
-use crate::method::ring::Compressed;
+use crate::method::ring::{self, Compressed};
 use crate::space::lane::{Real, are_zero};
 use crate::space::sweep::{Pair, Pass};
 
-/// The rate of density, as [`crate::method::ring::Continuity`] has it, by (2); without a itself,
-/// before its factor: dC/dt, n_g . h d(grad C)/dt, the part from diffusion.
+/// The rate of density, as [`ring::Continuity`] has it, by (2); without a itself, before its
+/// factor: dC/dt, n_g . h d(grad C)/dt, the part from diffusion.
 pub struct Continuity<'a> {
-    /// Where rings are.
-    pub radii: Radii<'a>,
-    /// 2 delta c, m/s.
-    pub diffusion: f32,
-    /// 2 delta h / c times gravity along z, m/s.
-    pub held: f32,
+    /// What it is of a full support.
+    pub plain: ring::Continuity<'a>,
     /// By ring.
     pub completed: &'a [Completed],
 }
@@ -26,18 +21,16 @@ impl Pass<3> for Continuity<'_> {
     type Out = [f32; 3];
     #[inline(always)]
     fn extra(&self, target: usize) -> [f32; 3] {
-        let [radius, ..] = self.radii.of(target);
+        let [radius, ..] = self.plain.radii.of(target);
         let [r, _, z] = self.completed[target].along;
         [radius, r, z]
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 3]) {
         let (a, b) = (&pair.own, &pair.other);
-        let w = between(self.radii.rings, pair);
+        let w = between(self.plain.radii.rings, pair);
         let m = mass_apart(b.mass, pair.q2);
-        let held = pair.d[2] * self.held;
-        let evened = (a.excess - b.excess) * self.diffusion - held;
-        let evened = beyond(evened, a.spared, b.spared) * (w.slope * 2.0);
+        let evened = self.plain.evened(pair) * (w.slope * 2.0);
         let axial = a.axial - b.axial;
         let closing = w.radial[0] * a.radial + w.radial[1].mul_add(b.radial, w.axial * axial);
         sum[0] = m.mul_add(closing, sum[0]);
@@ -46,7 +39,7 @@ impl Pass<3> for Continuity<'_> {
         if are_zero([r, r, z]) {
             return;
         }
-        let bent = Bent::of(self.radii.rings, pair, &w);
+        let bent = Bent::of(self.plain.radii.rings, pair, &w);
         let by_r = bent.rr * a.radial + bent.mixed_rr.mul_add(b.radial, bent.rz * axial);
         let by_z = bent.rz * a.radial + bent.mixed_zr.mul_add(b.radial, bent.zz * axial);
         sum[1] = m.mul_add(r.mul_add(by_r, z * by_z), sum[1]);
@@ -63,7 +56,7 @@ impl Continuity<'_> {
     #[inline(always)]
     pub fn closing(&self, i: usize, [sums, gradients, _]: [f32; 3], push: f64) -> f64 {
         let completed = &self.completed[i];
-        let own = push * alone_of(self.radii, i, completed);
+        let own = push * alone_of(self.plain.radii, i, completed);
         completed.slope as f64 * sums as f64 + gradients as f64 + own
     }
 }

@@ -172,9 +172,7 @@ impl<S: Scheme> Projection<S> {
             }
             completed => {
                 let pass = completed::Continuity {
-                    radii,
-                    diffusion: 0.0,
-                    held: 0.0,
+                    plain: pass,
                     completed,
                 };
                 self.liquid.sum(&pass, &mut sums[..n]);

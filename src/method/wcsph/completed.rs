@@ -7,8 +7,8 @@ use crate::effect::tension::pass::Pull;
 use crate::effect::tension::ringed;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::completed::pass;
 use crate::method::completed::ring::alone_of;
-use crate::method::completed::{pass, ring};
 use crate::method::pass::Spared;
 use crate::space::parallel::each_mut;
 use std::marker::PhantomData;
@@ -55,33 +55,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn completed_rate(&mut self, plain: Spared<K>) {
         self.complete(false);
         let pass = pass::Spared {
-            factor: plain.factor,
-            diffusion: plain.diffusion,
-            held: plain.held,
-            completed: &self.own.completed,
-            kernel: self.kernel,
-        };
-        self.liquid.sum(&pass, &mut self.own.force);
-    }
-
-    /// The same of rings.
-    pub(super) fn completed_rate_of_rings(&mut self, diffusion: f64) {
-        let (h, c) = (self.liquid.case.h, self.model.sound_speed);
-        let factor = self.gradient_factor();
-        let gravity = self.liquid.body_force.total()[2];
-        let pass = ring::Continuity {
-            radii: self.liquid.flow.radii(h),
-            diffusion: (2.0 * diffusion * c) as f32,
-            held: (2.0 * diffusion * h / c * gravity) as f32,
+            plain,
             completed: &self.own.completed,
         };
         self.liquid.sum(&pass, &mut self.own.force);
-        let p = &self.liquid.flow.particles;
-        each_mut(&mut self.own.force[..p.len()], |i, out| {
-            let evened = out[2] as f64;
-            let rate = evened + pass.closing(i, *out, p.weight(i) * p.velocity[0][i]);
-            *out = [rate, evened, 0.0].map(|s| (factor * s) as f32);
-        });
     }
 
     /// The acceleration by pressure, into `force`. What moves must be packed.

@@ -4,6 +4,7 @@
 use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::completed::ring as completed;
 use crate::method::flow::Flow;
 use crate::method::pass::{Sparing, Surroundings};
 use crate::method::ring::{Compressed, Continuity, Extrapolation, Force, Surrounded};
@@ -56,9 +57,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Fills `force` with the rate of density of all rings and its part from diffusion.
     /// Records must be packed.
     pub(super) fn density_rate_of_rings(&mut self, diffusion: f64) {
-        if self.liquid.follows_energy() {
-            return self.completed_rate_of_rings(diffusion);
-        }
         let (h, c) = (self.liquid.case.h, self.model.sound_speed);
         let factor = self.gradient_factor();
         let gravity = self.liquid.body_force.total()[2];
@@ -68,8 +66,21 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             diffusion: (2.0 * diffusion * c) as f32,
             held: (2.0 * diffusion * h / c * gravity) as f32,
         };
-        self.liquid.sum(&pass, &mut self.own.force);
         let p = &self.liquid.flow.particles;
+        if self.liquid.follows_energy() {
+            let pass = completed::Continuity {
+                plain: pass,
+                completed: &self.own.completed,
+            };
+            self.liquid.sum(&pass, &mut self.own.force);
+            each_mut(&mut self.own.force[..p.len()], |i, out| {
+                let evened = out[2] as f64;
+                let rate = evened + pass.closing(i, *out, p.weight(i) * p.velocity[0][i]);
+                *out = [rate, evened, 0.0].map(|s| (factor * s) as f32);
+            });
+            return;
+        }
+        self.liquid.sum(&pass, &mut self.own.force);
         each_mut(&mut self.own.force[..p.len()], |i, out| {
             let closing = 2.0 * p.weight(i) * radii.own(i).gradient * p.velocity[0][i];
             let rate = out[0] as f64 + closing;

@@ -2,8 +2,8 @@
 //!
 //! The run ends at the first restartable instant at or after `impact.end`, or after the frame that
 //! meets a condition of `impact.stop_when`; a later `impact.end` does not continue that. Frame k is
-//! taken at the first step at or after k x `frames.interval`; a result contains every frame up to
-//! its last instant. So the frames of a shorter run are exactly the first frames of a longer one,
+//! taken at k x `frames.interval`, where a step ends (of fixed steps, after the first one that ends
+//! at or after it); a result contains every frame up to its last instant. So the frames of a shorter run are exactly the first frames of a longer one,
 //! with any interruptions.
 
 use coronet::measure::{gauge, loss};
@@ -24,6 +24,7 @@ use crate::flight::{self, Flight};
 use crate::journal::{
     FRAMES, Frames, Start, Trouble, adopt, first_cause, merge, next_segment, start,
 };
+use crate::live::Viewers;
 use crate::pace::Pace;
 use crate::settings::Forecast;
 use crate::stop::Stop;
@@ -45,6 +46,8 @@ pub struct Impact<'a> {
     /// Jobs of the bodies, in the order of the scene.
     pub bodies: Vec<usize>,
     pub calibration: Option<usize>,
+    /// Who looks on.
+    pub viewers: Option<Viewers>,
     pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
@@ -100,6 +103,7 @@ impl Impact<'_> {
         let resumed_from = start.resumed.then_some(start.state.time);
         let built = method::build(&self.input.problem, start.state, Phase::Impact, strength);
         let mut solver = built.map_err(StageError::failed)?;
+        solver.meet(self.input.frames.interval);
         let mut frames = Frames {
             log: self.open_log(context, resumed_from)?,
             due: Schedule {
@@ -283,7 +287,8 @@ impl Impact<'_> {
             ..LogSetup::new(problem, frames, &wall, text, provenance)
         };
         let segment = next_segment(context)?;
-        LogWriter::create(context.work(), segment, from, &setup).map_err(StageError::failed)
+        let tap = self.viewers.as_ref().map(|viewers| viewers());
+        LogWriter::tapped(context.work(), segment, from, &setup, tap).map_err(StageError::failed)
     }
 }
 

@@ -11,6 +11,7 @@ use coronet::scene::input::RelaxInput;
 
 use crate::calibrate::Calibrate;
 use crate::impact::Impact;
+use crate::live::Viewers;
 use crate::pack::Pack;
 use crate::post::Post;
 use crate::relax::Relax;
@@ -30,7 +31,7 @@ pub mod version {
     /// Of the calibration of the tension.
     pub const CALIBRATE: u32 = 9;
     /// Of relaxation and impact.
-    pub const FLOW: u32 = 22;
+    pub const FLOW: u32 = 23;
     /// Of the evaluation.
     pub const POST: u32 = 14;
 
@@ -86,6 +87,11 @@ pub mod version {
 
 /// The jobs of a scene, in an order in which they can run.
 pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
+    watched(loaded, None)
+}
+
+/// [`pipeline`], for viewers of the impact.
+pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>> {
     let scene = &loaded.scene;
     let mut jobs: Vec<Box<dyn Stage + '_>> = Vec::new();
     let (mut packed, mut bodies) = (Vec::new(), Vec::new());
@@ -122,6 +128,7 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
         text: &loaded.text,
         bodies,
         calibration,
+        viewers,
         forecast: later(move || forecast::impact(scene)),
         identity: identity("impact", "", version::FLOW, settings),
     }));

@@ -12,6 +12,7 @@ mod forecast;
 mod impact;
 mod jobs;
 mod journal;
+mod live;
 mod pace;
 mod pack;
 mod post;

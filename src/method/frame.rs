@@ -5,7 +5,51 @@ use super::flow::Flow;
 use crate::particle::{Frame, Particles};
 use crate::space::parallel::{sum, sum_in};
 
-/// When frames are taken: frame k at the first step at or after k times the interval.
+/// Part of an interval below which two instants are the same.
+const SAME: f64 = 1e-9;
+
+/// When steps end at frames: at every multiple of an interval.
+#[derive(Clone, Copy, Debug)]
+pub struct Beat {
+    /// s; infinite for none.
+    pub interval: f64,
+}
+
+impl Default for Beat {
+    fn default() -> Self {
+        Beat {
+            interval: f64::INFINITY,
+        }
+    }
+}
+
+impl Beat {
+    /// At most `dt` s from `time` s on, so that steps end at the next instant: the last two before
+    /// it are of one length.
+    pub fn fit(&self, time: f64, dt: f64) -> f64 {
+        if !self.interval.is_finite() {
+            return dt;
+        }
+        let next = (time / self.interval + SAME).floor() + 1.0;
+        let left = next * self.interval - time;
+        match (dt >= left, 2.0 * dt > left) {
+            (true, _) => left,
+            (false, true) => 0.5 * left,
+            (false, false) => dt,
+        }
+    }
+
+    /// The instant that `time` s means, s, free of what a sum of steps rounds.
+    pub fn exact(&self, time: f64) -> f64 {
+        let k = (time / self.interval).round();
+        match (time / self.interval - k).abs() < SAME && k > 0.0 {
+            true => k * self.interval,
+            false => time,
+        }
+    }
+}
+
+/// When frames are taken: frame k after the first step that ends at or after k times the interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Schedule {
     /// s.

@@ -5,7 +5,7 @@
 //! particles are sorted, removed or saved.
 
 use super::flow::Flow;
-use super::frame;
+use super::frame::{self, Beat};
 use super::ledger::Ledger;
 use super::limit::Limits;
 use super::model::Case;
@@ -66,6 +66,8 @@ pub struct Liquid {
     pub effects: ActiveEffects,
     /// Where the run is.
     pub now: Moment,
+    /// At which instants steps end.
+    pub beat: Beat,
     /// The budget of energy.
     pub ledger: Ledger,
     /// Uniform accelerations of this step, m/s^2.
@@ -101,6 +103,7 @@ impl Liquid {
                 step: state.step,
                 ..Moment::default()
             },
+            beat: Beat::default(),
             ledger: Ledger::default(),
             body_force: BodyForce::default(),
             friction: Vec::new(),
@@ -127,6 +130,11 @@ impl Liquid {
     /// Whether no particle is left.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The step of at most `dt` s that the next frame lets be.
+    pub fn fit(&self, dt: f64) -> f64 {
+        self.beat.fit(self.now.time, dt)
     }
 
     /// Turns differences in fixed point into separations over h.

@@ -95,6 +95,9 @@ pub trait Solver: Send {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
+    /// From now on a step ends at every multiple of `interval` s, so that frames are of these
+    /// instants; steps of a fixed length keep it.
+    fn meet(&mut self, interval: f64);
     /// Advances to the next instant at which the state is complete (a rebuild of the neighbour
     /// lists):
     /// a few steps. `state()` may be called between any two advances, and a solver restored from it

@@ -161,9 +161,11 @@ impl Simulation {
     }
 
     fn of(scene: &Scene, state: State, strength: Option<f64>) -> Result<Self, Error> {
+        let mut solver = method::build(scene, state, Phase::Impact, strength)?;
+        solver.meet(scene.frames.interval);
         Ok(Simulation {
             scene: scene.clone(),
-            solver: method::build(scene, state, Phase::Impact, strength)?,
+            solver,
             frames: Schedule::new(scene.frames.interval),
             unfold: Unfold::new(scene),
             gauge: Gauge::new(&scene.whole()),

@@ -179,6 +179,11 @@ pub struct RunArguments {
     pub threads: Option<u16>,
     #[command(flatten)]
     pub remote: RemoteArguments,
+    /// Show the impact while it runs to Foxglove and Lichtblick, at a WebSocket of this machine or
+    /// at another address, as `--live=0.0.0.0:8765`
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true,
+          default_missing_value = crate::live::ADDRESS)]
+    pub live: Option<String>,
     /// Stop after a checkpoint when standard input ends: a study holds it open
     #[arg(long, hide = true)]
     pub stop_at_end_of_input: bool,

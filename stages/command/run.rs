@@ -19,7 +19,7 @@ use crate::arguments::RunArguments;
 use crate::fault::Usage;
 use crate::print::{note, out};
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, journal, post, remote, signals, stop};
+use crate::{PROGRAM, impact, jobs, journal, live, post, remote, signals, stop};
 
 /// Answer to a first signal.
 const STOPPING: &str = "stopping after the next checkpoint";
@@ -33,6 +33,9 @@ pub fn run(arguments: &RunArguments) -> Result<()> {
 pub fn pull(arguments: &RunArguments) -> Result<()> {
     let objects = remote::open(arguments.remote.url())?;
     let objects = objects.ok_or_else(no_remote)?;
+    if arguments.live.is_some() {
+        return Err(Usage("--live: `pull` runs no impact; use `run`".to_string()).into());
+    }
     bring(arguments, Some(Remote::only(&*objects)))
 }
 
@@ -47,7 +50,8 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
         loaded.scene.name = name.clone();
     }
     plan::warn(&loaded.scene);
-    let pipeline = jobs::pipeline(&loaded)?;
+    let viewers = live::open(arguments.live.as_deref())?;
+    let pipeline = jobs::watched(&loaded, viewers)?;
     let store = Store::new(&arguments.store.artifacts);
     let threads = start_threads(arguments)?;
     let decisions = pipeline::plan(&store, &pipeline)?;

@@ -93,6 +93,8 @@ const NONSENSE: &[(&[&str], &str, &str)] = &[
         "no liquid",
     ),
     (&["frames.interval='1 s'"], "frames.interval", "first"),
+    (&["frames.interval='0.3 ms'"], "post.panels", "nearest"),
+    (&["frames.interval='0.4 ms'"], "post.fields", "2.8 ms"),
     (&["body.pool.layer.depth='1 mm'"], "pack.spacing", "`pool`"),
     (
         &["body.drop.sphere.diameter='1 mm'"],

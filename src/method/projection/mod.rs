@@ -43,12 +43,13 @@ pub mod transposed;
 pub(super) mod walls;
 
 use super::adapt::Adaption;
+use super::frame::{self, Beat};
 use super::liquid::Liquid;
 use super::model::Case;
 use super::pressure::multigrid::Domain;
 use super::pressure::{Equation, Outcome, Solver as PressureSolver};
 use super::shifting::LOOSE;
-use super::{Diverged, Solver, frame};
+use super::{Diverged, Solver};
 use crate::columns;
 use crate::effect::band::Band;
 use crate::kernel::Kernel;
@@ -309,6 +310,10 @@ impl<S: Scheme> Solver for Projection<S> {
 
     fn len(&self) -> usize {
         self.liquid.len()
+    }
+
+    fn meet(&mut self, interval: f64) {
+        self.liquid.beat = Beat { interval };
     }
 
     fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {

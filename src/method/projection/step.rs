@@ -22,7 +22,7 @@ const IDLE: f64 = 1.0;
 
 impl<S: Scheme> Projection<S> {
     pub(super) fn advance_step(&mut self) -> Result<(), Diverged> {
-        let expected = self.next_step();
+        let expected = self.liquid.fit(self.next_step());
         self.liquid.flow.lasting = if self.liquid.now.max_speed > 0.0 {
             expected
         } else {
@@ -31,7 +31,8 @@ impl<S: Scheme> Projection<S> {
         self.rebuild();
         self.hold(0.5 * expected);
         self.liquid.now.connected_speed = self.max_connected_speed();
-        let mut dt = self.next_step().min(expected.max(self.settings.shortest));
+        let longest = expected.max(self.settings.shortest);
+        let mut dt = self.liquid.fit(self.next_step().min(longest));
         self.remember();
         self.liquid.begin_step();
         let (mut done, mut known) = (false, true);
@@ -71,7 +72,7 @@ impl<S: Scheme> Projection<S> {
             self.shift(dt);
             self.liquid.ledger.shifting += self.stored() - before;
         }
-        self.liquid.now.time += dt;
+        self.liquid.now.time = self.liquid.beat.exact(self.liquid.now.time + dt);
         self.liquid.now.step += 1;
         self.liquid.now.last_step = dt;
         Ok(())

@@ -34,7 +34,10 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.liquid.now.connected_speed = self.liquid.max_connected_speed(kernel_sum);
         self.follow();
         let inner = self.inner(acoustic);
-        let longest = |s: &Self| (part * s.limits_now().advective(advective)).min(MOST * inner);
+        let longest = |s: &Self| {
+            let slow = part * s.limits_now().advective(advective);
+            s.liquid.fit(slow.min(MOST * inner))
+        };
         // The derivative of an energy is taken in the middle of the step (position Verlet); then
         // the step follows the accelerations of the one before.
         let expected = longest(self);
@@ -55,6 +58,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         for k in 0..count as usize {
             self.acoustic_step(dt, k == 0)?;
         }
+        self.liquid.now.time = self.liquid.beat.exact(self.liquid.now.time);
         self.close_walls(dt);
         self.liquid.end_step();
         self.check_energy()

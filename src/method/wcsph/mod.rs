@@ -26,12 +26,13 @@ mod walls;
 
 use super::adapt::Adaption;
 use super::completed::Completed;
+use super::frame::{self, Beat};
 use super::limit::Limits;
 use super::liquid::Liquid;
 use super::model::Model;
 use super::pass::Surroundings;
 use super::projection::surface::Share;
-use super::{Diverged, Solver, frame};
+use super::{Diverged, Solver};
 use crate::columns;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
@@ -248,6 +249,10 @@ impl<K: Kernel, V: PairViscosity> Solver for Wcsph<K, V> {
 
     fn len(&self) -> usize {
         self.liquid.len()
+    }
+
+    fn meet(&mut self, interval: f64) {
+        self.liquid.beat = Beat { interval };
     }
 
     fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {

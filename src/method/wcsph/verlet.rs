@@ -45,7 +45,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                     self.verlet_step(dt);
                     self.check()?;
                 }
-                _ => self.controlled(|s, part| s.bounded_step(part * dt))?,
+                _ => self.controlled(|s, part| s.bounded_step(s.liquid.fit(part * dt)))?,
             }
             on_step(self);
         }
@@ -97,7 +97,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.liquid.rub(dt);
         self.liquid.now.max_speed = self.liquid.max_speed();
         self.liquid.now.connected_speed = self.liquid.now.max_speed;
-        self.liquid.now.time += dt;
+        self.liquid.now.time = self.liquid.beat.exact(self.liquid.now.time + dt);
         self.liquid.now.step += 1;
         self.liquid.now.last_step = dt;
     }

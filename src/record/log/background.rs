@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use super::output::{self, Output};
-use super::{LogError, LogSetup, merge};
+use super::{LogError, LogSetup, Tap, merge};
 use crate::particle::Frame;
 use crate::record::atomic::{self, FileError};
 
@@ -53,6 +53,20 @@ impl LogWriter {
         resumed_from: Option<f64>,
         setup: &LogSetup,
     ) -> Result<Self, LogError> {
+        LogWriter::tapped(folder, segment, resumed_from, setup, None)
+    }
+
+    /// [`create`](Self::create), with `tap` for who looks on.
+    ///
+    /// # Errors
+    /// If the file cannot be created or written.
+    pub fn tapped(
+        folder: &Path,
+        segment: u32,
+        resumed_from: Option<f64>,
+        setup: &LogSetup,
+        tap: Option<Tap>,
+    ) -> Result<Self, LogError> {
         let path = merge::segment_path(folder, segment);
         let file = OpenOptions::new()
             .write(true)
@@ -60,7 +74,7 @@ impl LogWriter {
             .open(&path)
             .map_err(FileError::new(&path, "create"))?;
         atomic::sync_folder_of(&path)?;
-        let mut output = Output::new(file, &path)?;
+        let mut output = Output::new(file, &path, tap)?;
         let facts = resumed_from.map(|time| ("resumed_from_s".to_string(), time.to_string()));
         output.metadata(merge::SEGMENT, facts.into_iter().collect())?;
         output::write_setup(&mut output, setup)?;

@@ -122,7 +122,7 @@ fn is_blank(path: &Path) -> Result<bool, LogError> {
 pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
-    let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out)?;
+    let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out, None)?;
     let mut copy = Copy::new(&mut output);
     if let Some(last) = segments.last() {
         copy.start(&last.path)?;
@@ -154,7 +154,7 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
     check_output(path, out)?;
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
-    let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out)?;
+    let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out, None)?;
     let mut copy = Copy::new(&mut output);
     copy.start(path)?;
     let (damage, _) = copy.frames(path, f64::NEG_INFINITY, f64::INFINITY)?;

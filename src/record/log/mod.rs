@@ -135,6 +135,24 @@ impl LogError {
     }
 }
 
+/// A message of a log.
+#[derive(Clone, Copy, Debug)]
+pub struct Message<'a> {
+    /// Its channel.
+    pub topic: &'a str,
+    /// Name of the type of its content, as `foxglove.PointCloud`.
+    pub schema_name: &'a str,
+    /// A protobuf `FileDescriptorSet`.
+    pub schema: &'a [u8],
+    /// Nanoseconds.
+    pub log_time: u64,
+    /// A protobuf message.
+    pub data: &'a [u8],
+}
+
+/// Sees every message of a log while it is written, on the thread that writes it.
+pub type Tap = Box<dyn FnMut(&Message) + Send>;
+
 /// Topic of the body of revolution.
 const REVOLVED: &str = "/revolved";
 

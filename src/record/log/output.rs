@@ -11,7 +11,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions};
 use prost::Message as _;
 
-use super::{LogError, LogSetup, REVOLVED, cloud, log_time, measures};
+use super::{LogError, LogSetup, Message, REVOLVED, Tap, cloud, log_time, measures};
 use crate::particle::Frame;
 use crate::record::atomic::FileError;
 use crate::scene::Clock;
@@ -49,11 +49,12 @@ pub struct Output {
     channels: HashMap<String, Known>,
     /// Bytes in the open chunk.
     pending: usize,
+    tap: Option<Tap>,
 }
 
 impl Output {
     /// Starts a log in `file`, which is open for writing at `path`.
-    pub fn new(file: File, path: &Path) -> Result<Self, LogError> {
+    pub fn new(file: File, path: &Path, tap: Option<Tap>) -> Result<Self, LogError> {
         let shared = file.try_clone().map_err(FileError::new(path, "open"))?;
         let writer = WriteOptions::new()
             // The default contains the version of the library, which would change the bytes.
@@ -74,6 +75,7 @@ impl Output {
             path: path.to_path_buf(),
             channels: HashMap::new(),
             pending: 0,
+            tap,
         })
     }
 
@@ -144,6 +146,15 @@ impl Output {
             publish_time: log_time,
         };
         known.count += 1;
+        if let Some(tap) = &mut self.tap {
+            tap(&Message {
+                topic: channel.topic,
+                schema_name: channel.schema_name,
+                schema: channel.schema,
+                log_time,
+                data,
+            });
+        }
         self.pending += data.len();
         let written = self.writer.write_to_known_channel(&header, data);
         written.map_err(wrong)

@@ -4,6 +4,7 @@
 //! Test: tests/engine/scene_sanity.rs, with the warnings of each shipped scene.
 
 mod course;
+mod instants;
 
 use std::fmt;
 
@@ -71,7 +72,8 @@ pub fn warnings(scene: &Scene) -> Vec<Warning> {
     all.extend(floor(scene));
     all.extend(flows_out(scene));
     all.extend(motions(scene));
-    all.extend(frames(scene));
+    all.extend(instants::frames(scene));
+    all.extend(instants::pictures(scene));
     all.extend(thin(scene));
     all.extend(lamella(scene));
     all.extend(dry_walls(scene));
@@ -254,17 +256,6 @@ fn motions(scene: &Scene) -> Vec<Warning> {
         Some(Warning::new(&key, value, &why, remedy))
     });
     doubtful.collect()
-}
-
-/// A log with one frame only.
-fn frames(scene: &Scene) -> Option<Warning> {
-    let (interval, end) = (scene.frames.interval, scene.impact.end);
-    (interval > end).then(|| {
-        let end = human(end, Unit::Time);
-        let why = format!("the run ends after {end}: only the first frame is recorded");
-        let remedy = "make it shorter, a fiftieth of `impact.end` or less";
-        Warning::new("frames.interval", human(interval, Unit::Time), &why, remedy)
-    })
 }
 
 /// Bodies that are thinner than a few particles.

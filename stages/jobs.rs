@@ -33,7 +33,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 23;
     /// Of the evaluation.
-    pub const POST: u32 = 14;
+    pub const POST: u32 = 15;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {

@@ -6,6 +6,7 @@ pub mod canvas;
 pub mod field;
 pub mod figure;
 pub mod film;
+pub mod player;
 pub mod plot;
 pub mod post;
 pub mod readable;

@@ -98,6 +98,15 @@ pub(super) fn points(length: f64) -> u32 {
     (length * UNIT).round() as u32
 }
 
+/// Where a plot has its axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Axes {
+    /// Values at the left and the right end, at the lower and the upper end.
+    pub values: [[f64; 2]; 2],
+    /// Where these are in the sheet, points.
+    pub places: [[f64; 2]; 2],
+}
+
 impl Plot {
     /// Name of the files without folder and ending.
     pub fn file_name(&self) -> String {
@@ -145,6 +154,14 @@ impl Plot {
     /// # Errors
     /// If the drawing library fails.
     pub fn sheet(&self, style: &FigureStyle) -> Result<Sheet, Failure> {
+        Ok(self.drawn(style)?.0)
+    }
+
+    /// [`sheet`](Self::sheet), and where its axes are.
+    ///
+    /// # Errors
+    /// If the drawing library fails.
+    pub fn drawn(&self, style: &FigureStyle) -> Result<(Sheet, Axes), Failure> {
         let letters = Letters {
             em: style.font_size,
         };
@@ -209,9 +226,18 @@ impl Plot {
             }
         }
         root.present()?;
+        let (across, down) = chart.plotting_area().get_pixel_range();
+        let place = |unit: i32| f64::from(unit) / UNIT;
+        let axes = Axes {
+            values: [x, y],
+            places: [
+                [place(across.start), place(across.end)],
+                [place(down.end), place(down.start)],
+            ],
+        };
         drop(chart);
         drop(root);
-        Ok(sheet)
+        Ok((sheet, axes))
     }
 
     /// Draws rows of samples with labels under the title; returns their lower end.

@@ -18,7 +18,7 @@ const RADIUS: f64 = 6e-3;
 const DENSITY: f64 = 1000.0;
 
 /// A cylinder, or a space without sides, with a pool and a drop above it.
-fn scene(side: &str) -> Scene {
+pub fn scene(side: &str) -> Scene {
     let text = format!(
         "[box]\nsize = ['12 mm', '12 mm', '10 mm']\nx = '{side}'\ny = '{side}'\n\
          z = ['wall', 'open']\nsymmetry = 'axis'\n\
@@ -35,7 +35,7 @@ fn scene(side: &str) -> Scene {
 }
 
 /// Rings at rest where `body` names one.
-fn frame(body: impl Fn(f64, f64) -> Option<u8>) -> Frame {
+pub fn frame(body: impl Fn(f64, f64) -> Option<u8>) -> Frame {
     let mut frame = Frame::default();
     for i in 0..30 {
         for k in 0..50 {

@@ -14,10 +14,10 @@ use coronet::record::mesh::{self, Mesh};
 use coronet::scene::{Scene, file};
 
 /// Particle spacing, m.
-const SPACING: f64 = 0.4e-3;
+pub const SPACING: f64 = 0.4e-3;
 
 /// A box of 8 mm with a pool of 2 mm and a drop of 3 mm above it.
-fn scene(dimension: usize, sets: &[&str]) -> Scene {
+pub fn scene(dimension: usize, sets: &[&str]) -> Scene {
     let size = ["'8 mm'"; 3][..dimension].join(", ");
     let drop = ["disc", "sphere"][dimension - 2];
     let text = format!(
@@ -36,7 +36,7 @@ fn scene(dimension: usize, sets: &[&str]) -> Scene {
 }
 
 /// A lattice of particles where `body` names one; the plane of y = 0 in 2-D.
-fn frame(scene: &Scene, body: impl Fn([f64; 3]) -> Option<u8>) -> Frame {
+pub fn frame(scene: &Scene, body: impl Fn([f64; 3]) -> Option<u8>) -> Frame {
     let mut frame = Frame::default();
     let count = scene
         .domain
@@ -64,7 +64,7 @@ fn frame(scene: &Scene, body: impl Fn([f64; 3]) -> Option<u8>) -> Frame {
 }
 
 /// The pool, and the drop about the middle of x and y.
-fn splash(middle: f64) -> impl Fn([f64; 3]) -> Option<u8> {
+pub fn splash(middle: f64) -> impl Fn([f64; 3]) -> Option<u8> {
     move |at: [f64; 3]| {
         let y = if at[1] == 0.0 { 0.0 } else { at[1] - middle };
         let square = (at[0] - middle).powi(2) + y.powi(2) + (at[2] - 4.5e-3).powi(2);

@@ -100,7 +100,7 @@ fn a_run_becomes_a_table_plots_pictures_and_a_page() {
             "src=\"http",
             "url(",
             "<link",
-            "<script",
+            "<script src",
             "@import",
             "src=\"/",
         ] {

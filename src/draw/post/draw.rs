@@ -4,8 +4,9 @@ use super::{Post, PostError, draw_error};
 use crate::draw::canvas::{Canvas, WHITE};
 use crate::draw::field::{Bounds, Field, Scales};
 use crate::draw::figure::Figures;
+use crate::draw::player;
 use crate::draw::render::artist::{Artist, Style, Survey};
-use crate::draw::report::Report;
+use crate::draw::report::{Chart, Film, Report};
 use crate::draw::section;
 use crate::draw::sheet::Sheet;
 use crate::draw::view::{self, Camera};
@@ -44,6 +45,17 @@ impl Post {
         Ok(())
     }
 
+    /// The liquid at many instants.
+    pub(super) fn draw_player(&mut self, report: &mut Report) {
+        report.player = Some(Film {
+            kind: self.player.kind(),
+            size: self.player.size(),
+            spacing: self.scene.spacing,
+            shift: self.shift,
+            shots: player::thinned(std::mem::take(&mut self.shots)),
+        });
+    }
+
     pub(super) fn draw_plots(&mut self, report: &mut Report) -> Result<(), PostError> {
         let plots = Figures {
             scene: &self.scene,
@@ -54,10 +66,10 @@ impl Post {
         }
         .plots();
         for plot in plots {
-            let sheet = plot.sheet(&self.scene.post.figures);
-            let sheet = sheet.map_err(|e| draw_error(&plot.title, &e))?;
+            let drawn = plot.drawn(&self.scene.post.figures);
+            let (sheet, axes) = drawn.map_err(|e| draw_error(&plot.title, &e))?;
             let svg = self.write_figure(&sheet, &format!("plots/{}", plot.file_name()))?;
-            report.plots.push(svg);
+            report.plots.push(Chart { svg, axes, plot });
         }
         Ok(())
     }

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use self::instants::Instants;
 use super::canvas::Canvas;
 use super::field::Field;
+use super::player::{Player, Shot};
 use super::report::Report;
 use super::section::Section;
 use crate::measure::answer;
@@ -96,6 +97,8 @@ pub struct Post {
     shift: f64,
     panels: Instants,
     fields: Instants,
+    player: Player,
+    shots: Vec<Shot>,
     sections: Vec<(Section, Option<Canvas>)>,
     /// Largest height of the crown so far, with its frame of the part: for the title picture.
     best: Option<(f64, Frame)>,
@@ -108,6 +111,7 @@ pub struct Post {
 struct Asked {
     panel: bool,
     field: bool,
+    shot: bool,
 }
 
 /// Results of a frame: its row, the start values, its pictures.
@@ -115,6 +119,7 @@ struct Look {
     measured: (Row, Start),
     panel: Option<(Section, Option<Canvas>)>,
     field: Option<Field>,
+    shot: Option<Shot>,
 }
 
 impl Post {
@@ -138,7 +143,6 @@ impl Post {
         Ok(Post {
             scene: scene.clone(),
             unfold: Unfold::new(&part),
-            part,
             out: out.to_owned(),
             gauge,
             series: Series::default(),
@@ -148,11 +152,14 @@ impl Post {
             shift: contact_time(scene),
             panels: Instants::new(&scene.post.panels, interval),
             fields: Instants::new(&scene.post.fields, interval),
+            player: Player::new(&part),
+            shots: Vec::new(),
             sections: Vec::new(),
             best: None,
             averages: Vec::new(),
             files: vec![PathBuf::from("measures.csv")],
             remarks: Vec::new(),
+            part,
         })
     }
 
@@ -186,7 +193,9 @@ impl Post {
 
     /// `parts`: the same frames of the part that was simulated.
     fn measure(&mut self, frames: &[Frame], parts: &[Frame]) -> Result<(), PostError> {
-        let asked: Result<Vec<Asked>, PostError> = frames.iter().map(|f| self.ask(f)).collect();
+        let count = self.series.len() as u64;
+        let numbered = frames.iter().zip(count..);
+        let asked: Result<Vec<Asked>, PostError> = numbered.map(|(f, n)| self.ask(f, n)).collect();
         let looks: Vec<Look> = frames
             .par_iter()
             .zip(parts)
@@ -206,11 +215,13 @@ impl Post {
                 self.keep_best(part, &row);
             }
             self.averages.extend(look.field);
+            self.shots.extend(look.shot);
         }
         Ok(())
     }
 
-    fn ask(&mut self, frame: &Frame) -> Result<Asked, PostError> {
+    /// `number`: of the frame, from 0.
+    fn ask(&mut self, frame: &Frame, number: u64) -> Result<Asked, PostError> {
         let now = frame.time;
         if let Some(before) = self.last.replace(now).filter(|before| now <= *before) {
             return Err(PostError::Order { before, now });
@@ -218,6 +229,7 @@ impl Post {
         Ok(Asked {
             panel: self.panels.take(now),
             field: self.fields.take(now),
+            shot: self.player.shows(number),
         })
     }
 
@@ -233,6 +245,7 @@ impl Post {
         Look {
             measured: self.gauge.look(frame, before),
             field: asked.field.then(field),
+            shot: asked.shot.then(|| self.player.shot(part)).flatten(),
             panel,
         }
     }
@@ -267,6 +280,7 @@ impl Post {
             ..Report::default()
         };
         self.draw_title(&mut report)?;
+        self.draw_player(&mut report);
         self.draw_plots(&mut report)?;
         self.draw_panels(&mut report)?;
         self.draw_fields(&mut report)?;

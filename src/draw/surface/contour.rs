@@ -10,7 +10,7 @@ use super::Field;
 
 /// Lines between points of the half-plane, the liquid to their left.
 #[derive(Default)]
-pub(super) struct Contour {
+pub struct Contour {
     /// Distance from the axis and height, m.
     pub points: Vec<[f32; 2]>,
     /// From point to point.
@@ -19,7 +19,7 @@ pub(super) struct Contour {
 
 impl Field {
     /// The outline of the surface.
-    pub(super) fn contour(&self, level: f32) -> Contour {
+    pub fn contour(&self, level: f32) -> Contour {
         let mut contour = Contour::default();
         let mut known = HashMap::new();
         self.lines(level, |line| {

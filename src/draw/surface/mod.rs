@@ -9,6 +9,7 @@
 //! rings is that of their half-plane, a [field of revolution](Field::revolved).
 
 mod blob;
+mod coarse;
 mod contour;
 mod mesh;
 mod points;
@@ -17,6 +18,8 @@ mod smooth;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
+
+pub use self::contour::Contour;
 
 use self::blob::{Blob, EXTENT, REACH, blobs};
 use self::points::Points;
@@ -85,11 +88,21 @@ impl Field {
     ///
     /// Particles that are not finite are left out. `None` if none is left.
     pub fn new(scene: &Scene, frame: &Frame, colours: &[[f32; 3]]) -> Option<Field> {
+        Field::with_nodes(scene, frame, colours, 0.5 * scene.spacing)
+    }
+
+    /// The same with nodes `cell` m apart.
+    pub fn with_nodes(
+        scene: &Scene,
+        frame: &Frame,
+        colours: &[[f32; 3]],
+        cell: f64,
+    ) -> Option<Field> {
         let is_flat = scene.dimension == Dimension::Two;
         let spacing = scene.spacing as f32;
         let margin = (EXTENT + REACH).min(8.0) * spacing;
         let points = Points::new(&scene.domain, &frame.position, margin, REACH * spacing);
-        let mut field = Field::empty(scene, frame, 0.5 * scene.spacing)?;
+        let mut field = Field::empty(scene, frame, cell)?;
         let blobs = blobs(&points, spacing, is_flat);
         field.sum(&blobs, &points.source, colours);
         field.smooth(0.0);

@@ -1,7 +1,37 @@
 //! The report: one self-contained page, without other files or a network.
 
-use base64::Engine;
 use std::fmt::Write;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::player::{Kind, Shot};
+use super::plot::{Axes, Plot};
+
+/// A plot that answers to the pointer.
+pub struct Chart {
+    /// SVG text.
+    pub svg: String,
+    /// Where its axes are.
+    pub axes: Axes,
+    /// What it shows.
+    pub plot: Plot,
+}
+
+/// The liquid at some instants.
+pub struct Film {
+    /// What the shots are.
+    pub kind: Kind,
+    /// Edges of the box, m.
+    pub size: [f64; 3],
+    /// Particle spacing, m.
+    pub spacing: f64,
+    /// What plots count time from, s.
+    pub shift: f64,
+    /// In the order of time.
+    pub shots: Vec<Shot>,
+}
 
 /// What the page shows.
 #[derive(Default)]
@@ -22,8 +52,10 @@ pub struct Report {
     pub is_axial: bool,
     /// PNG file that opens the page.
     pub picture: Option<Vec<u8>>,
-    /// SVG texts.
-    pub plots: Vec<String>,
+    /// Measures against time.
+    pub plots: Vec<Chart>,
+    /// What the player shows; without a shot there is none.
+    pub player: Option<Film>,
     /// Caption and PNG files, one row of pictures each.
     pub panels: Vec<(String, Vec<Vec<u8>>)>,
     /// Caption and SVG text.
@@ -32,35 +64,9 @@ pub struct Report {
     pub provenance: Vec<(String, String)>,
 }
 
-const STYLE: &str = "
-:root{color-scheme:light dark;--ink:#1d232b;--soft:#5c6672;--page:#f5f6f8;--card:#fff;
---line:#dfe3e8}
-@media(prefers-color-scheme:dark){:root{--ink:#e6e9ed;--soft:#9aa5b1;--page:#15181c;--card:#1f2429;
---line:#343b43}}
-*{box-sizing:border-box}
-body{margin:0;background:var(--page);color:var(--ink);
-font:16px/1.5 system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif}
-main{max-width:1180px;margin:0 auto;padding:28px 20px 60px}
-h1{font-size:1.75rem;line-height:1.25;margin:.2em 0 .1em}
-h2{font-size:1.2rem;margin:2.2em 0 .7em;padding-bottom:.25em;border-bottom:1px solid var(--line)}
-h3{font-size:.95rem;margin:0 0 .4em;color:var(--soft);font-weight:600}
-p{margin:.4em 0}.soft{color:var(--soft)}
-.grid{display:grid;gap:16px;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr))}
-.card{background:var(--card);border:1px solid var(--line);border-radius:8px;padding:14px 16px;
-overflow-x:auto}
-figure{margin:0;background:#fff;border:1px solid var(--line);border-radius:8px;padding:8px;
-overflow:hidden}
-figure svg,figure img{display:block;width:100%;height:auto}
-figcaption{color:#333a43;font-size:.9rem;padding:2px 4px 6px}
-.row{display:grid;gap:8px;grid-template-columns:repeat(auto-fit,minmax(min(100%,430px),1fr));
-align-items:end}
-table{border-collapse:collapse;width:100%;font-size:.93rem}
-td,th{text-align:left;padding:3px 12px 3px 0;vertical-align:top}
-th{color:var(--soft);font-weight:600}td.n{white-space:nowrap;font-variant-numeric:tabular-nums}
-tr+tr td{border-top:1px solid var(--line)}
-code{font:.86em ui-monospace,'DejaVu Sans Mono',monospace;overflow-wrap:anywhere;
-white-space:pre-wrap}
-";
+/// How it looks, and what answers to a reader.
+const STYLE: &str = include_str!("report.css");
+const SCRIPT: &str = include_str!("report.js");
 
 impl Report {
     /// The page as HTML.
@@ -86,18 +92,89 @@ impl Report {
             put_image(&mut page, png, &self.title);
             page.push_str("</figure>\n");
         }
+        self.put_player(&mut page);
         self.put_results(&mut page);
         self.put_plots(&mut page);
         self.put_pictures(&mut page);
         self.put_numbers(&mut page);
         self.put_look(&mut page);
         self.put_provenance(&mut page);
+        // Within a script only `</` could end it.
+        let data = self.data().to_string().replace("</", "<\\/");
+        put(
+            &mut page,
+            format_args!(
+                "<script type=\"application/json\" id=\"data\">{data}</script>\n\
+                 <script>\n{SCRIPT}</script>\n"
+            ),
+        );
         page.push_str("</main></body></html>\n");
         page
     }
 
+    /// What the script reads.
+    fn data(&self) -> Value {
+        let short = |v: f64| match v.is_finite() {
+            true => json!(format!("{v:.5e}").parse::<f64>().unwrap_or(v)),
+            false => Value::Null,
+        };
+        let charts = self.plots.iter().map(|chart| {
+            let curves = chart.plot.curves.iter().map(|curve| {
+                let points = curve.points.iter().map(|p| p.map(short));
+                json!({ "label": curve.label, "points": points.collect::<Vec<_>>() })
+            });
+            json!({
+                "x": chart.plot.x,
+                "y": chart.plot.y,
+                "values": chart.axes.values,
+                "places": chart.axes.places,
+                "curves": curves.collect::<Vec<_>>(),
+            })
+        });
+        let film = self.player.as_ref().map(|film| {
+            let shots = film.shots.iter().map(|shot| {
+                json!({
+                    "ms": short(1e3 * (shot.time - film.shift)),
+                    "low": shot.low,
+                    "size": shot.size,
+                    "points": shot.points,
+                    "faces": shot.faces,
+                    "data": STANDARD.encode(&shot.bytes),
+                })
+            });
+            json!({
+                "kind": film.kind.name(),
+                "size": film.size,
+                "spacing": film.spacing,
+                "shots": shots.collect::<Vec<_>>(),
+            })
+        });
+        json!({ "charts": charts.collect::<Vec<_>>(), "film": film })
+    }
+
+    /// Hidden until the script finds that it can draw.
+    fn put_player(&self, page: &mut String) {
+        if self
+            .player
+            .as_ref()
+            .is_none_or(|film| film.shots.is_empty())
+        {
+            return;
+        }
+        page.push_str(
+            "<figure id=\"player\" hidden><canvas tabindex=\"0\" aria-label=\"the liquid, to be \
+             turned\"></canvas>\n<div class=\"bar\"><button type=\"button\" id=\"play\">Play</button>\
+             <input type=\"range\" id=\"time\" min=\"0\" step=\"1\" aria-label=\"time\">\
+             <output id=\"clock\"></output></div>\n<figcaption>Drag to turn, pinch or use the wheel to \
+             come closer.</figcaption></figure>\n",
+        );
+    }
+
     fn put_results(&self, page: &mut String) {
-        page.push_str("<h2>Results</h2>\n<div class=\"grid\"><div class=\"card\"><table>\n");
+        page.push_str(
+            "<h2>Results <button type=\"button\" id=\"copy\" hidden>Copy</button></h2>\n\
+             <div class=\"grid\"><div class=\"card\"><table id=\"results\">\n",
+        );
         for (name, value) in &self.results {
             let (name, value) = (escape(name), escape(value));
             put(
@@ -141,8 +218,12 @@ impl Report {
 
     fn put_plots(&self, page: &mut String) {
         page.push_str("<h2>Measures against time</h2>\n<div class=\"grid\">\n");
-        for svg in &self.plots {
-            put(page, format_args!("<figure>{svg}</figure>\n"));
+        for Chart { svg, .. } in &self.plots {
+            let under = "<p class=\"read\" aria-live=\"polite\"></p>";
+            put(
+                page,
+                format_args!("<figure class=\"chart\">{svg}{under}</figure>\n"),
+            );
         }
         page.push_str(
             "</div>\n<p class=\"soft\">The numbers are in <code>measures.csv</code> beside this \
@@ -243,7 +324,7 @@ fn put(page: &mut String, text: std::fmt::Arguments) {
 
 fn put_image(page: &mut String, png: &[u8], caption: &str) {
     page.push_str("<img loading=\"lazy\" src=\"data:image/png;base64,");
-    base64::engine::general_purpose::STANDARD.encode_string(png, page);
+    STANDARD.encode_string(png, page);
     put(page, format_args!("\" alt=\"{}\">", escape(caption)));
 }
 

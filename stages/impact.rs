@@ -6,6 +6,7 @@
 //! at or after it); a result contains every frame up to its last instant. So the frames of a shorter run are exactly the first frames of a longer one,
 //! with any interruptions.
 
+use coronet::measure::series::Row;
 use coronet::measure::{gauge, loss};
 use coronet::method::frame::Schedule;
 use coronet::method::{self, Phase, Solver};
@@ -120,8 +121,9 @@ impl Impact<'_> {
         if let Err(error) = self.advance(context, solver.as_mut(), &mut frames) {
             return Err(Trouble::Stage(first_cause(error, frames.log)));
         }
-        if let Some(stop) = &frames.stop {
-            context.note(stop.note(solver.time(), self.input.impact.end));
+        if frames.stop.has_conditions() {
+            let note = frames.stop.note(solver.time(), self.input.impact.end);
+            context.note(note);
         }
         let end = frames.checkpoint(solver.as_ref());
         let taken = frames.taken;
@@ -257,12 +259,15 @@ impl Impact<'_> {
 
     fn write_layout(&self, context: &Context, solver: &dyn Solver) -> Result<(), StageError> {
         let scene = &self.input.problem;
-        let scalars = solver.frame().scalars;
+        let frame = solver.frame();
+        let figures = Stop::new(&self.input, None).look(&frame);
+        let names = |row: Row| row.into_iter().map(|(name, _)| name).collect();
         let layout = Layout {
             bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
             size: scene.domain.size,
             is_axial: scene.domain.is_axial(),
-            scalars: scalars.into_iter().map(|(name, _)| name).collect(),
+            figures: names(figures),
+            scalars: names(frame.scalars),
         };
         Ok(write_file(
             &context.output().join(LAYOUT),

@@ -72,7 +72,7 @@ pub mod version {
 
     /// Of what the log of an impact holds besides the particles.
     pub fn log() -> Setting {
-        part("log", 2)
+        part("log", 3)
     }
 
     fn part(name: &str, version: u32) -> Setting {

@@ -31,7 +31,7 @@ pub struct Start {
     pub state: State,
     pub next: u64,
     pub taken: u64,
-    /// What is known of the frames so far, if conditions can end the run.
+    /// What is known of the frames so far.
     pub past: Option<Past>,
     /// Begin after t = 0.
     pub resumed: bool,
@@ -66,8 +66,8 @@ pub struct Frames {
     pub taken: u64,
     pub error: Option<LogError>,
     pub watch: loss::Watch,
-    /// What can end the run before its end.
-    pub stop: Option<Stop>,
+    /// Measures frames, which can end the run.
+    pub stop: Stop,
     /// Remark about the last frame.
     pub warning: Option<String>,
 }
@@ -82,16 +82,14 @@ impl Frames {
         let frame = solver.frame();
         let warning = self.watch.look(time, &frame.scalars);
         self.warning = warning.or(self.warning.take());
-        if let Some(stop) = &mut self.stop {
-            stop.look(&frame);
-        }
-        self.error = self.log.frame(frame).err();
+        let figures = self.stop.look(&frame);
+        self.error = self.log.measured(frame, figures).err();
         self.taken += 1;
     }
 
     /// Whether a condition has ended the run.
     pub fn is_stopped(&self) -> bool {
-        self.stop.as_ref().is_some_and(Stop::is_met)
+        self.stop.is_met()
     }
 
     pub fn check(&mut self) -> Result<(), StageError> {
@@ -104,9 +102,7 @@ impl Frames {
         let mut checkpoint = Checkpoint::from(solver.state());
         checkpoint.scalars.push((NEXT.into(), self.due.next as f64));
         checkpoint.scalars.push((TAKEN.into(), self.taken as f64));
-        if let Some(stop) = &self.stop {
-            stop.keep(&mut checkpoint);
-        }
+        self.stop.keep(&mut checkpoint);
         checkpoint
     }
 }
@@ -115,7 +111,7 @@ impl Frames {
 pub fn start(checkpoint: Checkpoint) -> Option<Start> {
     let next = checkpoint.scalar(NEXT)? as u64;
     let taken = checkpoint.scalar(TAKEN)? as u64;
-    let past = Past::read(&checkpoint);
+    let past = Some(Past::read(&checkpoint)?);
     Some(Start {
         state: State::try_from(checkpoint).ok()?,
         past,

@@ -1,10 +1,12 @@
-//! Watches the frames of a running impact for the conditions of `impact.stop_when`.
+//! Measures the frames of a running impact: figures for its log, and for the conditions of
+//! `impact.stop_when`.
 //!
 //! Only frames decide, so that a run ends at the same instant through any interruption: a
 //! checkpoint keeps what is known of the frames before it.
 
 use coronet::measure::ending::{Ending, Memory};
-use coronet::measure::gauge::{Gauge, Start};
+use coronet::measure::gauge::Gauge;
+use coronet::measure::series::Row;
 use coronet::measure::whole::Unfold;
 use coronet::particle::Frame;
 use coronet::record::Checkpoint;
@@ -20,7 +22,7 @@ pub const CONDITIONS: &str = "impact.stop_when";
 /// Start of the names of its scalars in a checkpoint.
 const STOP: &str = "stop/";
 /// Initial level of the pool above the floor, m; NaN: there is none.
-const LEVEL: &str = "stop/level";
+const LEVEL: &str = "frames/level";
 
 /// Measures frames as the evaluation does.
 pub struct Stop {
@@ -32,48 +34,49 @@ pub struct Stop {
 /// What a checkpoint keeps.
 pub struct Past {
     level: f64,
-    memory: Memory,
+    /// If conditions can end the run.
+    memory: Option<Memory>,
 }
 
 impl Past {
-    /// `None` if the run had no conditions.
+    /// `None` if the checkpoint is not one of an impact.
     pub fn read(checkpoint: &Checkpoint) -> Option<Past> {
         Some(Past {
             level: checkpoint.scalar(LEVEL)?,
-            memory: Memory::of(|name| checkpoint.scalar(&format!("{STOP}{name}")))?,
+            memory: Memory::of(|name| checkpoint.scalar(&format!("{STOP}{name}"))),
         })
     }
 }
 
 impl Stop {
-    /// `None` without conditions; `past`: of the frames so far.
-    pub fn new(input: &ImpactInput, past: Option<Past>) -> Option<Stop> {
-        let conditions = &input.impact.stop_when;
-        if conditions.is_empty() {
-            return None;
-        }
+    /// `past`: of the frames so far.
+    pub fn new(input: &ImpactInput, past: Option<Past>) -> Stop {
         let scene = input.scene();
         let mut gauge = Gauge::new(&scene.whole());
         let level = past.as_ref().map(|past| past.level);
-        gauge.start = Start {
-            level: level.filter(|level| !level.is_nan()),
-            ..Start::default()
-        };
-        let memory = past.map_or(Memory::default(), |past| past.memory);
-        Some(Stop {
+        gauge.start.level = level.filter(|level| !level.is_nan());
+        let memory = past.and_then(|past| past.memory).unwrap_or_default();
+        Stop {
             unfold: Unfold::new(&scene),
             gauge,
-            ending: Ending::new(conditions, scene.spacing, memory),
-        })
+            ending: Ending::new(&input.impact.stop_when, scene.spacing, memory),
+        }
     }
 
-    /// Looks at the next frame.
-    pub fn look(&mut self, frame: &Frame) {
-        if self.is_met() {
-            return;
+    /// Figures of the next frame.
+    pub fn look(&mut self, frame: &Frame) -> Row {
+        let figures = self.gauge.figures(&self.unfold.whole(frame));
+        if self.has_conditions() && !self.is_met() {
+            let time = [("time_s".to_string(), frame.time)];
+            let scalars = frame.scalars.iter().chain(&time).chain(&figures);
+            self.ending.look(&scalars.cloned().collect());
         }
-        let row = self.gauge.measure(&self.unfold.whole(frame));
-        self.ending.look(&row);
+        figures
+    }
+
+    /// Whether a frame can end the run.
+    pub fn has_conditions(&self) -> bool {
+        self.ending.has_conditions()
     }
 
     /// Whether the run ends.
@@ -85,6 +88,9 @@ impl Stop {
     pub fn keep(&self, checkpoint: &mut Checkpoint) {
         let level = self.gauge.start.level.unwrap_or(f64::NAN);
         checkpoint.scalars.push((LEVEL.into(), level));
+        if !self.has_conditions() {
+            return;
+        }
         let numbers = self.ending.memory().numbers().into_iter();
         let named = numbers.map(|(name, number)| (format!("{STOP}{name}"), number));
         checkpoint.scalars.extend(named);

@@ -129,6 +129,11 @@ impl Ending {
         }
     }
 
+    /// Whether a frame can meet any.
+    pub fn has_conditions(&self) -> bool {
+        !self.conditions.is_empty()
+    }
+
     /// What it knows of the frames so far.
     pub fn memory(&self) -> Memory {
         self.memory

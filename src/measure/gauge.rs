@@ -241,6 +241,21 @@ impl Gauge {
         (row.0, start)
     }
 
+    /// What the shape of the liquid is: the columns that need the particles of a frame alone. The
+    /// first frame sets the level in [`Gauge::start`].
+    pub fn figures(&mut self, frame: &Frame) -> Row {
+        let mut row = Table::default();
+        if !matches!(self.kind, Kind::Bulk) {
+            let scene = &self.scene;
+            let (domain, spacing) = (&scene.domain, scene.spacing);
+            let raster = Raster::new(scene.dimension, domain, spacing, &frame.position);
+            let mut level = self.start.level;
+            self.measure_region(&Region::new(&raster), frame, &mut level, &mut row);
+            self.start.level = level;
+        }
+        row.0
+    }
+
     fn measure_region(
         &self,
         region: &Region,

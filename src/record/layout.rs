@@ -4,8 +4,6 @@
 
 use serde_json::{Value, json};
 
-use crate::scene::Scene;
-
 /// What the layout shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
@@ -15,7 +13,9 @@ pub struct Layout {
     pub size: [f64; 3],
     /// Whether the box is the half-plane beside an axis.
     pub is_axial: bool,
-    /// Names of the scalars of a frame, with unit suffix.
+    /// Names of the figures of a frame, with unit suffix.
+    pub figures: Vec<String>,
+    /// Names of the scalars of a frame, likewise.
     pub scalars: Vec<String>,
 }
 
@@ -24,26 +24,16 @@ const COLOURS: [&str; 6] = [
 ];
 
 impl Layout {
-    /// Layout for the log of `scene`, whose frames have these scalars.
-    pub fn new(scene: &Scene, scalars: Vec<String>) -> Self {
-        Layout {
-            bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
-            size: scene.domain.size,
-            is_axial: scene.domain.is_axial(),
-            scalars,
-        }
-    }
-
-    /// Text of the layout file: the 3-D view at the left, a plot for each unit of the scalars at
-    /// the right.
+    /// Text of the layout file: the 3-D view at the left, a plot for each unit of the figures and
+    /// of the scalars at the right.
     pub fn json(&self) -> String {
         let plots = self.plots();
         let mut panels = serde_json::Map::new();
         panels.insert("3D!coronet".into(), self.view());
         let mut column = Value::Null;
-        for (index, (unit, names)) in plots.iter().enumerate().rev() {
+        for (index, (unit, paths)) in plots.iter().enumerate().rev() {
             let id = format!("Plot!{index}");
-            panels.insert(id.clone(), plot(unit, names));
+            panels.insert(id.clone(), plot(unit, paths));
             column = match column {
                 Value::Null => json!(id),
                 rest => json!({
@@ -123,31 +113,36 @@ impl Layout {
         })
     }
 
-    /// Unit and names of the scalars that share it, in the order of first appearance.
+    /// Unit and paths of the numbers of a topic that share it, in the order of first appearance.
     fn plots(&self) -> Vec<(String, Vec<String>)> {
-        let mut plots: Vec<(String, Vec<String>)> = Vec::new();
-        for name in &self.scalars {
-            let unit = name.rsplit_once('_').map_or("", |(_, unit)| unit);
-            match plots.iter_mut().find(|(known, _)| known == unit) {
-                Some((_, names)) => names.push(name.clone()),
-                None => plots.push((unit.to_string(), vec![name.clone()])),
+        let mut plots = Vec::new();
+        for (topic, names) in [("figures", &self.figures), ("measures", &self.scalars)] {
+            let first = plots.len();
+            for name in names {
+                let path = format!("/{topic}.{name}");
+                let unit = name.rsplit_once('_').map_or("", |(_, unit)| unit);
+                let known: &mut Vec<(String, Vec<String>)> = &mut plots;
+                match known[first..].iter_mut().find(|(known, _)| known == unit) {
+                    Some((_, paths)) => paths.push(path),
+                    None => known.push((unit.to_string(), vec![path])),
+                }
             }
         }
         plots
     }
 }
 
-fn plot(unit: &str, names: &[String]) -> Value {
-    let path = |(index, name): (usize, &String)| {
+fn plot(unit: &str, paths: &[String]) -> Value {
+    let path = |(index, path): (usize, &String)| {
         json!({
-            "value": format!("/measures.{name}"),
-            "label": name,
+            "value": path,
+            "label": path.rsplit('.').next(),
             "enabled": true,
             "timestampMethod": "receiveTime",
             "color": COLOURS[index % COLOURS.len()],
         })
     };
-    let paths: Vec<_> = names.iter().enumerate().map(path).collect();
+    let paths: Vec<_> = paths.iter().enumerate().map(path).collect();
     json!({
         "title": unit,
         "paths": paths,

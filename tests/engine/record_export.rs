@@ -353,6 +353,7 @@ fn the_layout_shows_every_body_and_plots_every_scalar() {
         bodies: vec!["drop".into(), "pool".into()],
         size: [0.04, 0.04, 0.02],
         is_axial: false,
+        figures: vec!["crater_depth_m".into(), "crown_height_m".into()],
         scalars: ["kinetic_energy_J", "time_step_s", "potential_energy_J"]
             .map(Into::into)
             .into(),
@@ -365,7 +366,7 @@ fn the_layout_shows_every_body_and_plots_every_scalar() {
     }
     // The stock camera sees nothing nearer than 0.5 m; the box is 0.04 m long.
     assert!(view["cameraState"]["near"].as_f64().unwrap() < 0.001);
-    let plots: Vec<Vec<_>> = (0..2)
+    let plots: Vec<Vec<_>> = (0..3)
         .map(|k| {
             let paths = json["configById"][format!("Plot!{k}")]["paths"]
                 .as_array()
@@ -377,7 +378,8 @@ fn the_layout_shows_every_body_and_plots_every_scalar() {
         })
         .collect();
     let energies = vec!["/measures.kinetic_energy_J", "/measures.potential_energy_J"];
-    assert_eq!(plots, [energies, vec!["/measures.time_step_s"]]);
+    let figures = vec!["/figures.crater_depth_m", "/figures.crown_height_m"];
+    assert_eq!(plots, [figures, energies, vec!["/measures.time_step_s"]]);
     // Every panel of the tree is configured.
     let tree = json["layout"].to_string();
     for id in json["configById"].as_object().unwrap().keys() {

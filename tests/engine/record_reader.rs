@@ -51,12 +51,21 @@ fn run(command: &mut Command) -> Vec<u8> {
     output.stdout
 }
 
+/// Figures of frame `k`; a height that is not known.
+fn figures(k: usize) -> Vec<(String, f64)> {
+    let named = [
+        ("crater_depth_m", k as f64 * 1e-3),
+        ("jet_height_m", f64::NAN),
+    ];
+    named.map(|(name, value)| (name.to_string(), value)).into()
+}
+
 #[test]
 fn a_reader_of_another_language_decodes_every_frame() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = LogWriter::create(folder.path(), 0, None, &setup()).unwrap();
     for k in 0..7 {
-        writer.frame(frame(k)).unwrap();
+        writer.measured(frame(k), figures(k)).unwrap();
     }
     writer.finish().unwrap();
     let log = folder.path().join("log.mcap");
@@ -117,5 +126,14 @@ fn a_reader_of_another_language_decodes_every_frame() {
     assert_eq!(found["attachments"]["pipeline.toml"], setup().scene_text);
     assert_eq!(found["metadata"]["coronet"]["time_scale"], "2");
     assert_eq!(found["metadata"]["bodies"]["001"], "#285ac8 pool");
-    assert_eq!(found["message_count"], 2 + 7 * 4);
+    assert_eq!(found["schemas"]["/figures"], "coronet.Figures");
+    let names = [names[0], names[1], "crater_depth_m", "jet_height_m"];
+    assert_eq!(found["figure_names"], Value::from(names.to_vec()));
+    for k in 0..7 {
+        let read = &found["figures"][k];
+        assert_eq!(read[0], found["measures"][k][0]);
+        assert_eq!(read[2].as_f64(), Some(k as f64 * 1e-3));
+        assert!(read[3].is_null());
+    }
+    assert_eq!(found["message_count"], 2 + 7 * 5);
 }

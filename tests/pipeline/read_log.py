@@ -30,7 +30,7 @@ def columns(cloud):
 
 
 def main(path):
-    found = {"clouds": {}, "measures": [], "transforms": [], "schemas": {}}
+    found = {"clouds": {}, "measures": [], "figures": [], "transforms": [], "schemas": {}}
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()], validate_crcs=True)
         for schema, channel, message, decoded in reader.iter_decoded_messages():
@@ -47,12 +47,13 @@ def main(path):
                 cloud["counts"].append(len(values["x"]))
                 cloud["id_sums"].append(sum(values.get("id", [])))
                 cloud["x_sums"].append(sum(values["x"]))
-            elif channel.topic == "/measures":
+            elif channel.topic in ("/measures", "/figures"):
                 names = [field.name for field in decoded.DESCRIPTOR.fields]
-                found["measure_names"] = names
+                kind = channel.topic[1:]
+                found[kind[:-1] + "_names"] = names
                 values = [getattr(decoded, name) for name in names]
                 # JSON has no NaN.
-                found["measures"].append([None if v != v else v for v in values])
+                found[kind].append([None if v != v else v for v in values])
             elif schema.name == "foxglove.FrameTransform":
                 found["transforms"].append([decoded.parent_frame_id, decoded.child_frame_id])
         found["attachments"] = {a.name: a.data.decode() for a in reader.iter_attachments()}

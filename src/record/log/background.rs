@@ -8,6 +8,7 @@ use std::thread::JoinHandle;
 
 use super::output::{self, Output};
 use super::{LogError, LogSetup, Tap, merge};
+use crate::measure::series::Row;
 use crate::particle::Frame;
 use crate::record::atomic::{self, FileError};
 
@@ -15,7 +16,7 @@ use crate::record::atomic::{self, FileError};
 const QUEUE: usize = 2;
 
 enum Order {
-    Frame(Box<Frame>),
+    Frame(Box<Frame>, Row),
     /// Make all earlier frames durable, record the time of the checkpoint, answer.
     Flush(f64, SyncSender<()>),
 }
@@ -107,7 +108,16 @@ impl LogWriter {
     /// # Errors
     /// If the frame does not fit the log, or an earlier write failed.
     pub fn frame(&mut self, frame: Frame) -> Result<(), LogError> {
-        self.send(Order::Frame(Box::new(frame)))
+        self.measured(frame, Row::new())
+    }
+
+    /// Adds a frame with figures of the shape of the liquid: names and values, the same names in
+    /// every frame. Waits only if the disk is slower than the solver.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame).
+    pub fn measured(&mut self, frame: Frame, figures: Row) -> Result<(), LogError> {
+        self.send(Order::Frame(Box::new(frame), figures))
     }
 
     /// Starts to make all frames so far durable. A checkpoint of simulated time `time`, s, must not
@@ -165,12 +175,12 @@ fn write_all(
     setup: &LogSetup,
     queue: &Receiver<Order>,
 ) -> Result<u64, LogError> {
-    let mut schema = None;
+    let mut schemas = output::Schemas::default();
     let mut frames = 0;
     for order in queue {
         match order {
-            Order::Frame(frame) => {
-                output::write_frame(&mut output, setup, &mut schema, &frame)?;
+            Order::Frame(frame, figures) => {
+                output::write_frame(&mut output, setup, &mut schemas, &frame, &figures)?;
                 frames += 1;
             }
             Order::Flush(time, done) => {

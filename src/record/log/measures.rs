@@ -1,14 +1,16 @@
-//! The scalars of a frame as a self-describing protobuf message: `coronet.Measures`, one `double`
-//! field for each scalar, after `time_s` (the exact simulated time) and `time_after_contact_s` (NaN
-//! before the contact of the drop, and where nothing meets). Viewers plot
-//! `/measures.kinetic_energy_J`.
+//! Numbers of a frame as a self-describing protobuf message: `coronet.Measures` of the scalars of
+//! the solver, `coronet.Figures` of the shape of the liquid. One `double` field for each, after
+//! `time_s` (the exact simulated time) and `time_after_contact_s` (NaN before the contact of the
+//! drop, and where nothing meets). Viewers plot `/measures.kinetic_energy_J`.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 
-/// Name of the message.
+/// Name of the message of scalars.
 pub const NAME: &str = "coronet.Measures";
+/// Name of the message of figures.
+pub const FIGURES: &str = "coronet.Figures";
 
 const TIME: &str = "time_s";
 const AFTER: &str = "time_after_contact_s";
@@ -50,8 +52,9 @@ impl Schema {
         scalars.iter().map(|(name, _)| name).eq(&self.names)
     }
 
-    /// The `FileDescriptorSet` that readers decode messages with.
-    pub fn descriptor(&self) -> Vec<u8> {
+    /// The `FileDescriptorSet` that readers decode messages with; `name`: of the message.
+    pub fn descriptor(&self, name: &str) -> Vec<u8> {
+        let (package, short) = name.split_once('.').unwrap_or(("coronet", name));
         let times = [TIME, AFTER].into_iter();
         let names = times.chain(self.names.iter().map(String::as_str));
         let field = |(index, name): (usize, &str)| FieldDescriptorProto {
@@ -63,13 +66,13 @@ impl Schema {
             ..FieldDescriptorProto::default()
         };
         let message = DescriptorProto {
-            name: Some("Measures".into()),
+            name: Some(short.into()),
             field: names.enumerate().map(field).collect(),
             ..DescriptorProto::default()
         };
         let file = FileDescriptorProto {
-            name: Some("coronet/Measures.proto".into()),
-            package: Some("coronet".into()),
+            name: Some(format!("{package}/{short}.proto")),
+            package: Some(package.into()),
             message_type: vec![message],
             syntax: Some("proto3".into()),
             ..FileDescriptorProto::default()

@@ -7,6 +7,7 @@
 //! | `/wall` | `foxglove.PointCloud` | once, if there are walls |
 //! | `/body/NAME` | `foxglove.PointCloud`, one for each body | every frame |
 //! | `/revolved` | `foxglove.PointCloud`, the body of revolution, for viewers | frames of rings |
+//! | `/figures` | `coronet.Figures`: crater, crown, spread ..., after two times | every frame, but not of a box that is full |
 //! | `/measures` | `coronet.Measures`, one double for each scalar, after two times | every frame |
 //!
 //! Log time is simulated time x `time_scale`, in nanoseconds. Metadata: `coronet` (format, spacing,

@@ -12,6 +12,7 @@ use mcap::{Attachment, WriteOptions};
 use prost::Message as _;
 
 use super::{LogError, LogSetup, Message, REVOLVED, Tap, cloud, log_time, measures};
+use crate::measure::series::Row;
 use crate::particle::Frame;
 use crate::record::atomic::FileError;
 use crate::scene::Clock;
@@ -219,13 +220,21 @@ pub fn write_setup(output: &mut Output, setup: &LogSetup) -> Result<(), LogError
     Ok(())
 }
 
-/// Writes one frame: a cloud for each body, of rings their body of revolution too, then the
-/// scalars. `schema` is made at the first frame and must be that of the later ones.
+/// Names of the numbers of frames, from the first one on.
+#[derive(Default)]
+pub struct Schemas {
+    figures: Option<measures::Schema>,
+    scalars: Option<measures::Schema>,
+}
+
+/// Writes one frame: a cloud for each body, of rings their body of revolution too, `figures`, then
+/// the scalars.
 pub fn write_frame(
     output: &mut Output,
     setup: &LogSetup,
-    schema: &mut Option<measures::Schema>,
+    schemas: &mut Schemas,
     frame: &Frame,
+    figures: &Row,
 ) -> Result<(), LogError> {
     check(frame, setup)?;
     let time = log_time(frame.time, setup.time_scale);
@@ -239,21 +248,48 @@ pub fn write_frame(
         let bytes = cloud::encode_revolved(frame, setup, time);
         write_foxglove::<PointCloud>(output, REVOLVED, &BTreeMap::new(), time, &bytes)?;
     }
+    let at = (frame.time, Clock::after_contact(frame.time, setup.contact));
+    if !figures.is_empty() {
+        let topic = ("/figures", measures::FIGURES);
+        write_numbers(output, topic, &mut schemas.figures, time, at, figures)?;
+    }
+    let topic = ("/measures", measures::NAME);
+    write_numbers(
+        output,
+        topic,
+        &mut schemas.scalars,
+        time,
+        at,
+        &frame.scalars,
+    )?;
+    output.end_frame()
+}
+
+/// `at`: times from the start and from contact, s.
+fn write_numbers(
+    output: &mut Output,
+    (topic, schema_name): (&str, &str),
+    schema: &mut Option<measures::Schema>,
+    log_time: u64,
+    at: (f64, Option<f64>),
+    numbers: &Row,
+) -> Result<(), LogError> {
     let schema = match schema {
-        Some(schema) if schema.fits(&frame.scalars) => schema,
-        Some(_) => return Err(LogError::Frame("its scalars have other names".into())),
-        None => schema.insert(measures::Schema::new(&frame.scalars).map_err(LogError::Frame)?),
+        Some(schema) if schema.fits(numbers) => schema,
+        Some(_) => {
+            let what = format!("its numbers of {topic} have other names");
+            return Err(LogError::Frame(what));
+        }
+        None => schema.insert(measures::Schema::new(numbers).map_err(LogError::Frame)?),
     };
     let channel = Channel {
-        topic: "/measures",
-        schema_name: measures::NAME,
-        schema: &schema.descriptor(),
+        topic,
+        schema_name,
+        schema: &schema.descriptor(schema_name),
         metadata: &BTreeMap::new(),
     };
-    let after = Clock::after_contact(frame.time, setup.contact);
-    let bytes = measures::Schema::encode(frame.time, after, &frame.scalars);
-    output.message(channel, time, &bytes)?;
-    output.end_frame()
+    let bytes = measures::Schema::encode(at.0, at.1, numbers);
+    output.message(channel, log_time, &bytes)
 }
 
 /// Checks the lengths of the arrays and the bodies of a frame.

@@ -44,8 +44,11 @@ class Frame:
     def is_surface(self) -> NDArray[np.bool_]:
         """Whether particles are at the free surface, shape (n,)."""
     @property
+    def mass(self) -> NDArray[np.float32] | None:
+        """Masses of rings, kg, shape (n,); None where all particles have `particle_mass`."""
+    @property
     def particle_mass(self) -> float | None:
-        """Mass of each particle, kg."""
+        """Mass of each particle, kg; None of rings, which have a `mass` each."""
     def __len__(self) -> int: ...
 
 class Frames(Iterator[Frame]):

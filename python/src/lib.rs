@@ -103,9 +103,19 @@ impl Frame {
         all.into_pyarray(py)
     }
 
-    /// Mass of each particle, kg.
+    /// Masses of rings, kg, shape (n,); None where all particles have `particle_mass`.
+    #[getter]
+    fn mass<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f32>>> {
+        let is_own = !self.0.mass.is_empty();
+        is_own.then(|| PyArray1::from_slice(py, &self.0.mass))
+    }
+
+    /// Mass of each particle, kg; None of rings, which have a `mass` each.
     #[getter]
     fn particle_mass(&self) -> Option<f64> {
+        if !self.0.mass.is_empty() {
+            return None;
+        }
         let mut scalars = self.0.scalars.iter();
         let (_, mass) = scalars.find(|(name, _)| name == "mass_kg")?;
         Some(mass / self.0.id.len() as f64)

@@ -178,13 +178,6 @@ impl Plot {
             let count = size[axis] / (ems * letters.em);
             (count.round() as usize).clamp(3, 9)
         });
-        // Of the step of the marks, the least of 1, 2, 5 times a power of ten that gives so many.
-        let digits = |range: [f64; 2], count: usize| {
-            let least = (range[1] - range[0]) / (count as f64 + 1.0);
-            let power = least.log10().floor();
-            let is_above = least > 5.0 * 10f64.powf(power) * (1.0 + 1e-9);
-            (-power - f64::from(is_above)).clamp(0.0, 9.0) as usize
-        };
         let (dx, dy) = (digits(x, across), digits(y, up));
         let widths = y.map(|end| Weight::Regular.length(&number(end, dy)));
         let mut chart = ChartBuilder::on(&root)
@@ -287,6 +280,15 @@ pub(super) fn legend<'a>(
 fn stroke(curve: &Curve) -> ShapeStyle {
     let [r, g, b] = curve.colour;
     RGBColor(r, g, b).stroke_width(points(1.3))
+}
+
+/// Digits after the point of `count` marks in a range: of their step, the least of 1, 2, 5 times a
+/// power of ten that gives so many.
+fn digits(range: [f64; 2], count: usize) -> usize {
+    let least = (range[1] - range[0]) / (count as f64 + 1.0);
+    let power = least.log10().floor();
+    let is_above = least > 5.0 * 10f64.powf(power) * (1.0 + 1e-9);
+    (-power - f64::from(is_above)).clamp(0.0, 9.0) as usize
 }
 
 /// Runs of points without blanks.

@@ -126,8 +126,19 @@ fn a_reader_of_another_language_decodes_every_frame() {
     assert_eq!(found["attachments"]["pipeline.toml"], setup().scene_text);
     assert_eq!(found["metadata"]["coronet"]["time_scale"], "2");
     assert_eq!(found["metadata"]["bodies"]["001"], "#285ac8 pool");
+    check_figures(&found);
+    assert_eq!(found["message_count"], 2 + 7 * 5);
+}
+
+/// The channel of [`figures`].
+fn check_figures(found: &Value) {
     assert_eq!(found["schemas"]["/figures"], "coronet.Figures");
-    let names = [names[0], names[1], "crater_depth_m", "jet_height_m"];
+    let names = [
+        "time_s",
+        "time_after_contact_s",
+        "crater_depth_m",
+        "jet_height_m",
+    ];
     assert_eq!(found["figure_names"], Value::from(names.to_vec()));
     for k in 0..7 {
         let read = &found["figures"][k];
@@ -135,5 +146,4 @@ fn a_reader_of_another_language_decodes_every_frame() {
         assert_eq!(read[2].as_f64(), Some(k as f64 * 1e-3));
         assert!(read[3].is_null());
     }
-    assert_eq!(found["message_count"], 2 + 7 * 5);
 }

@@ -1,6 +1,7 @@
 """A running impact, seen by a client of the Foxglove WebSocket protocol while it runs."""
 
 import asyncio
+import base64
 import csv
 import json
 import os
@@ -19,8 +20,6 @@ MESSAGE = 1  # opcode of a message: then u32 subscription, u64 log time, content
 
 def reader(schema):
     """Class of the messages of a channel, from its schema."""
-    import base64
-
     files = descriptor_pb2.FileDescriptorSet.FromString(base64.b64decode(schema["schema"]))
     pool = descriptor_pool.DescriptorPool()
     for file in files.file:
@@ -31,6 +30,7 @@ def reader(schema):
 async def watch(port):
     """Messages by topic until the server goes, in the order of their arrival."""
     seen, channels = {}, {}
+    unknown = "Unknown channel ID: "
     # It may not listen yet.
     for _ in range(100):
         try:
@@ -44,7 +44,12 @@ async def watch(port):
         async for message in socket:
             if isinstance(message, str):
                 told = json.loads(message)
-                if told["op"] == "advertise":
+                if told["op"] == "status" and told["message"].startswith(unknown):
+                    # The server advertises a channel just before it accepts subscriptions to it.
+                    number = int(told["message"].removeprefix(unknown))
+                    again = {"op": "subscribe", "subscriptions": [{"id": number, "channelId": number}]}
+                    await socket.send(json.dumps(again))
+                elif told["op"] == "advertise":
                     for channel in told["channels"]:
                         channels[channel["id"]] = (channel["topic"], reader(channel))
                     ids = [{"id": c["id"], "channelId": c["id"]} for c in told["channels"]]
@@ -83,7 +88,7 @@ def main():
             assert value == wanted or (value != value and wanted != wanted), (name, value, wanted)
     print(f"live: good, {len(times)} frames of {len(rows)}")
 
-    refused = subprocess.run([PROGRAM, "run", "--live=nowhere"], capture_output=True, text=True)
+    refused = subprocess.run([PROGRAM, "run", str(SCENE), "--live=nowhere"], capture_output=True, text=True)
     assert refused.returncode == 2 and "127.0.0.1:8765" in refused.stderr, refused.stderr
 
 

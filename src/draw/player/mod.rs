@@ -30,6 +30,8 @@ const SHOTS: f64 = 40.0;
 const POINTS: f64 = 16_000.0;
 /// Bytes of all shots at most; then every second one is left out.
 const BYTES: usize = 8 << 20;
+/// Nodes in a spacing of the outline of rings.
+const NODES: f64 = 2.0;
 /// From how many spacings between nodes on particles are shared among nodes.
 const COARSE: f64 = 1.5;
 
@@ -138,7 +140,7 @@ impl Player {
     }
 
     fn outline(&self, frame: &Frame) -> Option<Shot> {
-        let field = Field::revolved(&self.part, frame, &[])?;
+        let field = Field::turned_with(&self.part, frame, &[], NODES)?;
         let (contour, tracer) = (field.contour(LEVEL), Tracer::new(&field));
         let [x, y] = field.axis?;
         let normal = |[r, z]: &[f32; 2]| {

@@ -5,12 +5,14 @@
 
 mod draw;
 mod instants;
+mod notes;
 
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
 use self::instants::Instants;
+use self::notes::norm_cells;
 use super::canvas::Canvas;
 use super::field::Field;
 use super::player::{Player, Shot};
@@ -26,7 +28,7 @@ use crate::measure::summary;
 use crate::measure::whole::Unfold;
 use crate::particle::Frame;
 use crate::scene::sanity::Warning;
-use crate::scene::{Clock, Dimension, Scene, numbers};
+use crate::scene::{Dimension, Scene, numbers};
 
 /// An evaluation that failed.
 #[derive(Debug, thiserror::Error)]
@@ -344,45 +346,6 @@ impl Post {
         self.references.iter().flat_map(one).collect()
     }
 
-    fn notes(&self) -> Vec<String> {
-        let mut notes = self.remarks.clone();
-        if let Some(level) = self.gauge.start.level {
-            notes.push(format!(
-                "Lengths count from the pool level in the first frame, {:.3} mm above the floor.",
-                1e3 * level
-            ));
-        }
-        if self.shift > 0.0 {
-            notes.push(format!(
-                "Plots count time from the contact of the drop, {:.3} ms after the start; \
-                 measures.csv has both times.",
-                1e3 * self.shift
-            ));
-        }
-        notes.extend(self.references.iter().map(|(label, reference)| {
-            let zero = match reference.clock {
-                Clock::Start => "the start of its run",
-                Clock::Contact => "the contact of its drop",
-            };
-            format!("The reference {label} counts time from {zero}.")
-        }));
-        notes.extend(self.missed());
-        notes
-    }
-
-    /// Requested instants after the last frame.
-    fn missed(&self) -> Vec<String> {
-        let sentence = |what: &str, time: f64| {
-            let time = 1e3 * time;
-            format!("No {what} at {time:.1} ms: the run ends before.")
-        };
-        let of = |what, instants: &Instants| -> Vec<String> {
-            let left = instants.left.iter().rev();
-            left.map(|time| sentence(what, *time)).collect()
-        };
-        [of("panel", &self.panels), of("field", &self.fields)].concat()
-    }
-
     fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), PostError> {
         let path = self.out.join(name);
         let fail = |source| PostError::Write {
@@ -403,11 +366,4 @@ fn draw_error(what: &str, error: &dyn std::error::Error) -> PostError {
         what: what.to_owned(),
         problem: error.to_string(),
     }
-}
-
-fn norm_cells(norm: &Norm) -> [String; 5] {
-    let percent = |part: f64| format!("{:.1} %", 100.0 * part);
-    let span = format!("{:.1}–{:.1} ms", 1e3 * norm.from, 1e3 * norm.to);
-    let (l2, max) = (percent(norm.l2), percent(norm.max));
-    [norm.label.clone(), norm.column.clone(), l2, max, span]
 }

@@ -161,13 +161,7 @@ impl Report {
         {
             return;
         }
-        page.push_str(
-            "<figure id=\"player\" hidden><canvas tabindex=\"0\" aria-label=\"the liquid, to be \
-             turned\"></canvas>\n<div class=\"bar\"><button type=\"button\" id=\"play\">Play</button>\
-             <input type=\"range\" id=\"time\" min=\"0\" step=\"1\" aria-label=\"time\">\
-             <output id=\"clock\"></output></div>\n<figcaption>Drag to turn, pinch or use the wheel to \
-             come closer.</figcaption></figure>\n",
-        );
+        page.push_str(include_str!("player.html"));
     }
 
     fn put_results(&self, page: &mut String) {

@@ -19,7 +19,7 @@ use super::{Field, LEVEL, kernel};
 use crate::particle::{Frame, ring};
 use crate::scene::Scene;
 
-/// Nodes of the half-plane in a spacing.
+/// Nodes of the half-plane in a spacing: of pictures and meshes.
 const NODES: f64 = 4.0;
 /// Distance of the turned kernels of a ring, over their smoothing length along it.
 const TURN: f32 = 0.5;
@@ -98,8 +98,18 @@ impl Field {
     ///
     /// Particles that are not finite are left out. `None` if none is left.
     pub fn revolved(part: &Scene, frame: &Frame, colours: &[[f32; 3]]) -> Option<Field> {
+        Field::turned_with(part, frame, colours, NODES)
+    }
+
+    /// The same with so many `nodes` in a spacing.
+    pub fn turned_with(
+        part: &Scene,
+        frame: &Frame,
+        colours: &[[f32; 3]],
+        nodes: f64,
+    ) -> Option<Field> {
         let rings = Rings::new(part, frame);
-        let mut field = Field::empty(part, frame, part.spacing / NODES)?;
+        let mut field = Field::empty(part, frame, part.spacing / nodes)?;
         field.axis = Some([part.domain.size[0] as f32; 2]);
         let source: Vec<u32> = rings.at.iter().map(|(_, source)| *source).collect();
         field.sum(&rings.blobs(field.spacing), &source, colours);

@@ -10,7 +10,7 @@
 //! neighbour: that is what the curvature about the axis is seen by. No 1 / r appears.
 //! Far from the axis (p > [`FAR`]^2) the circles are almost straight lines:
 //! (3) F = (M_0 + M_1 / (8 p)) / (2 pi sqrt(p)),  M_k(y) = INT w(sqrt(y + t^2)) t^2k dt;
-//!     what is left out is below 1e-6 of it. M_k is u^(4.5 + k) times a polynomial in q,
+//!     what is left out is below 1e-5 of F and F_y, 1e-4 of the rest, as what a table leaves out. M_k is u^(4.5 + k) times a polynomial in q,
 //!     u = 1 - q^2 / 4, fitted by least squares to it and to its derivative.
 //! Elsewhere, and for other functions of the distance, (1) is interpolated in a table of q and
 //! 1 / (1 + sqrt(p)), times powers of s = 1 / sqrt(1 + p).
@@ -25,7 +25,7 @@ use crate::space::sweep::{Pair, Payload};
 use table::{Table, WENDLAND, interpolated};
 
 /// Radius in h beyond which (3) holds: the partner of a ring is at most 2 nearer to the axis.
-pub const FAR: f32 = 12.0;
+pub const FAR: f32 = 6.0;
 
 /// Coefficients of 1, q^2, q^3 ... of the polynomials of M_0 and M_1 in (3).
 const M0: [f32; 10] = [

@@ -1,7 +1,7 @@
 //! Tables of a function of distance, averaged over the angle between the points of two circles.
 
 use super::super::{Kernel, WendlandC2};
-use crate::space::lane::{Real, WIDTH};
+use crate::space::lane::Real;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -129,30 +129,10 @@ impl Table {
     }
 }
 
-/// The first three columns of a table at q and p, bilinear.
+/// The first three words of a table at q and p, bilinear.
 #[inline(always)]
 pub fn interpolated<F: Real>(table: &[[f32; 4]], q: F, p: F) -> [F; 3] {
     let across = q * (0.5 * ACROSS as f32);
     let along = q.splat(ALONG as f32) / (p.sqrt() + 1.0);
-    let (across, along) = (across.to_array(), along.to_array());
-    let mut found = [[0.0; WIDTH]; 3];
-    for k in 0..WIDTH {
-        let (i, j) = (
-            (across[k] as usize).min(ACROSS - 1),
-            (along[k] as usize).min(ALONG - 1),
-        );
-        let (u, v) = (across[k] - i as f32, along[k] - j as f32);
-        let at = j * (ACROSS + 1) + i;
-        let (low, high) = (&table[at..at + 2], &table[at + ACROSS + 1..at + ACROSS + 3]);
-        for (c, found) in found.iter_mut().enumerate() {
-            let below = low[0][c] + u * (low[1][c] - low[0][c]);
-            let above = high[0][c] + u * (high[1][c] - high[0][c]);
-            found[k] = below + v * (above - below);
-        }
-    }
-    [
-        q.of_array(found[0]),
-        q.of_array(found[1]),
-        q.of_array(found[2]),
-    ]
+    across.look_up(along, table, ACROSS + 1)
 }

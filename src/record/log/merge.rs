@@ -310,7 +310,7 @@ impl<'a> Copy<'a> {
                     }
                     clouds.push(message);
                 }
-                Ok(Item::Message(message)) if message.is_revolved() => clouds.push(message),
+                Ok(Item::Message(message)) if message.is_for_viewers() => clouds.push(message),
                 Ok(Item::Metadata(name, facts)) if name == DURABLE => {
                     let time = facts.get("time_s").and_then(|text| text.parse().ok());
                     let Some(time) = time.filter(|time: &f64| time.is_finite()) else {

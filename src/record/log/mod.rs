@@ -7,7 +7,7 @@
 //! | `/wall` | `foxglove.PointCloud` | once, if there are walls |
 //! | `/body/NAME` | `foxglove.PointCloud`, one for each body | every frame |
 //! | `/revolved` | `foxglove.PointCloud`, the body of revolution, for viewers | frames of rings |
-//! | `/figures` | `coronet.Figures`: crater, crown, spread ..., after two times | every frame, but not of a box that is full |
+//! | `/figures` | `coronet.Figures`: crater, crown, spread ..., after two times | frames with a surface |
 //! | `/measures` | `coronet.Measures`, one double for each scalar, after two times | every frame |
 //!
 //! Log time is simulated time x `time_scale`, in nanoseconds. Metadata: `coronet` (format, spacing,
@@ -156,6 +156,8 @@ pub type Tap = Box<dyn FnMut(&Message) + Send>;
 
 /// Topic of the body of revolution.
 const REVOLVED: &str = "/revolved";
+/// Topic of the figures.
+const FIGURES: &str = "/figures";
 
 /// Log time of simulated `time`, s, in nanoseconds.
 fn log_time(time: f64, time_scale: f64) -> u64 {

@@ -11,7 +11,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions};
 use prost::Message as _;
 
-use super::{LogError, LogSetup, Message, REVOLVED, Tap, cloud, log_time, measures};
+use super::{FIGURES, LogError, LogSetup, Message, REVOLVED, Tap, cloud, log_time, measures};
 use crate::measure::series::Row;
 use crate::particle::Frame;
 use crate::record::atomic::FileError;
@@ -250,7 +250,7 @@ pub fn write_frame(
     }
     let at = (frame.time, Clock::after_contact(frame.time, setup.contact));
     if !figures.is_empty() {
-        let topic = ("/figures", measures::FIGURES);
+        let topic = (FIGURES, measures::FIGURES);
         write_numbers(output, topic, &mut schemas.figures, time, at, figures)?;
     }
     let topic = ("/measures", measures::NAME);

@@ -9,7 +9,7 @@ use mcap::records::{Channel, SchemaHeader, op};
 
 use super::fields::Fields;
 use super::records::Records;
-use super::{LogBody, LogError, REVOLVED, cloud, measures};
+use super::{FIGURES, LogBody, LogError, REVOLVED, cloud, measures};
 use crate::particle::Frame;
 use crate::record::digest::{Digest, Hasher};
 use crate::scene::error::SceneError;
@@ -40,9 +40,9 @@ impl Message {
         self.channel.metadata.get("body")?.parse().ok()
     }
 
-    /// Whether this shows the body of revolution of a frame, which readers do not need.
-    pub fn is_revolved(&self) -> bool {
-        self.channel.topic == REVOLVED
+    /// Whether this is of a frame, but for viewers: the body of revolution, the figures.
+    pub fn is_for_viewers(&self) -> bool {
+        [REVOLVED, FIGURES].contains(&self.channel.topic.as_str())
     }
 
     /// Whether this ends a frame.

@@ -1,8 +1,8 @@
 //! Frames, and the pictures that are made of them.
 
 use super::Warning;
-use crate::scene::Scene;
 use crate::scene::quantity::{Unit, human};
+use crate::scene::{Scene, numbers};
 
 /// A log with one frame only.
 pub(super) fn frames(scene: &Scene) -> Option<Warning> {
@@ -28,7 +28,7 @@ pub(super) fn pictures(scene: &Scene) -> Vec<Warning> {
             **at <= scene.impact.end && (frames - frames.round()).abs() > 1e-6
         };
         let at = *instants.iter().find(is_between)?;
-        let nearest = human((at / interval).round() * interval, Unit::Time);
+        let nearest = numbers::short((at / interval).round() * interval, Unit::Time);
         let why = format!(
             "no frame is taken then; the picture shows the frame at {nearest}, the nearest"
         );

@@ -1,6 +1,6 @@
 //! AVX2 + FMA, eight f32.
 
-use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, operators};
+use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, ends, operators};
 use std::arch::x86_64::*;
 
 /// Of the fixed-point coordinates.
@@ -30,25 +30,80 @@ impl<const ABSOLUTE: bool> Avx2<ABSOLUTE> {
             _mm256_fmadd_ps(high, _mm256_set1_ps(65536.0), low)
         }
     }
+}
 
-    /// Rows of the two 4 x 4 blocks in the halves of `r` become columns.
-    #[inline(always)]
-    fn transpose(self, r: [__m256; 4]) -> [__m256; 4] {
-        // SAFETY: there are such lanes only where the processor has AVX2.
-        unsafe {
-            let a = [
-                _mm256_unpacklo_ps(r[0], r[1]),
-                _mm256_unpackhi_ps(r[0], r[1]),
-                _mm256_unpacklo_ps(r[2], r[3]),
-                _mm256_unpackhi_ps(r[2], r[3]),
-            ];
-            [
-                _mm256_shuffle_ps::<0x44>(a[0], a[2]),
-                _mm256_shuffle_ps::<0xEE>(a[0], a[2]),
-                _mm256_shuffle_ps::<0x44>(a[1], a[3]),
-                _mm256_shuffle_ps::<0xEE>(a[1], a[3]),
-            ]
+/// Rows of the two 4 x 4 blocks in the halves of `r` become columns.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn transpose(r: [__m256; 4]) -> [__m256; 4] {
+    // SAFETY: as of the whole.
+    unsafe {
+        let a = [
+            _mm256_unpacklo_ps(r[0], r[1]),
+            _mm256_unpackhi_ps(r[0], r[1]),
+            _mm256_unpacklo_ps(r[2], r[3]),
+            _mm256_unpackhi_ps(r[2], r[3]),
+        ];
+        [
+            _mm256_shuffle_ps::<0x44>(a[0], a[2]),
+            _mm256_shuffle_ps::<0xEE>(a[0], a[2]),
+            _mm256_shuffle_ps::<0x44>(a[1], a[3]),
+            _mm256_shuffle_ps::<0xEE>(a[1], a[3]),
+        ]
+    }
+}
+
+/// Cells of a table with places in them, from 0 to `last`.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn cells(place: __m256, last: usize) -> (__m256i, __m256) {
+    // SAFETY: as of the whole.
+    unsafe {
+        let cell = _mm256_max_epi32(_mm256_cvttps_epi32(place), _mm256_setzero_si256());
+        let cell = _mm256_min_epi32(cell, _mm256_set1_epi32(last as i32));
+        (cell, _mm256_sub_ps(place, _mm256_cvtepi32_ps(cell)))
+    }
+}
+
+/// a + t (b - a), rounded thrice, t of lanes `LANE` and `LANE` + 4; `LANE`: 0x55 times that.
+///
+/// # Safety
+/// The processor has AVX2.
+#[inline(always)]
+unsafe fn between<const LANE: i32>(a: __m256, b: __m256, t: __m256) -> __m256 {
+    // SAFETY: as of the whole.
+    unsafe {
+        let t = _mm256_permute_ps::<LANE>(t);
+        _mm256_add_ps(a, _mm256_mul_ps(t, _mm256_sub_ps(b, a)))
+    }
+}
+
+/// Entries from `low` and from `high` on side by side, between those of the next row too, which is
+/// `row` words further.
+///
+/// # Safety
+/// The processor has AVX2; there are two entries from each, and as many in the next row.
+#[inline(always)]
+unsafe fn entry<const LANE: i32>(
+    [low, high]: [*const f32; 2],
+    row: usize,
+    [u, v]: [__m256; 2],
+) -> __m256 {
+    // SAFETY: the entries are there.
+    unsafe {
+        let mut corners = [_mm256_setzero_ps(); 4];
+        for (corner, at) in corners.iter_mut().zip([0, 4, row, row + 4]) {
+            *corner = _mm256_insertf128_ps::<1>(
+                _mm256_castps128_ps256(_mm_loadu_ps(low.add(at))),
+                _mm_loadu_ps(high.add(at)),
+            );
         }
+        let [a, b, c, d] = corners;
+        between::<LANE>(between::<LANE>(a, b, u), between::<LANE>(c, d, u), v)
     }
 }
 
@@ -128,6 +183,29 @@ impl Real for F32x8 {
         }
     }
     #[inline(always)]
+    fn look_up(self, row: Self, table: &[[f32; 4]], columns: usize) -> [Self; 3] {
+        let last = ends(table, columns);
+        let mut at = [0u32; WIDTH];
+        // SAFETY: see [`F32x8`]; cells have an entry beside and above them.
+        unsafe {
+            let (i, u) = cells(self.0, last[0]);
+            let (j, v) = cells(row.0, last[1]);
+            let place = _mm256_mullo_epi32(j, _mm256_set1_epi32(columns as i32));
+            let place = _mm256_add_epi32(place, i);
+            _mm256_storeu_si256(at.as_mut_ptr() as *mut __m256i, place);
+            let first = table.as_ptr() as *const f32;
+            let (row, parts) = (4 * columns, [u, v]);
+            let [a, b, c, d, e, f, g, h] = at.map(|at| first.add(4 * at as usize));
+            let [x, y, z, _] = transpose([
+                entry::<0x00>([a, e], row, parts),
+                entry::<0x55>([b, f], row, parts),
+                entry::<0xAA>([c, g], row, parts),
+                entry::<0xFF>([d, h], row, parts),
+            ]);
+            [F32x8(x), F32x8(y), F32x8(z)]
+        }
+    }
+    #[inline(always)]
     fn to_array(self) -> [f32; WIDTH] {
         let mut out = [0.0; WIDTH];
         // SAFETY: see [`F32x8`].
@@ -201,8 +279,8 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
                     );
                 }
             }
-            let [x, y, z, d] = self.transpose(half[0]);
-            let [e, f, g, h] = self.transpose(half[1]);
+            let [x, y, z, d] = transpose(half[0]);
+            let [e, f, g, h] = transpose(half[1]);
             let [x, y, z] = [
                 _mm256_castps_si256(x),
                 _mm256_castps_si256(y),
@@ -224,7 +302,7 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
                     _mm_load_ps(high),
                 );
             }
-            let [x, y, z, word] = self.transpose(joined);
+            let [x, y, z, word] = transpose(joined);
             (
                 [
                     _mm256_castps_si256(x),

@@ -19,70 +19,17 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod double;
 mod portable;
+mod record;
 
 #[cfg(target_arch = "x86_64")]
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use double::Avx2Double;
 pub use portable::{Portable, Scalar};
+pub use record::{Half, Record};
 
 use crate::scene::Precision;
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
-
-/// One neighbour record: fixed-point x, y, z, then five f32 payloads, as bits. 32 bytes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C, align(32))]
-pub struct Record(pub [u32; 8]);
-
-impl Record {
-    /// Fixed-point coordinates and five payloads.
-    #[inline(always)]
-    pub fn new(at: [i32; 3], payload: [f32; 5]) -> Self {
-        let [x, y, z] = at.map(|v| v as u32);
-        let [a, b, c, d, e] = carried_all(payload);
-        Record([x, y, z, a, b, c, d, e])
-    }
-
-    /// Changes the payloads.
-    #[inline(always)]
-    pub fn carry(&mut self, payload: [f32; 5]) {
-        self.0[3..].copy_from_slice(&carried_all(payload));
-    }
-
-    /// Fixed-point coordinate of one axis.
-    #[inline(always)]
-    pub fn at(&self, axis: usize) -> i32 {
-        self.0[axis] as i32
-    }
-
-    /// Payload `k` (0..5).
-    #[inline(always)]
-    pub fn payload(&self, k: usize) -> f32 {
-        f32::from_bits(self.0[3 + k])
-    }
-}
-
-/// Payloads below this are carried as zero, so that products of two are no subnormal numbers: where
-/// a lattice at rest feels a far disturbance, velocities fall off to 1e-45 m/s, and processors take
-/// some 150 cycles for each such product.
-const FAINT: f32 = 1e-18;
-
-/// The bits of a payload.
-#[inline(always)]
-fn carried(x: f32) -> u32 {
-    if x.abs() < FAINT { 0 } else { x.to_bits() }
-}
-
-/// Written out: `map` of five is no longer inlined.
-#[inline(always)]
-fn carried_all([a, b, c, d, e]: [f32; 5]) -> [u32; 5] {
-    [carried(a), carried(b), carried(c), carried(d), carried(e)]
-}
-
-/// A point and one word of it: fixed-point x, y, z, then an f32, as bits. 16 bytes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(C, align(16))]
-pub struct Half(pub [u32; 4]);
 
 /// Number of lanes.
 pub const WIDTH: usize = 8;
@@ -124,6 +71,34 @@ pub trait Real:
     fn to_array(self) -> [f32; WIDTH];
     /// Lanes of these numbers.
     fn of_array(self, lanes: [f32; WIDTH]) -> Self;
+    /// The first three words of the entries of a table at column `self` and row `row`, bilinear
+    /// between them and on from those at its ends; both are at least 0. Rows have `columns`
+    /// entries.
+    ///
+    /// # Panics
+    /// With less than two rows or columns.
+    #[inline(always)]
+    fn look_up(self, row: Self, table: &[[f32; 4]], columns: usize) -> [Self; 3] {
+        let last = ends(table, columns);
+        let (across, along) = (self.to_array(), row.to_array());
+        let mut found = [[0.0; WIDTH]; 3];
+        for k in 0..WIDTH {
+            let (i, j) = (
+                (across[k] as usize).min(last[0]),
+                (along[k] as usize).min(last[1]),
+            );
+            let (u, v) = (across[k] - i as f32, along[k] - j as f32);
+            let at = j * columns + i;
+            let (low, high) = (&table[at..at + 2], &table[at + columns..at + columns + 2]);
+            for (c, found) in found.iter_mut().enumerate() {
+                let below = low[0][c] + u * (low[1][c] - low[0][c]);
+                let above = high[0][c] + u * (high[1][c] - high[0][c]);
+                found[k] = below + v * (above - below);
+            }
+        }
+        let [a, b, c] = found;
+        [self.of_array(a), self.of_array(b), self.of_array(c)]
+    }
     /// Three splats.
     #[inline(always)]
     fn splat3(self, [x, y, z]: [f32; 3]) -> [Self; 3] {
@@ -134,6 +109,14 @@ pub trait Real:
     fn at_least(self, x: f32) -> Self {
         self.max(self.splat(x))
     }
+}
+
+/// The last column and row from which [`Real::look_up`] goes on.
+#[inline(always)]
+fn ends(table: &[[f32; 4]], columns: usize) -> [usize; 2] {
+    let rows = table.len() / columns;
+    assert!(columns >= 2 && rows >= 2 && table.len() < 1 << 29);
+    [columns - 2, rows - 2]
 }
 
 /// a . b

@@ -1,0 +1,56 @@
+//! What the report says in words.
+
+use super::Post;
+use super::instants::Instants;
+use crate::measure::norm::Norm;
+use crate::scene::Clock;
+
+impl Post {
+    /// Sentences below the results.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let mut notes = self.remarks.clone();
+        if let Some(level) = self.gauge.start.level {
+            notes.push(format!(
+                "Lengths count from the pool level in the first frame, {:.3} mm above the floor.",
+                1e3 * level
+            ));
+        }
+        if self.shift > 0.0 {
+            notes.push(format!(
+                "Plots count time from the contact of the drop, {:.3} ms after the start; \
+                 measures.csv has both times.",
+                1e3 * self.shift
+            ));
+        }
+        notes.extend(self.references.iter().map(|(label, reference)| {
+            let zero = match reference.clock {
+                Clock::Start => "the start of its run",
+                Clock::Contact => "the contact of its drop",
+            };
+            format!("The reference {label} counts time from {zero}.")
+        }));
+        notes.extend(self.missed());
+        notes
+    }
+
+    /// Requested instants after the last frame.
+    pub(super) fn missed(&self) -> Vec<String> {
+        let sentence = |what: &str, time: f64| {
+            let time = 1e3 * time;
+            format!("No {what} at {time:.1} ms: the run ends before.")
+        };
+        let of = |what, instants: &Instants| -> Vec<String> {
+            let left = instants.left.iter().rev();
+            left.map(|time| sentence(what, *time)).collect()
+        };
+        [of("panel", &self.panels), of("field", &self.fields)].concat()
+    }
+}
+
+/// Cells of the table of distances.
+pub(super) fn norm_cells(norm: &Norm) -> [String; 5] {
+    let percent = |part: f64| format!("{:.1} %", 100.0 * part);
+    let span = format!("{:.1}–{:.1} ms", 1e3 * norm.from, 1e3 * norm.to);
+    let (l2, max) = (percent(norm.l2), percent(norm.max));
+    [norm.label.clone(), norm.column.clone(), l2, max, span]
+}

@@ -144,15 +144,6 @@ impl Canvas {
         }
     }
 
-    /// Rows `top .. bottom`.
-    pub fn crop(&self, top: usize, bottom: usize) -> Canvas {
-        Canvas {
-            width: self.width,
-            height: bottom - top,
-            pixels: self.pixels[top * self.width..bottom * self.width].to_vec(),
-        }
-    }
-
     /// Each pixel as a block of so many columns and rows.
     pub fn enlarged(&self, [columns, rows]: [usize; 2]) -> Canvas {
         let mut large = Canvas::new(columns * self.width, rows * self.height, WHITE);

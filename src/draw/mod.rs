@@ -17,7 +17,6 @@ pub mod scatter;
 pub mod section;
 pub mod sheet;
 pub mod surface;
-pub mod view;
 
 /// 0 below `low`, 1 above `high`, smooth between.
 fn smooth_step(low: f32, high: f32, x: f32) -> f32 {

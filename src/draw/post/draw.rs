@@ -5,30 +5,37 @@ use crate::draw::canvas::{Canvas, WHITE};
 use crate::draw::field::{Bounds, Field, Scales};
 use crate::draw::figure::Figures;
 use crate::draw::player;
+use crate::draw::render::Material;
 use crate::draw::render::artist::{Artist, Style, Survey};
+use crate::draw::render::camera::View;
 use crate::draw::report::{Chart, Film, Report};
 use crate::draw::section;
 use crate::draw::sheet::Sheet;
-use crate::draw::view::{self, Camera};
 use crate::particle::Frame;
 use crate::scene::Dimension;
 
+/// Of the views of panels, above the horizon, rad.
+const ELEVATION: f32 = 0.56;
+
 impl Post {
-    /// Bird's-eye view of a frame, of the whole and of its part; in 2-D there is none.
-    pub(super) fn view(&self, frame: &Frame, part: &Frame) -> Option<Canvas> {
-        let solid = self.part.solid();
-        if solid.dimension == Dimension::Two {
+    /// Bird's-eye view of a frame of the part: the surface in the colours of its bodies; in 2-D there
+    /// is none.
+    pub(super) fn view(&self, part: &Frame) -> Option<Canvas> {
+        if self.part.solid().dimension == Dimension::Two {
             return None;
         }
-        // Drawn at twice the size, and a quarter taller than wide: room for a jet.
-        let width = 2 * section::width(&self.scene);
-        let size = [width, width / 4 * 5];
-        let camera = Camera::whole(&solid, self.scene.pool_depth().unwrap_or(0.0), size);
-        let view = match self.part.domain.is_axial() {
-            true => view::draw_revolved(&self.part, part, &camera),
-            false => view::draw(&self.scene, frame, &camera),
+        let width = section::width(&self.scene);
+        let style = Style {
+            material: Material::Body,
+            size: [width, width / 4 * 3],
+            view: View {
+                elevation: ELEVATION,
+                ..View::default()
+            },
+            ..Style::default()
         };
-        Some(view.halved())
+        let survey = Survey::of_box(&self.part);
+        Some(Artist::new(&self.part, &survey, style).picture(part))
     }
 
     /// The title picture: the surface of the liquid.
@@ -74,20 +81,15 @@ impl Post {
         Ok(())
     }
 
-    /// All panels have the same size: that of the highest section and the fullest view.
+    /// All sections have the height of the highest one.
     pub(super) fn draw_panels(&mut self, report: &mut Report) -> Result<(), PostError> {
         let sections = std::mem::take(&mut self.sections);
         let top = sections.iter().map(|(s, _)| s.top()).fold(0.0, f64::max);
-        let views: Vec<&Canvas> = sections
-            .iter()
-            .filter_map(|(_, view)| view.as_ref())
-            .collect();
-        let rows = view::rows_used(&views);
         let mut sheet = Vec::new();
-        for (n, (section, view)) in sections.iter().enumerate() {
+        for (n, (section, view)) in sections.into_iter().enumerate() {
             let mut pictures = vec![(section.draw(&self.scene, top), "section")];
             if let Some(view) = view {
-                pictures.push((view.crop(rows.start, rows.end), "view"));
+                pictures.push((view, "view"));
             }
             let mut files = Vec::new();
             for (picture, what) in &pictures {

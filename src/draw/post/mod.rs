@@ -240,7 +240,7 @@ impl Post {
         let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
         let panel = asked.panel.then(|| {
             let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
-            let view = self.view(frame, part);
+            let view = self.view(part);
             (section, view)
         });
         let field = || Field::new(&self.scene, frame, &self.axis, label.clone());

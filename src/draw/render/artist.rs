@@ -70,6 +70,9 @@ pub struct Survey {
     pressure: [f64; 2],
 }
 
+/// Height above a pool that a picture has room for, over the width of its box.
+const CROWN: f64 = 0.3;
+
 /// The value that a part of all exceed; 0 of none.
 fn exceeded(mut values: Vec<f32>, part: f64) -> f32 {
     values.retain(|v| v.is_finite());
@@ -81,6 +84,24 @@ fn exceeded(mut values: Vec<f32>, part: f64) -> f32 {
 }
 
 impl Survey {
+    /// Of frames that are not known: the box, up to where its bodies or a crown may reach.
+    pub fn of_box(part: &Scene) -> Survey {
+        let scene = part.solid();
+        let size = scene.domain.size;
+        let bodies = part.bodies.iter();
+        let tops = bodies.map(|body| body.shape.bounds(&part.domain, part.dimension).1[2]);
+        let bodies = tops.fold(0.0, f64::max);
+        let crown = part
+            .pool_depth()
+            .map(|depth| depth + CROWN * size[0].max(size[1]));
+        let top = bodies.max(crown.unwrap_or(0.0)).min(size[2]);
+        let corner = V::from([size[0], size[1], top].map(|c| c as f32));
+        Survey {
+            corners: Some([V::zeros(), corner]),
+            ..Survey::default()
+        }
+    }
+
     /// Takes a frame, of the simulated part of the scene.
     pub fn add(&mut self, part: &Scene, frame: &Frame) {
         let is_axial = part.domain.is_axial();

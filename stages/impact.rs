@@ -3,8 +3,8 @@
 //! The run ends at the first restartable instant at or after `impact.end`, or after the frame that
 //! meets a condition of `impact.stop_when`; a later `impact.end` does not continue that. Frame k is
 //! taken at k x `frames.interval`, where a step ends (of fixed steps, after the first one that ends
-//! at or after it); a result contains every frame up to its last instant. So the frames of a shorter
-//! run are exactly the first frames of a longer one, with any interruptions.
+//! at or after it); a result contains every frame up to its last instant. So the frames of a
+//! shorter run are exactly the first frames of a longer one, with any interruptions.
 
 use coronet::measure::series::Row;
 use coronet::measure::{gauge, loss};

@@ -25,7 +25,7 @@ mod page;
 mod table;
 
 const WORDS_OF_PAGE: usize = 1_500;
-const WORDS_OF_ALL: usize = 13_500;
+const WORDS_OF_ALL: usize = 12_000;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

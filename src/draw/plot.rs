@@ -220,13 +220,10 @@ impl Plot {
         }
         root.present()?;
         let (across, down) = chart.plotting_area().get_pixel_range();
-        let place = |unit: i32| f64::from(unit) / UNIT;
+        let places = [[across.start, across.end], [down.end, down.start]];
         let axes = Axes {
             values: [x, y],
-            places: [
-                [place(across.start), place(across.end)],
-                [place(down.end), place(down.start)],
-            ],
+            places: places.map(|ends| ends.map(|unit| f64::from(unit) / UNIT)),
         };
         drop(chart);
         drop(root);

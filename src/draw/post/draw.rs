@@ -18,8 +18,8 @@ use crate::scene::Dimension;
 const ELEVATION: f32 = 0.56;
 
 impl Post {
-    /// Bird's-eye view of a frame of the part: the surface in the colours of its bodies; in 2-D there
-    /// is none.
+    /// Bird's-eye view of a frame of the part: the surface in the colours of its bodies; there is
+    /// none in 2-D.
     pub(super) fn view(&self, part: &Frame) -> Option<Canvas> {
         if self.part.solid().dimension == Dimension::Two {
             return None;

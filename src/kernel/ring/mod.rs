@@ -10,8 +10,9 @@
 //! neighbour: that is what the curvature about the axis is seen by. No 1 / r appears.
 //! Far from the axis (p > [`FAR`]^2) the circles are almost straight lines:
 //! (3) F = (M_0 + M_1 / (8 p)) / (2 pi sqrt(p)),  M_k(y) = INT w(sqrt(y + t^2)) t^2k dt;
-//!     what is left out is below 1e-5 of F and F_y, 1e-4 of the rest, as what a table leaves out. M_k is u^(4.5 + k) times a polynomial in q,
-//!     u = 1 - q^2 / 4, fitted by least squares to it and to its derivative.
+//!     what is left out is below 1e-5 of F and F_y, 1e-4 of the rest, as what a table leaves out.
+//!     M_k is u^(4.5 + k) times a polynomial in q, u = 1 - q^2 / 4, fitted by least squares to it
+//!     and to its derivative.
 //! Elsewhere, and for other functions of the distance, (1) is interpolated in a table of q and
 //! 1 / (1 + sqrt(p)), times powers of s = 1 / sqrt(1 + p).
 //! Tests: tests/engine/ring.rs.

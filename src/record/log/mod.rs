@@ -7,7 +7,7 @@
 //! | `/wall` | `foxglove.PointCloud` | once, if there are walls |
 //! | `/body/NAME` | `foxglove.PointCloud`, one for each body | every frame |
 //! | `/revolved` | `foxglove.PointCloud`, the body of revolution, for viewers | frames of rings |
-//! | `/figures` | `coronet.Figures`: crater, crown, spread ..., after two times | frames with a surface |
+//! | `/figures` | `coronet.Figures`: crater, crown ..., as `/measures` | frames with a surface |
 //! | `/measures` | `coronet.Measures`, one double for each scalar, after two times | every frame |
 //!
 //! Log time is simulated time x `time_scale`, in nanoseconds. Metadata: `coronet` (format, spacing,

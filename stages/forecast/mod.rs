@@ -5,7 +5,10 @@
 //! [probe](crate::probe). Steps follow from the speed that limits them: a splash is faster than the
 //! impact at first, then slows down as 1 / t until waves and jet determine the speed.
 
-use coronet::draw::section;
+mod post;
+
+pub use post::post;
+
 use coronet::particle::wall::layers;
 use coronet::pipeline::Work;
 use coronet::scene::{
@@ -23,6 +26,9 @@ const WCSPH_CONTINUOUS: f64 = 0.43e-6;
 const TENSION: f64 = 0.1e-6;
 const BAND: f64 = 2.9;
 const NORMALISED: f64 = 1.4e-6;
+/// CPU seconds per ring and step of WCSPH, and of one near a surface besides; of a projection.
+const RING: [f64; 2] = [0.95e-6, 2.6e-6];
+const RING_PROJECTED: f64 = 20e-6;
 /// Part of the steps that compute a tension that is kept: rows are valid for eight or more.
 const HELD: f64 = 0.12;
 /// Iterations of conjugate gradients to 1e-6 at a million particles, which grow as N^(1/3), and CPU
@@ -65,20 +71,12 @@ const CALIBRATE: [f64; 2] = [1.7e-6, 4.0];
 /// particle.
 const MEASURE: [f64; 2] = [0.9e-6, 12.8e-6];
 const MEASURE_FLAT: f64 = 0.55e-6;
-/// CPU seconds per pixel: of a section up to the highest body; of a view and the title picture,
-/// over the square of a section's width; factor where no pool fills them; of a field.
-const SECTION: f64 = 0.09e-6;
-const VIEW: f64 = 0.55e-6;
-const TITLE: f64 = 1.25e-6;
-const DRY: f64 = 0.45;
-const FIELD: f64 = 6e-3;
 /// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// number of checkpoints that stay.
 const MEMORY: [f64; 2] = [1300.0, 2500.0];
 const FRAME: f64 = 35.0;
-/// Bytes of memory of the program itself, and of a particle of the whole that is drawn.
+/// Bytes of memory of the program itself.
 const BASE: f64 = 2e7;
-const PICTURE: f64 = 550.0;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 
@@ -104,6 +102,16 @@ fn is_projected(scene: &Scene) -> bool {
 
 /// CPU seconds per particle and step.
 fn particle_step(scene: &Scene) -> f64 {
+    if scene.domain.is_axial() {
+        let near = match scene.effects.tension {
+            Some(_) => RING[1] * near_surface(scene),
+            None => 0.0,
+        };
+        return match is_projected(scene) {
+            true => RING_PROJECTED,
+            false => RING[0] + near,
+        };
+    }
     let flat = flat(scene);
     let settings = match &scene.method {
         Method::Isph(settings) => return flat * (ISPH + iterations(scene, &settings.projection)),
@@ -336,60 +344,23 @@ pub fn step_cost(scene: &Scene) -> f64 {
 /// Cost of the impact.
 pub fn impact(scene: &Scene) -> Option<Work> {
     let count = particles(scene);
-    let cpu = steps(scene) * step_cost(scene) + frames(scene) * count * LOG;
+    let recorded = frames(scene) * (count * LOG + measure(scene));
+    let cpu = steps(scene) * step_cost(scene) + recorded;
     let disk = count * (frames(scene) * FRAME + CHECKPOINTS * CHECKPOINT);
     work(scene, cpu, [count, disk])
 }
 
-/// CPU seconds of the section of a panel.
-fn section(scene: &Scene) -> f64 {
-    let width = section::width(&scene.whole()) as f64;
-    let tops = scene.bodies.iter();
-    let tops = tops.map(|body| body.shape.bounds(&scene.domain, scene.dimension).1[2]);
-    let height = tops.fold(0.0, f64::max) / scene.whole().domain.size[0];
-    SECTION * width * width * height
-}
-
-/// CPU seconds of the views of panels and the title picture.
-fn views(scene: &Scene, panels: f64) -> f64 {
-    if scene.dimension == Dimension::Two || panels == 0.0 {
-        return 0.0;
-    }
-    let width = section::width(&scene.whole()) as f64;
-    let covered = if scene.pool_depth().unwrap_or(0.0) > 0.0 {
-        1.0
-    } else {
-        DRY
-    };
-    covered * width * width * (VIEW * panels + TITLE)
-}
-
-/// Cost of measuring, drawing and plotting the frames, which show the whole of a symmetric scene.
-pub fn post(scene: &Scene) -> Option<Work> {
+/// Particles of the whole of a scene that mirrors cut.
+fn whole(scene: &Scene) -> f64 {
     let is_unfolded = |axis: &usize| scene.unfolds(*axis).is_some();
-    let whole = particles(scene) * 2f64.powi((0..2).filter(is_unfolded).count() as i32);
-    let flat = scene.dimension == Dimension::Two;
-    let measure = match flat {
-        true => MEASURE_FLAT * whole,
-        false => MEASURE[0] * whole + MEASURE[1] * whole.powf(2.0 / 3.0),
-    };
-    let before_end = |times: &[f64]| {
-        let shown = times.iter().filter(|time| **time <= scene.impact.end);
-        shown.count() as f64
-    };
-    let panels = before_end(&scene.post.panels);
-    let pictures = panels * section(scene) + views(scene, panels);
-    let fields = before_end(&scene.post.fields) * FIELD;
-    // One thread measures while another reads.
-    let work = work(
-        scene,
-        frames(scene) * measure + pictures + fields,
-        [0.0, 0.0],
-    )?;
-    let memory = BASE + whole * PICTURE;
-    Some(Work {
-        threads: 1,
-        memory,
-        ..work
-    })
+    particles(scene) * 2f64.powi((0..2).filter(is_unfolded).count() as i32)
+}
+
+/// CPU seconds of measuring a frame.
+fn measure(scene: &Scene) -> f64 {
+    let whole = whole(scene);
+    match scene.dimension {
+        Dimension::Two => MEASURE_FLAT * whole,
+        Dimension::Three => MEASURE[0] * whole + MEASURE[1] * whole.powf(2.0 / 3.0),
+    }
 }

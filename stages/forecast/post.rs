@@ -1,0 +1,77 @@
+//! Forecast of the evaluation: measures and pictures.
+
+use coronet::draw::section;
+use coronet::pipeline::Work;
+use coronet::scene::{Dimension, Scene};
+
+use super::{BASE, frames, measure, whole, work};
+
+/// Instants that the report plays, about; CPU seconds of one, and per particle; per ring.
+const SHOTS: f64 = 40.0;
+const SHOT: [f64; 2] = [0.1, 3e-6];
+const SHOT_OF_RINGS: f64 = 10e-6;
+/// CPU seconds per pixel: of a section up to the highest body; of a view and the title picture,
+/// over the square of a section's width; factor where no pool fills them; of a field.
+const SECTION: f64 = 0.09e-6;
+const VIEW: f64 = 0.55e-6;
+const TITLE: f64 = 1.25e-6;
+const DRY: f64 = 0.45;
+const FIELD: f64 = 6e-3;
+/// Bytes of memory of a particle of the whole that is drawn.
+const PICTURE: f64 = 550.0;
+
+/// CPU seconds of the liquid of the report's player.
+fn shots(scene: &Scene) -> f64 {
+    let count = frames(scene).min(SHOTS);
+    match (scene.domain.is_axial(), scene.dimension) {
+        (true, _) => count * SHOT_OF_RINGS * whole(scene),
+        (false, Dimension::Three) => count * (SHOT[0] + SHOT[1] * whole(scene)),
+        (false, Dimension::Two) => 0.0,
+    }
+}
+
+/// CPU seconds of the section of a panel.
+fn section(scene: &Scene) -> f64 {
+    let width = section::width(&scene.whole()) as f64;
+    let tops = scene.bodies.iter();
+    let tops = tops.map(|body| body.shape.bounds(&scene.domain, scene.dimension).1[2]);
+    let height = tops.fold(0.0, f64::max) / scene.whole().domain.size[0];
+    SECTION * width * width * height
+}
+
+/// CPU seconds of the views of panels and the title picture.
+fn views(scene: &Scene, panels: f64) -> f64 {
+    if scene.dimension == Dimension::Two || panels == 0.0 {
+        return 0.0;
+    }
+    let width = section::width(&scene.whole()) as f64;
+    let covered = if scene.pool_depth().unwrap_or(0.0) > 0.0 {
+        1.0
+    } else {
+        DRY
+    };
+    covered * width * width * (VIEW * panels + TITLE)
+}
+
+/// Cost of measuring, drawing and plotting the frames, which show the whole of a symmetric scene.
+pub fn post(scene: &Scene) -> Option<Work> {
+    let before_end = |times: &[f64]| {
+        let shown = times.iter().filter(|time| **time <= scene.impact.end);
+        shown.count() as f64
+    };
+    let panels = before_end(&scene.post.panels);
+    let pictures = panels * section(scene) + views(scene, panels);
+    let fields = before_end(&scene.post.fields) * FIELD;
+    // One thread measures while another reads.
+    let work = work(
+        scene,
+        frames(scene) * measure(scene) + shots(scene) + pictures + fields,
+        [0.0, 0.0],
+    )?;
+    let memory = BASE + whole(scene) * PICTURE;
+    Some(Work {
+        threads: 1,
+        memory,
+        ..work
+    })
+}

@@ -79,14 +79,14 @@ def log(run: Run) -> None:
 
 def save(run: Run, path: PathLike) -> None:
     """Write a run as a recording of Rerun (`.rrd`)."""
-    with rr.RecordingStream("coronet", recording_id=run.name) as recording:
+    with rr.RecordingStream("coronet") as recording:
         recording.save(os.fspath(path))
         log(run)
 
 
 def show(run: Run) -> None:
     """Open a run in the viewer."""
-    with rr.RecordingStream("coronet", recording_id=run.name) as recording:
+    with rr.RecordingStream("coronet") as recording:
         recording.spawn()
         log(run)
 

@@ -132,6 +132,11 @@ impl Liquid {
         self.len() == 0
     }
 
+    /// No step is longer than from one frame to the next: half of a rejected one is half of that.
+    pub fn longest(&self, dt: f64) -> f64 {
+        dt.min(self.beat.interval)
+    }
+
     /// The step of at most `dt` s that the next frame lets be.
     pub fn fit(&self, dt: f64) -> f64 {
         self.beat.fit(self.now.time, dt)

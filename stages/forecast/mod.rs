@@ -35,8 +35,6 @@ const HELD: f64 = 0.12;
 /// seconds of an unknown in one: diagonal (or none), SSOR.
 const DIAGONAL: [f64; 2] = [187.0, 40e-9];
 const SSOR: [f64; 2] = [144.0, 220e-9];
-/// Acoustic steps in an advective one, about.
-const ACOUSTIC: f64 = 4.0;
 /// Cost of a step of WCSPH for liquid at rest, over that of moving liquid: its rows stay valid.
 const STILL: f64 = 0.4;
 /// Neighbours in two dimensions over those in three, about.
@@ -86,14 +84,17 @@ fn particles(scene: &Scene) -> f64 {
     counts.sum::<u64>() as f64
 }
 
-/// Number of frames of the log: at most one for each step.
+/// Number of frames of the log: at most one for each step of a fixed length; others end at frames.
 fn frames(scene: &Scene) -> f64 {
     let wanted = (scene.impact.end / scene.frames.interval).floor();
-    let inner = match &scene.method {
-        Method::Wcsph(settings) if settings.time_stepping.is_dual() => ACOUSTIC,
-        _ => 1.0,
+    let most = match &scene.method {
+        Method::Wcsph(settings) => match settings.time_stepping {
+            TimeStepping::Fixed { step } => scene.impact.end / step,
+            _ => f64::INFINITY,
+        },
+        _ => f64::INFINITY,
     };
-    wanted.min(steps(scene) / inner) + 1.0
+    wanted.min(most) + 1.0
 }
 
 fn is_projected(scene: &Scene) -> bool {
@@ -257,7 +258,8 @@ fn steps(scene: &Scene) -> f64 {
         let speed = speed(scene, middle(k));
         slice / step(scene, speed, sound(scene, speed))
     };
-    (0..SLICES).map(count).sum()
+    let steps: f64 = (0..SLICES).map(count).sum();
+    steps.max(frames(scene))
 }
 
 /// Steps of the relaxation of a body, which ends when it is at rest.

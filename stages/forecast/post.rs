@@ -1,13 +1,13 @@
 //! Forecast of the evaluation: measures and pictures.
 
+use coronet::draw::player::SHOTS;
 use coronet::draw::section;
 use coronet::pipeline::Work;
 use coronet::scene::{Dimension, Scene};
 
 use super::{BASE, frames, measure, whole, work};
 
-/// Instants that the report plays, about; CPU seconds of one, and per particle; per ring.
-const SHOTS: f64 = 40.0;
+/// CPU seconds of an instant that the report plays, and per particle; per ring.
 const SHOT: [f64; 2] = [0.1, 3e-6];
 const SHOT_OF_RINGS: f64 = 10e-6;
 /// CPU seconds per pixel: of a section up to the highest body; of a view and the title picture,

@@ -83,7 +83,10 @@ pub fn start(address: &str) -> Result<Viewers> {
     let server = server.with_context(|| {
         format!("--live={address}: cannot serve there; try another port, or 0 for any")
     })?;
-    note!("live     ws://{}:{}", place.ip(), server.port());
+    note!(
+        "live     ws://{}",
+        SocketAddr::new(place.ip(), server.port())
+    );
     Ok(Arc::new(move || {
         let hall = hall.clone();
         let tap: Tap = Box::new(move |message| {

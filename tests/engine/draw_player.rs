@@ -111,6 +111,34 @@ fn a_coarse_surface_has_the_volume_of_the_liquid() {
     }
 }
 
+/// A sheet of two particles above the pool is there, with nodes two and a half spacings apart.
+#[test]
+fn a_coarse_surface_shows_a_sheet() {
+    let scene = draw_surface::scene(3, &[]);
+    let sheet = |at: [f64; 3]| match at[2] {
+        z if z < 2e-3 => Some(0),
+        z if z > 4.8e-3 && z < 5.6e-3 => Some(1),
+        _ => None,
+    };
+    let frame = draw_surface::frame(&scene, sheet);
+    let mesh = Field::coarse(&scene, &frame, 1e-3).unwrap().mesh(0.0);
+    let inner = mesh.points.iter().filter(|p| p[2] > 4e-3);
+    assert!(inner.count() > 80);
+}
+
+#[test]
+fn a_shot_in_two_dimensions_with_a_mirror_is_of_the_whole() {
+    let scene = draw_surface::scene(2, &["box.symmetry='half'"]);
+    let frame = draw_surface::frame(&scene, draw_surface::splash(0.0));
+    let player = Player::new(&scene);
+    let shot = player.shot(&frame).unwrap();
+    let Read3 { places, .. } = read(&shot, player.kind());
+    let lowest = places[0].iter().copied().fold(f64::MAX, f64::min);
+    let highest = places[0].iter().copied().fold(f64::MIN, f64::max);
+    assert_eq!(shot.points, 2 * frame.id.len());
+    assert!(lowest < 0.4e-3 && highest > player.size()[0] - 0.4e-3);
+}
+
 #[test]
 fn a_shot_of_rings_is_the_outline_of_their_section() {
     let scene = draw_revolved::scene("wall");

@@ -94,7 +94,7 @@ const NONSENSE: &[(&[&str], &str, &str)] = &[
     ),
     (&["frames.interval='1 s'"], "frames.interval", "first"),
     (&["frames.interval='0.3 ms'"], "post.panels", "nearest"),
-    (&["frames.interval='0.4 ms'"], "post.fields", "3.2 ms"),
+    (&["frames.interval='0.4 ms'"], "post.fields", "2.8 ms"),
     (&["body.pool.layer.depth='1 mm'"], "pack.spacing", "`pool`"),
     (
         &["body.drop.sphere.diameter='1 mm'"],

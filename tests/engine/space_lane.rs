@@ -74,7 +74,7 @@ fn operate<L: Lanes>(lanes: L, x: [[f32; WIDTH]; 3], out: &mut Vec<u64>) {
     store(c.if_less(a, b), out);
     // Places as kernels have them, within a table of five columns and four rows and beyond.
     let table = std::array::from_fn::<_, 20, _>(|n| [x[1][n % 8], n as f32, x[2][n % 8], 0.0]);
-    let place = |x: f32| x.abs().min(9.0) * 0.7;
+    let place = |x: f32| x.abs() * 0.7;
     let [column, row] = [x[0], x[2]].map(|x| a.of_array(x.map(place)));
     for x in column.look_up(row, &table, 5) {
         store(x, out);

@@ -24,10 +24,10 @@ use crate::measure::whole::Unfold;
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene};
 
-/// Shots of a film at most.
-const SHOTS: f64 = 40.0;
+/// Shots of a film, about.
+pub const SHOTS: f64 = 40.0;
 /// Points of a mesh, about, and of a cloud at most.
-const POINTS: f64 = 16_000.0;
+const POINTS: f64 = 30_000.0;
 /// Bytes of all shots at most; then every second one is left out.
 const BYTES: usize = 8 << 20;
 /// Nodes in a spacing of the outline of rings.
@@ -86,7 +86,11 @@ pub struct Player {
 impl Player {
     /// For frames of `part`, the simulated part of a scene.
     pub fn new(part: &Scene) -> Player {
-        let frames = (part.impact.end / part.frames.interval).floor() + 1.0;
+        // A condition may end the run long before.
+        let frames = match part.impact.stop_when.is_empty() {
+            true => (part.impact.end / part.frames.interval).floor() + 1.0,
+            false => 1.0,
+        };
         Player {
             scene: part.solid(),
             unfold: Unfold::new(part),
@@ -98,6 +102,14 @@ impl Player {
     /// Whether the frame with this number, from 0, is shown.
     pub fn shows(&self, frame: u64) -> bool {
         frame.is_multiple_of(self.every)
+    }
+
+    /// Leaves out every second shot, then and from now on, if there are too many.
+    pub fn limit(&mut self, shots: &mut Vec<Shot>) {
+        if shots.len() as f64 > 2.0 * SHOTS {
+            halve(shots);
+            self.every *= 2;
+        }
     }
 
     /// What the shots are.
@@ -119,7 +131,7 @@ impl Player {
         match self.kind() {
             Kind::Mesh => self.mesh(frame),
             Kind::Outline => self.outline(frame),
-            Kind::Points => Some(self.points(frame)),
+            Kind::Points => Some(self.points(&self.unfold.whole(frame))),
         }
     }
 
@@ -167,10 +179,15 @@ impl Player {
 /// The shots that fit into a page.
 pub fn thinned(mut shots: Vec<Shot>) -> Vec<Shot> {
     while shots.len() > 2 && shots.iter().map(|shot| shot.bytes.len()).sum::<usize>() > BYTES {
-        let mut keep = [true, false].into_iter().cycle();
-        shots.retain(|_| keep.next().unwrap_or(true));
+        halve(&mut shots);
     }
     shots
+}
+
+/// Leaves out every second one.
+fn halve(shots: &mut Vec<Shot>) {
+    let mut keep = [true, false].into_iter().cycle();
+    shots.retain(|_| keep.next().unwrap_or(true));
 }
 
 fn extent(values: &[f32]) -> [f32; 2] {

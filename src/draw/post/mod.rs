@@ -119,7 +119,7 @@ struct Asked {
 /// Results of a frame: its row, the start values, its pictures.
 struct Look {
     measured: (Row, Start),
-    panel: Option<(Section, Option<Canvas>)>,
+    panel: Option<Section>,
     field: Option<Field>,
     shot: Option<Shot>,
 }
@@ -212,12 +212,15 @@ impl Post {
             let (row, start) = look.measured;
             self.gauge.start = start;
             self.series.push(&row);
-            if let Some(panel) = look.panel {
-                self.sections.push(panel);
+            if let Some(section) = look.panel {
+                // One after the other: each takes much memory, and all threads.
+                let view = self.view(part);
+                self.sections.push((section, view));
                 self.keep_best(part, &row);
             }
             self.averages.extend(look.field);
             self.shots.extend(look.shot);
+            self.player.limit(&mut self.shots);
         }
         Ok(())
     }
@@ -238,17 +241,13 @@ impl Post {
     /// `before`: the frame before, if it is one of the same lot.
     fn look(&self, (frame, before): (&Frame, Option<&Frame>), part: &Frame, asked: Asked) -> Look {
         let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
-        let panel = asked.panel.then(|| {
-            let section = Section::new(&self.scene, frame, self.axis.at[1], label.clone());
-            let view = self.view(part);
-            (section, view)
-        });
+        let section = || Section::new(&self.scene, frame, self.axis.at[1], label.clone());
         let field = || Field::new(&self.scene, frame, &self.axis, label.clone());
         Look {
             measured: self.gauge.look(frame, before),
             field: asked.field.then(field),
             shot: asked.shot.then(|| self.player.shot(part)).flatten(),
-            panel,
+            panel: asked.panel.then(section),
         }
     }
 

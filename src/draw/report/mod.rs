@@ -99,8 +99,8 @@ impl Report {
         self.put_numbers(&mut page);
         self.put_look(&mut page);
         self.put_provenance(&mut page);
-        // Within a script only `</` could end it.
-        let data = self.data().to_string().replace("</", "<\\/");
+        // In JSON a `<` is only in strings; in a page it could end the script or hide its end.
+        let data = self.data().to_string().replace('<', "\\u003c");
         put(
             &mut page,
             format_args!(

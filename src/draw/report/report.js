@@ -72,8 +72,7 @@
   let jump = () => {};
   const canvas = document.querySelector("#player canvas");
   const gl = canvas && canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
-  if (!gl || !film) return;
-  element("player").hidden = false;
+  if (!gl || !film || !window.DecompressionStream) return;
 
   const unpack = async ({ data, points, faces }) => {
     const packed = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
@@ -319,16 +318,15 @@
     if (index !== wanted) show(index);
   };
   slider.addEventListener("input", () => show(Number(slider.value)));
-  let playing = 0;
-  const stop = () => {
-    clearInterval(playing);
-    playing = 0;
-    play.textContent = "Play";
-  };
-  play.addEventListener("click", () => {
-    if (playing) return stop();
-    play.textContent = "Pause";
-    playing = setInterval(() => show((wanted + 1) % film.shots.length), 120);
+  let playing = false;
+  play.addEventListener("click", async () => {
+    playing = !playing;
+    play.textContent = playing ? "Pause" : "Play";
+    while (playing) {
+      const wait = new Promise((done) => setTimeout(done, 120));
+      await show((wanted + 1) % film.shots.length);
+      await wait;
+    }
   });
 
   const fingers = new Map();
@@ -361,7 +359,16 @@
     event.preventDefault();
     closer(Math.exp(-0.0015 * event.deltaY));
   }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const step = steps[event.key];
+    if (!step || isFlat) return;
+    event.preventDefault();
+    azimuth += 0.08 * step[0];
+    elevation = Math.min(1.5, Math.max(-1.2, elevation + 0.08 * step[1]));
+    draw();
+  });
+  element("player").hidden = false;
   new ResizeObserver(draw).observe(canvas);
-  const deepest = Math.min(film.shots.length - 1, Math.round(0.3 * film.shots.length));
-  show(deepest);
+  show(Math.min(film.shots.length - 1, Math.round(0.3 * film.shots.length)));
 })();

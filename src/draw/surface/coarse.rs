@@ -1,12 +1,17 @@
 //! Fields with nodes further apart than particles: the part of each cell that liquid fills.
 
 use super::Field;
+use super::smooth::BINOMIAL;
+use crate::draw::smooth_step;
 use crate::particle::Frame;
 use crate::scene::{Scene, Side};
 
+/// How much the field of thin liquid is raised.
+const THIN: f32 = 1.4;
+
 impl Field {
-    /// Volumes of particles, shared among the eight nodes around each, over that of a cell; then
-    /// smoothed. For nodes that are more than a spacing apart. `None` without a particle.
+    /// Volumes of particles, shared among the eight nodes around each, over that of a cell; smooth
+    /// where liquid is deep. For nodes that are more than a spacing apart. `None` without a particle.
     pub fn coarse(scene: &Scene, frame: &Frame, cell: f64) -> Option<Field> {
         let mut field = Field::empty(scene, frame, cell)?;
         let share = scene.spacing.powi(3) as f32 / field.step.product();
@@ -15,9 +20,7 @@ impl Field {
             field.share([x[i], y[i], z[i]], share);
         }
         field.mirror(scene);
-        for axis in 0..3 {
-            field.mean(axis);
-        }
+        field.settle();
         Some(field)
     }
 
@@ -69,20 +72,32 @@ impl Field {
         }
     }
 
-    /// A quarter of each neighbour along an axis, half of itself.
-    fn mean(&mut self, axis: usize) {
-        let stride = [self.count[1] * self.count[2], self.count[2], 1][axis];
-        let count = self.count[axis];
-        let old = self.values.clone();
-        for (n, value) in self.values.iter_mut().enumerate() {
-            let at = n / stride % count;
-            let before = if at > 0 { old[n - stride] } else { old[n] };
-            let after = if at + 1 < count {
-                old[n + stride]
-            } else {
-                old[n]
-            };
-            *value = 0.5 * old[n] + 0.25 * (before + after);
+    /// Takes the bumps of single particles off deep liquid; what is thin keeps its field, raised so
+    /// that a sheet of two particles is seen.
+    fn settle(&mut self) {
+        let raised: Vec<f32> = self.values.iter().map(|v| THIN * v).collect();
+        let mut mean: Vec<f32> = self.values.iter().map(|v| v.min(1.0)).collect();
+        let mut spare = vec![0.0; mean.len()];
+        let blur = |values: &mut Vec<f32>, spare: &mut Vec<f32>| {
+            for axis in 0..3 {
+                self.along(axis, values, spare, |near| {
+                    near.iter().zip(BINOMIAL).map(|(v, w)| v * w).sum()
+                });
+                std::mem::swap(values, spare);
+            }
+        };
+        blur(&mut mean, &mut spare);
+        let mut depth = mean.clone();
+        blur(&mut depth, &mut spare);
+        for axis in 0..3 {
+            self.along(axis, &depth, &mut spare, |near| {
+                near.iter().copied().fold(0.0, f32::max)
+            });
+            std::mem::swap(&mut depth, &mut spare);
         }
+        let settled = raised.into_iter().zip(mean).zip(depth);
+        self.values = settled
+            .map(|((raised, mean), depth)| raised + smooth_step(0.8, 0.96, depth) * (mean - raised))
+            .collect();
     }
 }

@@ -9,7 +9,7 @@ use super::Field;
 use crate::draw::smooth_step;
 
 /// Weights of a mean over five nodes, whose variance is one node squared.
-const BINOMIAL: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
+pub(super) const BINOMIAL: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
 
 impl Field {
     /// Smooths the field; `sharpness`: how often the difference between the mean and the mean of it
@@ -50,7 +50,13 @@ impl Field {
     }
 
     /// Calls `f` with five nodes in a line along an axis; beyond the sides the last node counts.
-    fn along(&self, axis: usize, old: &[f32], new: &mut [f32], f: impl Fn([f32; 5]) -> f32 + Sync) {
+    pub(super) fn along(
+        &self,
+        axis: usize,
+        old: &[f32],
+        new: &mut [f32],
+        f: impl Fn([f32; 5]) -> f32 + Sync,
+    ) {
         let (rows, row) = (self.count[1], self.count[2]);
         let layer = rows * row;
         new.par_chunks_mut(row).enumerate().for_each(|(n, out)| {

@@ -8,7 +8,7 @@
 //!     dW/dz_a = -dW/dz_b = norm / h^4 2 d_z F_y,  d = (r_a - r_b, z_a - z_b) / h, r in h
 //! F is symmetric, its integral over rings is 1 everywhere, on the axis too, and a ring is its own
 //! neighbour: that is what the curvature about the axis is seen by. No 1 / r appears.
-//! Far from the axis (p > [`FAR`]^2) the circles are almost straight lines:
+//! Far from the axis (the target beyond [`FAR`]) the circles are almost straight lines:
 //! (3) F = (M_0 + M_1 / (8 p)) / (2 pi sqrt(p)),  M_k(y) = INT w(sqrt(y + t^2)) t^2k dt;
 //!     what is left out is below 1e-5 of F and F_y, 1e-4 of the rest, as what a table leaves out.
 //!     M_k is u^(4.5 + k) times a polynomial in q, u = 1 - q^2 / 4, fitted by least squares to it

@@ -35,7 +35,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.follow();
         let inner = self.inner(acoustic);
         let longest = |s: &Self| {
-            let slow = part * s.limits_now().advective(advective);
+            let slow = part * s.liquid.longest(s.limits_now().advective(advective));
             s.liquid.fit(slow.min(MOST * inner))
         };
         // The derivative of an energy is taken in the middle of the step (position Verlet); then

@@ -45,7 +45,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                     self.verlet_step(dt);
                     self.check()?;
                 }
-                _ => self.controlled(|s, part| s.bounded_step(s.liquid.fit(part * dt)))?,
+                _ => self.controlled(|s, part| {
+                    s.bounded_step(s.liquid.fit(part * s.liquid.longest(dt)))
+                })?,
             }
             on_step(self);
         }

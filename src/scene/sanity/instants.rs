@@ -28,7 +28,11 @@ pub(super) fn pictures(scene: &Scene) -> Vec<Warning> {
             **at <= scene.impact.end && (frames - frames.round()).abs() > 1e-6
         };
         let at = *instants.iter().find(is_between)?;
-        let nearest = numbers::short((at / interval).round() * interval, Unit::Time);
+        // The earlier one of two, as pictures are taken.
+        let nearest = (at / interval - 0.5)
+            .ceil()
+            .min((scene.impact.end / interval).floor());
+        let nearest = numbers::short(nearest * interval, Unit::Time);
         let why = format!(
             "no frame is taken then; the picture shows the frame at {nearest}, the nearest"
         );

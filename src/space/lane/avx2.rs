@@ -63,8 +63,9 @@ unsafe fn transpose(r: [__m256; 4]) -> [__m256; 4] {
 unsafe fn cells(place: __m256, last: usize) -> (__m256i, __m256) {
     // SAFETY: as of the whole.
     unsafe {
-        let cell = _mm256_max_epi32(_mm256_cvttps_epi32(place), _mm256_setzero_si256());
-        let cell = _mm256_min_epi32(cell, _mm256_set1_epi32(last as i32));
+        // What is no number stays so, and becomes the first cell.
+        let within = _mm256_min_ps(_mm256_set1_ps(last as f32), place);
+        let cell = _mm256_max_epi32(_mm256_cvttps_epi32(within), _mm256_setzero_si256());
         (cell, _mm256_sub_ps(place, _mm256_cvtepi32_ps(cell)))
     }
 }

@@ -11,7 +11,9 @@ const THIN: f32 = 1.4;
 
 impl Field {
     /// Volumes of particles, shared among the eight nodes around each, over that of a cell; smooth
-    /// where liquid is deep. For nodes that are more than a spacing apart. `None` without a particle.
+    /// where liquid is deep. For nodes that are more than a spacing apart.
+    ///
+    /// `None` without a particle.
     pub fn coarse(scene: &Scene, frame: &Frame, cell: f64) -> Option<Field> {
         let mut field = Field::empty(scene, frame, cell)?;
         let share = scene.spacing.powi(3) as f32 / field.step.product();

@@ -4,9 +4,9 @@
 //!
 //! with the kernels of [`blob`] on a grid, of half the particle spacing for pictures. The surface
 //! is the level 1/2 inside the box of the grid, closed by its sides: the liquid ends exactly at a
-//! wall, and is cut at a periodic side. Walls mirror the liquid, periodic sides repeat it. Each slab
-//! of the grid sums in a fixed order: the result is independent of the number of threads. The field
-//! of rings is that of their half-plane, a [field of revolution](Field::revolved).
+//! wall, and is cut at a periodic side. Walls mirror the liquid, periodic sides repeat it. Each
+//! slab of the grid sums in a fixed order: the result is independent of the number of threads. The
+//! field of rings is that of their half-plane, a [field of revolution](Field::revolved).
 
 mod blob;
 mod coarse;

@@ -1,12 +1,11 @@
 //! Fields with nodes further apart than particles: the part of each cell that liquid fills.
 
 use super::Field;
-use super::smooth::BINOMIAL;
-use crate::draw::smooth_step;
+use super::smooth::Smoothing;
 use crate::particle::Frame;
 use crate::scene::{Scene, Side};
 
-/// How much the field of thin liquid is raised.
+/// How much the field of thin liquid is raised, so that a sheet of two particles is seen.
 const THIN: f32 = 1.4;
 
 impl Field {
@@ -22,7 +21,13 @@ impl Field {
             field.share([x[i], y[i], z[i]], share);
         }
         field.mirror(scene);
-        field.settle();
+        field.smooth_by(Smoothing {
+            passes: 1,
+            reach: 1,
+            sharpness: 0.0,
+            thin: THIN,
+        });
+        field.bound();
         Some(field)
     }
 
@@ -72,34 +77,5 @@ impl Field {
                 }
             }
         }
-    }
-
-    /// Takes the bumps of single particles off deep liquid; what is thin keeps its field, raised so
-    /// that a sheet of two particles is seen.
-    fn settle(&mut self) {
-        let raised: Vec<f32> = self.values.iter().map(|v| THIN * v).collect();
-        let mut mean: Vec<f32> = self.values.iter().map(|v| v.min(1.0)).collect();
-        let mut spare = vec![0.0; mean.len()];
-        let blur = |values: &mut Vec<f32>, spare: &mut Vec<f32>| {
-            for axis in 0..3 {
-                self.along(axis, values, spare, |near| {
-                    near.iter().zip(BINOMIAL).map(|(v, w)| v * w).sum()
-                });
-                std::mem::swap(values, spare);
-            }
-        };
-        blur(&mut mean, &mut spare);
-        let mut depth = mean.clone();
-        blur(&mut depth, &mut spare);
-        for axis in 0..3 {
-            self.along(axis, &depth, &mut spare, |near| {
-                near.iter().copied().fold(0.0, f32::max)
-            });
-            std::mem::swap(&mut depth, &mut spare);
-        }
-        let settled = raised.into_iter().zip(mean).zip(depth);
-        self.values = settled
-            .map(|((raised, mean), depth)| raised + smooth_step(0.8, 0.96, depth) * (mean - raised))
-            .collect();
     }
 }

@@ -9,14 +9,35 @@ use super::Field;
 use crate::draw::smooth_step;
 
 /// Weights of a mean over five nodes, whose variance is one node squared.
-pub(super) const BINOMIAL: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
+const BINOMIAL: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
+
+/// How a field is smoothed.
+pub(super) struct Smoothing {
+    /// Means over five nodes along each axis, one after the other.
+    pub passes: usize,
+    /// Twice as many nodes around deep liquid are smoothed.
+    pub reach: usize,
+    /// How often the difference between the mean and the mean of it is added, against the
+    /// flattening of curved surfaces.
+    pub sharpness: f32,
+    /// What the field of thin liquid is multiplied by.
+    pub thin: f32,
+}
 
 impl Field {
-    /// Smooths the field; `sharpness`: how often the difference between the mean and the mean of it
-    /// is added, against the flattening of curved surfaces.
+    /// Smooths a field with nodes nearer than particles; `sharpness`: as in [`Smoothing`].
     pub(super) fn smooth(&mut self, sharpness: f32) {
         let cells = self.spacing / self.step.min();
-        let passes = (cells * cells).round() as usize;
+        self.smooth_by(Smoothing {
+            passes: (cells * cells).round() as usize,
+            reach: (1.5 * cells).round() as usize,
+            sharpness,
+            thin: 1.0,
+        });
+    }
+
+    /// Smooths the field.
+    pub(super) fn smooth_by(&mut self, by: Smoothing) {
         let axes = [0, 1, 2].into_iter().filter(|&axis| self.count[axis] > 1);
         let axes: Vec<usize> = axes.collect();
         let mut mean: Vec<f32> = self.values.par_iter().map(|v| v.min(1.0)).collect();
@@ -29,15 +50,14 @@ impl Field {
                 std::mem::swap(values, &mut spare);
             }
         };
-        blur(&mut mean, passes);
+        blur(&mut mean, by.passes);
         let mut depth = mean.clone();
-        blur(&mut depth, passes);
-        if sharpness > 0.0 {
+        blur(&mut depth, by.passes);
+        if by.sharpness > 0.0 {
             let pairs = mean.par_iter_mut().zip(&depth);
-            pairs.for_each(|(mean, blurred)| *mean += sharpness * (*mean - blurred));
+            pairs.for_each(|(mean, blurred)| *mean += by.sharpness * (*mean - blurred));
         }
-        let reach = (1.5 * cells).round() as usize;
-        for axis in axes.iter().cycle().take(reach * axes.len()) {
+        for axis in axes.iter().cycle().take(by.reach * axes.len()) {
             self.along(*axis, &depth, &mut spare, |near| {
                 near.iter().copied().fold(0.0, f32::max)
             });
@@ -45,18 +65,13 @@ impl Field {
         }
         let values = self.values.par_iter_mut().zip(mean).zip(depth);
         values.for_each(|((value, mean), depth)| {
+            *value *= by.thin;
             *value += smooth_step(0.80, 0.96, depth) * (mean - *value);
         });
     }
 
     /// Calls `f` with five nodes in a line along an axis; beyond the sides the last node counts.
-    pub(super) fn along(
-        &self,
-        axis: usize,
-        old: &[f32],
-        new: &mut [f32],
-        f: impl Fn([f32; 5]) -> f32 + Sync,
-    ) {
+    fn along(&self, axis: usize, old: &[f32], new: &mut [f32], f: impl Fn([f32; 5]) -> f32 + Sync) {
         let (rows, row) = (self.count[1], self.count[2]);
         let layer = rows * row;
         new.par_chunks_mut(row).enumerate().for_each(|(n, out)| {

@@ -31,9 +31,9 @@ pub mod version {
     /// Of the calibration of the tension.
     pub const CALIBRATE: u32 = 9;
     /// Of relaxation and impact.
-    pub const FLOW: u32 = 23;
+    pub const FLOW: u32 = 24;
     /// Of the evaluation.
-    pub const POST: u32 = 15;
+    pub const POST: u32 = 16;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {

@@ -202,3 +202,29 @@ fn a_page_holds_a_few_megabytes_of_shots_of_the_whole_run() {
         .collect();
     assert_eq!(times, [0.0, 4.0, 8.0, 12.0, 16.0]);
 }
+
+/// Where walls close the mesh its normals are theirs, whatever the disorder inside.
+#[test]
+fn a_side_that_closes_the_mesh_has_its_own_normal() {
+    let scene = draw_surface::scene(3, &[]);
+    let mut frame = draw_surface::frame(&scene, draw_surface::splash(4e-3));
+    for i in 0..frame.id.len() {
+        for a in 0..3 {
+            let wave = (1.7 * i as f32 + 2.1 * a as f32).sin();
+            frame.position[a][i] += 0.25 * draw_surface::SPACING as f32 * wave;
+        }
+    }
+    let coarse = Field::coarse(&scene, &frame, 0.62e-3).unwrap();
+    let fine = Field::new(&scene, &frame, &[]).unwrap();
+    for mesh in [coarse.mesh(0.0), fine.mesh(0.0)] {
+        let mut seen = 0;
+        for (point, normal) in mesh.points.iter().zip(&mesh.normals) {
+            let is_inside = |a: usize| point[a] > 0.8e-3 && point[a] < 7.2e-3;
+            if point[0] == 0.0 && is_inside(1) && point[2] > 0.4e-3 && point[2] < 1.2e-3 {
+                assert_eq!(*normal, [-1.0, 0.0, 0.0]);
+                seen += 1;
+            }
+        }
+        assert!(seen > 8, "{seen}");
+    }
+}

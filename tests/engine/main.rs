@@ -51,6 +51,7 @@ mod pack_scene;
 mod pressure_solve;
 mod projection_flow;
 mod projection_transposed;
+mod projection_wall;
 mod record_background;
 mod record_checkpoint;
 mod record_damage;

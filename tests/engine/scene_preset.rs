@@ -34,7 +34,7 @@ fn presets_follow_what_the_scene_says() {
     );
     assert_eq!(
         form(&[isph, "effects.wetting.angle=60 deg"]),
-        TensionForm::RawColour
+        TensionForm::SurfaceEnergy
     );
     let corrected = ["method.name=mps", "method.preset=corrected"];
     let wets = [&corrected[..], &["effects.wetting.angle=60 deg"]].concat();

@@ -157,7 +157,7 @@ impl Player {
         let [x, y] = field.axis?;
         let normal = |[r, z]: &[f32; 2]| {
             let at = V::new(x + r, y, *z);
-            let normal = tracer.turned_side(&at);
+            let normal = tracer.closing_normal(&at);
             let normal = normal.unwrap_or_else(|| tracer.normal(&at));
             [normal.x, normal.z]
         };

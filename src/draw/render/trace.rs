@@ -136,16 +136,26 @@ impl<'a> Tracer<'a> {
         normal.try_normalize(0.0).unwrap_or(V::z())
     }
 
-    /// Normal of the mesh of a body of revolution: at the sides that of the side.
-    pub fn turned_side(&self, p: &V) -> Option<V> {
-        let off = self.off_axis(p)?;
+    /// Normal of a mesh where it is closed by a side of the box: that of the side.
+    pub fn closing_normal(&self, p: &V) -> Option<V> {
         let near = |a: f32, b: f32| (a - b).abs() < self.offset();
-        match () {
-            () if near(p.z, self.low.z) => Some(-V::z()),
-            () if near(p.z, self.high.z) => Some(V::z()),
-            () if near(off.norm(), self.radius()) => off.try_normalize(0.0),
-            () => None,
+        if let Some(off) = self.off_axis(p) {
+            return match () {
+                () if near(p.z, self.low.z) => Some(-V::z()),
+                () if near(p.z, self.high.z) => Some(V::z()),
+                () if near(off.norm(), self.radius()) => off.try_normalize(0.0),
+                () => None,
+            };
         }
+        let axis = (0..3).find(|&a| near(p[a], self.low[a]) || near(p[a], self.high[a]))?;
+        // Where the surface meets the side, half-way to what is inside, its own normal counts.
+        let is_inside = self.value(p) > 0.5 * (1.0 + LEVEL);
+        let sign = if near(p[axis], self.low[axis]) {
+            -1.0
+        } else {
+            1.0
+        };
+        is_inside.then(|| V::ith(axis, sign))
     }
 
     /// Colour of the liquid at a point of its surface.

@@ -60,6 +60,14 @@ fn strength(smoothing: f32) -> f32 {
     21.0 / (16.0 * std::f32::consts::PI * smoothing.powi(3))
 }
 
+/// `d = (other - own) / reach` and w of (1), of a point within reach.
+#[inline(always)]
+fn seen(own: &Vector3<f32>, other: &Vector3<f32>, reach: f32) -> Option<(Vector3<f32>, f32)> {
+    let d = (other - own) / reach;
+    let r = d.norm();
+    (r < 1.0).then_some((d, 1.0 - r * r * r))
+}
+
 impl Blob {
     fn round(centre: Vector3<f32>, h: f32, strength: f32) -> Blob {
         Blob {
@@ -79,15 +87,12 @@ impl Blob {
         volume: impl Fn(u32) -> f32,
     ) -> Blob {
         let reach = REACH * spacing;
-        let (mut weight, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
+        let (mut weight, mut first) = (0.0, Vector3::zeros());
         points.near(&own, |other, source| {
-            let d = (other - own) / reach;
-            let r = d.norm();
-            if r < 1.0 {
-                let w = volume(source) * (1.0 - r * r * r);
+            if let Some((d, w)) = seen(&own, other, reach) {
+                let w = volume(source) * w;
                 weight += w;
                 first += w * d;
-                second += w * d * d.transpose();
             }
         });
         let mean = first / weight;
@@ -95,6 +100,12 @@ impl Blob {
         if fullness > 0.85 && mean.norm() < 0.03 {
             return Blob::round(own, SMOOTHING * spacing, strength(SMOOTHING));
         }
+        let mut second = Matrix3::zeros();
+        points.near(&own, |other, source| {
+            if let Some((d, w)) = seen(&own, other, reach) {
+                second += volume(source) * w * d * d.transpose();
+            }
+        });
         let part = smooth_step(0.03, 0.30, fullness);
         let smoothing = SMOOTHING * (0.62 + 0.38 * part);
         let boost = 1.0 + 1.6 * (1.0 - smooth_step(0.03, 0.12, fullness));

@@ -30,7 +30,7 @@ impl Field {
         };
         let normal = |p: &V| {
             tracer
-                .turned_side(p)
+                .closing_normal(p)
                 .unwrap_or_else(|| tracer.normal(p))
                 .into()
         };

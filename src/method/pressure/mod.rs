@@ -78,8 +78,17 @@ pub struct Outcome {
 pub trait Matrix {
     /// `out` = A x.
     fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]);
+    /// How many of `all` unknowns it has, the first ones; those behind follow from them.
+    fn varying(&self, all: usize) -> usize {
+        all
+    }
     /// Makes zero what belongs to unknowns whose value is given.
     fn clear_given(&self, _: &mut [f64]) {}
+    /// What to add to the preconditioner, times the inverse of the diagonal: of a matrix that has
+    /// less of the finest modes than the equation, which the preconditioner is made for.
+    fn roughness(&self) -> f64 {
+        0.0
+    }
 }
 
 /// The rows of the equation.
@@ -128,7 +137,7 @@ impl Solver {
         assert!(x.len() == n && equation.coupling.len() == n);
         let enclosed = equation.is_enclosed();
         if enclosed {
-            self.centre(&mut equation.right);
+            self.centre(&mut equation.right[..matrix.varying(n)]);
         }
         for v in [
             &mut self.residual,
@@ -140,7 +149,7 @@ impl Solver {
         }
         let outcome = self.iterate(equation, matrix, preconditioner, (tolerance, most), x);
         if enclosed {
-            self.centre(x);
+            self.centre(&mut x[..matrix.varying(n)]);
         }
         outcome
     }
@@ -180,14 +189,13 @@ impl Solver {
                     converged: residual <= tolerance,
                 };
             }
-            self.precondition(equation, preconditioner);
-            matrix.clear_given(&mut self.better[..n]);
+            self.improve(equation, matrix, preconditioner);
             let (r, z) = (&self.residual, &self.better);
             let last = rz;
             [rz] = sum_in(&mut self.one, n, |i| [r[i] * z[i]]);
-            let beta = if iterations == 0 { 0.0 } else { rz / last };
+            let beta = (iterations > 0).then_some(rz / last);
             each_mut(&mut self.direction[..n], |i, p| {
-                *p = z[i] + beta * *p;
+                *p = z[i] + beta.map_or(0.0, |beta| beta * *p);
             });
             let direction = std::mem::take(&mut self.direction);
             self.product(equation, matrix, &direction[..n]);
@@ -221,9 +229,32 @@ impl Solver {
         matrix.apply(equation, x, &mut image[..x.len()]);
         matrix.clear_given(&mut image[..x.len()]);
         if equation.is_enclosed() {
-            self.centre(&mut image[..x.len()]);
+            self.centre(&mut image[..matrix.varying(x.len())]);
         }
         self.image = image;
+    }
+
+    /// `better` = M^-1 `residual` for a matrix whose preconditioner M is that of the equation and
+    /// what [`Matrix::roughness`] adds.
+    fn improve(
+        &mut self,
+        equation: &Equation,
+        matrix: &impl Matrix,
+        preconditioner: Preconditioner,
+    ) {
+        let n = equation.len();
+        self.precondition(equation, preconditioner);
+        let mut z = std::mem::take(&mut self.better);
+        let (rough, r) = (matrix.roughness(), &self.residual);
+        if rough > 0.0 {
+            let diagonal = &equation.diagonal;
+            each_mut(&mut z[..n], |i, z| *z += rough * r[i] / diagonal[i]);
+        }
+        matrix.clear_given(&mut z[..n]);
+        if rough > 0.0 && equation.is_enclosed() {
+            self.centre(&mut z[..matrix.varying(n)]);
+        }
+        self.better = z;
     }
 
     /// `better` = M^-1 `residual`.

@@ -33,6 +33,7 @@ mod closed;
 pub mod correction;
 mod links;
 pub mod look;
+mod product;
 mod report;
 mod rings;
 mod shift;

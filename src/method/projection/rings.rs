@@ -220,10 +220,10 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// G of (1); see [`Projection::press`].
-    pub(super) fn press_rings(&mut self, x: Option<&[f64]>, lifted: bool) {
+    pub(super) fn press_rings(&mut self, x: &[f64], lifted: bool) {
         let n = self.liquid.len();
         let walls = &self.walls;
-        let value = |i: usize| x.map_or(0.0, |x| x[i]);
+        let value = |i: usize| x[i];
         let offset = |j: usize| if lifted { walls.offset[j] } else { 0.0 };
         let at_wall = |j: usize| value(n + walls.group[j] as usize) as f32 + offset(j);
         let completed = &self.transposed.completed;

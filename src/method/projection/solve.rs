@@ -1,6 +1,6 @@
 //! The second half of a step: from predicted positions and velocities to the pressure.
 
-use super::transposed::Product;
+use super::product::Product;
 use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
 use crate::method::pass::Moving;

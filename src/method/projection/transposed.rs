@@ -13,16 +13,18 @@
 //! particle up, every second down) have no pressure. A mixture keeps both: over a step of which
 //! theta is implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence,
 //! which is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
-//! The matrix is applied by two passes over the pairs ([`PressureForce`], [`Divergence`]); with a
-//! tension that has an energy those of ISPH are the ones of [`completed`] near a surface. What s
-//! brings back there is the density of [`super::surface`], whose half-space is that of a lattice.
+//! Walls: [`super::product`]. The matrix is applied by two passes over the pairs
+//! ([`PressureForce`], [`Divergence`]); with a tension that has an energy those of ISPH are the
+//! ones of [`completed`] near a surface. What s brings back there is the density of
+//! [`super::surface`], whose half-space is that of a lattice.
 
 use super::links::Links;
+use super::product::extend;
 use super::{Projection, SURFACE, Scheme};
 use crate::effect::tension::pass::Pull;
 use crate::kernel::Kernel;
 use crate::method::completed::{self, Completed};
-use crate::method::pressure::{Equation, Matrix, Outcome};
+use crate::method::pressure::Outcome;
 use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::parallel::each_mut;
@@ -38,7 +40,7 @@ const ROUGH: f64 = 10.0;
 const ROUGHEST: f64 = 1e-2;
 
 /// beta of (3).
-fn share(theta: f64) -> f64 {
+pub(super) fn share(theta: f64) -> f64 {
     PART * (1.0 - 0.5 / theta)
 }
 
@@ -126,8 +128,12 @@ impl<W: Weight> Pass<3> for PressureForce<W> {
 pub(super) struct Transposed {
     /// D v*, by unknown.
     flux: Vec<f64>,
-    /// Whether the pressure of an unknown is given.
-    given: Vec<bool>,
+    /// Whether the pressure of a liquid particle is given.
+    pub given: Vec<bool>,
+    /// o of [`super::product`] by group of wall particles, Pa.
+    pub beyond: Vec<f64>,
+    /// Room for the values of products.
+    pub wide: Vec<f64>,
     /// By wall particle.
     at_walls: Vec<f64>,
     /// Of rings: kernel sums and rates of density.
@@ -141,6 +147,7 @@ pub(super) struct Transposed {
 impl Transposed {
     pub fn memory(&self) -> usize {
         8 * (self.flux.capacity() + self.at_walls.capacity())
+            + 8 * (self.beyond.capacity() + self.wide.capacity())
             + self.given.capacity()
             + 16 * self.around.capacity()
             + 12 * self.rates.capacity()
@@ -151,7 +158,7 @@ impl Transposed {
 
 impl<S: Scheme> Projection<S> {
     /// D of v* or, without `moving`, of `push`, by unknown.
-    fn find_divergence(&mut self, moving: bool, out: &mut [f64]) {
+    pub(super) fn find_divergence(&mut self, moving: bool, out: &mut [f64]) {
         if self.liquid.flow.is_axial() {
             return self.find_divergence_of_rings(moving, out);
         }
@@ -202,13 +209,13 @@ impl<S: Scheme> Projection<S> {
     }
 
     /// `push` = G of `x` and, with `lifted`, of the offsets of wall particles.
-    fn press(&mut self, x: Option<&[f64]>, lifted: bool) {
+    pub(super) fn press(&mut self, x: &[f64], lifted: bool) {
         if self.liquid.flow.is_axial() {
             return self.press_rings(x, lifted);
         }
         let n = self.liquid.len();
         let walls = &self.walls;
-        let value = |i: usize| x.map_or(0.0, |x| x[i] as f32);
+        let value = |i: usize| x[i] as f32;
         let offset = |j: usize| if lifted { walls.offset[j] } else { 0.0 };
         let at_wall = |j: usize| value(n + walls.group[j] as usize) + offset(j);
         self.own.push.resize(n, [0.0; 3]);
@@ -259,22 +266,27 @@ impl<S: Scheme> Projection<S> {
 
     /// Solves (3), `dt` s; `density`: the part of its deviation that goes. Liquid at a surface
     /// holds no more than its cohesion: where the first solution has a lower pressure, that one is
-    /// given, and the rest solved again.
+    /// given, and the rest solved again. The first is a rough one if the last step had such a
+    /// pressure anywhere.
     pub(super) fn solve_transposed(&mut self, dt: f64, density: f64) -> Outcome {
         self.transposed.given.clear();
-        self.transposed.given.resize(self.equation.len(), false);
+        self.transposed.given.resize(self.liquid.len(), false);
         self.complete();
         self.set_right_transposed(dt, density);
         if self.liquid.flow.is_axial() {
             self.link_rings();
         }
         self.guess();
-        let tolerance = self.settings.tolerance;
-        let rough = self.go_on((ROUGH * tolerance).min(ROUGHEST));
-        if !rough.converged {
-            return rough;
+        let (tolerance, held) = (self.settings.tolerance, self.cohesion());
+        let has_torn = self.own.pressure.iter().any(|p| *p <= -held);
+        let first = self.go_on(match has_torn {
+            true => (ROUGH * tolerance).min(ROUGHEST),
+            false => tolerance,
+        });
+        if !first.converged {
+            return first;
         }
-        let (n, held) = (self.liquid.len(), self.cohesion());
+        let n = self.liquid.len();
         let (local, p) = (&self.own.local, &self.unknown);
         let given = &mut self.transposed.given[..n];
         each_mut(
@@ -285,17 +297,20 @@ impl<S: Scheme> Projection<S> {
                 }
             },
         );
-        let outcome = self.go_on(tolerance);
+        if !has_torn && !self.transposed.given.contains(&true) {
+            return first;
+        }
+        let second = self.go_on(tolerance);
         Outcome {
-            iterations: rough.iterations + outcome.iterations,
-            ..outcome
+            iterations: first.iterations + second.iterations,
+            ..second
         }
     }
 
     /// Gives `x` the pressures that are given.
     pub(super) fn hold_given(&self, x: &mut [f64]) {
         let (given, held) = (&self.transposed.given, self.cohesion());
-        each_mut(x, |i, p| {
+        each_mut(&mut x[..given.len()], |i, p| {
             if given[i] {
                 *p = -held
             }
@@ -304,68 +319,57 @@ impl<S: Scheme> Projection<S> {
 
     /// `push` = G of the solution.
     pub(super) fn press_all(&mut self) {
-        let x = std::mem::take(&mut self.unknown);
-        self.press(Some(&x), true);
+        let mut x = std::mem::take(&mut self.unknown);
+        let Transposed { wide, beyond, .. } = &mut self.transposed;
+        wide.clear();
+        wide.resize(beyond.len(), 0.0);
+        extend(&self.equation, &x, wide);
+        let walls = x[self.liquid.len()..].iter_mut().zip(&*wide);
+        walls.zip(&*beyond).for_each(|((p, e), o)| *p = e + o);
+        self.press(&x, true);
         self.unknown = x;
     }
 
     /// The right-hand side of (3) over the unit of the rows, `dt` s.
     fn set_right_transposed(&mut self, dt: f64, density: f64) {
         let mut flux = std::mem::take(&mut self.transposed.flux);
-        let count = self.equation.len();
+        let (n, count) = (self.liquid.len(), self.equation.len());
         flux.resize(count, 0.0);
         let beta = share(self.settings.theta);
         let mut lift = std::mem::take(&mut self.equation.right);
+        lift.clear();
         lift.resize(count, 0.0);
-        if self.walls.len() == 0 {
-            lift.fill(0.0);
-        } else {
-            self.press(None, true);
+        let mut beyond = std::mem::take(&mut self.transposed.beyond);
+        beyond.clear();
+        beyond.extend((n..count).map(|i| self.wall_flux(i, dt) / self.equation.diagonal[i]));
+        if count > n {
+            let mut x = std::mem::take(&mut self.transposed.wide);
+            x.clear();
+            x.resize(n, 0.0);
+            x.extend_from_slice(&beyond);
+            self.press(&x, true);
+            self.transposed.wide = x;
             self.find_divergence(false, &mut lift);
         }
         self.find_divergence(true, &mut flux);
-        let (this, n, unit) = (&*self, self.liquid.len(), S::unit(self));
+        let (this, unit) = (&*self, S::unit(self));
         let span = this.span(dt);
         each_mut(&mut lift[..count], |i, right| {
             let flux = flux[i] + (1.0 - beta) * dt * *right;
             if i >= n {
-                *right = beta * this.wall_flux(i, dt) - flux / (dt * unit);
+                // What the rows of the liquid have of it, and of o.
+                let own = -flux / (dt * unit) / this.equation.diagonal[i];
+                *right = own + beta * beyond[i - n];
                 return;
             }
             let rate = this.mass(i) * density * this.excess(i) / span - flux;
             *right = rate / (dt * unit) + beta * this.sums[i][1] as f64;
         });
+        self.transposed.beyond = beyond;
+        if count > n {
+            self.share_out(&mut lift);
+        }
         self.equation.right = lift;
         self.transposed.flux = flux;
-    }
-}
-
-/// The matrix of (3) over the unit of the rows.
-pub(super) struct Product<'a, S: Scheme>(pub &'a mut Projection<S>);
-
-impl<S: Scheme> Matrix for Product<'_, S> {
-    fn clear_given(&self, v: &mut [f64]) {
-        let given = &self.0.transposed.given;
-        each_mut(v, |i, v| {
-            if given[i] {
-                *v = 0.0
-            }
-        });
-    }
-
-    fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]) {
-        let this = &mut *self.0;
-        let beta = share(this.settings.theta);
-        match this.liquid.flow.is_axial() {
-            true => this.multiply_rings(x, out),
-            false => {
-                this.press(Some(x), false);
-                this.find_divergence(false, out);
-            }
-        }
-        let scale = (1.0 - beta) / S::unit(this);
-        each_mut(out, |i, out| {
-            *out = scale * *out + beta * equation.row(i, x)
-        });
     }
 }

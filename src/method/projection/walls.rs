@@ -1,9 +1,10 @@
 //! Walls in the pressure equation.
 //!
-//! The particles of the layer in contact with the liquid are unknowns; those behind copy the one in
-//! front (Kuri, Section 2.2), so each is one unknown with its followers, and its equation is the
-//! sum of theirs: the matrix stays symmetric. Walls exchange nothing with walls, so that pressure
-//! does not leak along them.
+//! The particles of the layer in contact with the liquid are unknowns (with the transposed gradient
+//! they follow from the liquid: [`super::product`]); those behind copy the one in front (Kuri,
+//! Section 2.2), so each is one unknown with its followers, and its equation is the sum of theirs:
+//! the matrix stays symmetric. Walls exchange nothing with walls, so that pressure does not leak
+//! along them.
 //!
 //! As printed every wall particle moves with the wall and has a density of its own. With
 //! `source.divergence` the wall goes on with the velocity that the liquid before it has, v*_w =

@@ -110,8 +110,7 @@ fn transposed(name: MethodName) -> Option<&'static str> {
 
 /// Whether `modern` has a tension that is the derivative of an energy with the user's settings:
 /// Wendland's kernel, dual stepping and a density from its rate, or the pressure equation of a
-/// transposed gradient. With contact angles the projections have the stress, whose angles are
-/// nearer (docs/results/wetting.md).
+/// transposed gradient.
 fn bears_energy(tree: &Tree<'_>, name: MethodName) -> bool {
     let is = |key: &str, value: &str| {
         let key = format!("method.{}.{key}", name.word());
@@ -135,9 +134,7 @@ fn bears_energy(tree: &Tree<'_>, name: MethodName) -> bool {
                 ("closure", "completed"),
                 ("pressure", "signed"),
             ];
-            let wets = tree.get("effects.wetting").is_some();
-            let fits = words.into_iter().all(|(key, value)| is(key, value));
-            !wets && fits && has("source", "divergence")
+            words.into_iter().all(|(key, value)| is(key, value)) && has("source", "divergence")
         }
     }
 }

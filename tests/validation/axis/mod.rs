@@ -1,5 +1,6 @@
 //! Rings about an axis: cases with known answers, preset `modern` of the method under test.
 
+mod law;
 mod wall;
 mod wave;
 

@@ -68,7 +68,7 @@ pub fn presets(name: &str, case: impl Fn(&str) -> Result<bool, Diverged>) {
             );
             let found = format!("diverged at {:.2e} s", e.time);
             let method = method_name();
-            table::keep([name, &method, preset, "", &found, "", "", "", "false"]);
+            table::keep([name, &method, preset, "", &found, "", "", "", "no"]);
             false
         });
         kept &= good || preset != "modern";
@@ -214,12 +214,18 @@ impl Figure<'_> {
             &method_name(),
             self.preset,
             self.what,
-            &self.got.to_string(),
-            &self.theory.map_or(String::new(), |x| x.to_string()),
-            &error.to_string(),
-            &self.target.to_string(),
-            &good.to_string(),
+            &short(self.got),
+            &self.theory.map_or(String::new(), short),
+            &percent(error),
+            &percent(self.target),
+            if good { "yes" } else { "no" },
         ]);
         good
     }
+}
+
+/// Four significant digits.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    rounded.to_string()
 }

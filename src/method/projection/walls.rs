@@ -15,7 +15,8 @@
 //! c_j = n n . grad p . (r_j - r_g). On a lattice p = rho g depth is then an exact solution. dt is
 //! the whole step, of whose gravity v* has the part theta: over theta dt a wall would give back
 //! (1 - theta) / theta of what hits it, and particles pressed into the floor, which a unit of
-//! pressure moves more than the equation has it, leapt higher in every step. Viscosity sees
+//! pressure moves more than the equation has it, leapt higher in every step. With the transposed
+//! gradient the slope is that of gravity alone (`halt` in [`super::solve`]). Viscosity sees
 //! 2 v_wall - SUM v W / SUM W (Adami, Hu & Adams 2012, Eq. 23).
 //! Test: tests/engine/projection_flow.rs.
 

@@ -9,12 +9,12 @@ use coronet::measure::whole::Unfold;
 /// The deepest crater of a deep pool against the Froude number V^2 / (g D). A hemisphere that
 /// takes all energy of the drop has the radius D (Fr / 3)^(1/4); craters reach an equal part of it
 /// at any speed where gravity decides (Pumphrey & Elmore 1990, doi 10.1017/S0022112090000398). The
-/// theory of each speed is therefore the part of the fastest, whose own row is exact by that.
+/// theory of each slower drop is therefore the part of the fastest, which has no row of its own.
 #[test]
 fn crater_depth() {
     println!();
     let (diameter, gravity) = (4e-3, 9.81);
-    let mut part = None;
+    let mut part: Option<f64> = None;
     for speed in [4.0f64, 3.13, 2.42, 1.71] {
         let sets = [
             "box.size=['60 mm','60 mm','45 mm']",
@@ -41,9 +41,11 @@ fn crater_depth() {
         let froude = speed * speed / (gravity * diameter);
         let bound = diameter * (froude / 3.0f64).powf(0.25);
         let case = format!("crater, Fr {froude:.0}");
-        let part = *part.get_or_insert(deepest / bound);
-        let error = figure(&case, "largest depth, m", deepest, Some(part * bound), 0.05);
-        assert!(error < 0.1, "{case}: {error}");
+        if let Some(part) = part {
+            let error = figure(&case, "largest depth, m", deepest, Some(part * bound), 0.05);
+            assert!(error < 0.1, "{case}: {error}");
+        }
+        part.get_or_insert(deepest / bound);
         println!(
             "  {:.3} of the full conversion, {:.2} ms after contact, {:.3} D / V Fr^(5/8)",
             deepest / bound,

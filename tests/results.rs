@@ -8,13 +8,13 @@
 //! <!-- table NAME columns="a; b" -->        these columns
 //! <!-- table NAME rows="method" columns="spacing" cells="error %; cpu_s s" -->
 //!                                           one row a method, one column a spacing; a unit is %,
-//!                                           s, MB, `sci`, or `all`: whether all rows are true
+//!                                           s, MB, deg, `sci`, or `all`: whether all rows are true
 //! <!-- end -->
 //! ```
 //!
 //! A CSV starts with lines `# key: value`: `version` of the numerics, `machine`, `date`, any number
-//! of `command` and `note`, and `flow`, the number of `version::FLOW` in `stages/jobs.rs`, where it
-//! is known.
+//! of `command` and `note`, and where they are known `flow`, the number of `version::FLOW` in
+//! `stages/jobs.rs`, and `parts`, those of the named versions there, as `isph 2, wcsph 1`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -140,6 +140,22 @@ fn current() -> u32 {
     rest.split(';').next().unwrap().parse().unwrap()
 }
 
+/// Whether named versions, as `isph 2, wcsph 1`, are those of the program.
+fn is_current(parts: &str) -> bool {
+    let jobs = text(&root().join("stages/jobs.rs"));
+    let parts = parts.split(',').filter(|part| !part.trim().is_empty());
+    parts.map(str::trim).all(|part| {
+        let (name, version) = part.rsplit_once(' ').unwrap();
+        jobs.contains(&format!("part(\"{name}\", {version})"))
+    })
+}
+
+#[test]
+fn versions_of_parts_are_those_of_the_program() {
+    assert!(is_current("") && is_current("vibration 1, wcsph 1"));
+    assert!(!is_current("vibration 1, wcsph 1000"));
+}
+
 /// Prints the tables of an older version; `cargo test --test results older -- --nocapture`. With
 /// `CORONET_RELEASE=1` they fail the test.
 #[test]
@@ -152,12 +168,15 @@ fn tables_of_an_older_version_are_listed() {
         let flow = flow.map(|flow| flow.unwrap_or_else(|_| panic!("{}: flow", shown(&path))));
         let is_newer = flow.is_some_and(|flow| flow > current());
         assert!(!is_newer, "{}: newer than the program", shown(&path));
-        if flow != Some(current()) {
+        let parts: Vec<&str> = table.head("parts").collect();
+        let has_parts = !parts.is_empty() && parts.iter().all(|parts| is_current(parts));
+        if flow != Some(current()) || !has_parts {
             let flow = flow.map_or("unknown".to_string(), |flow| flow.to_string());
             older.push(format!(
-                "{}: FLOW {flow}, {}",
+                "{}: FLOW {flow}, {} {}",
                 shown(&path),
-                version.join(", ")
+                version.join(", "),
+                parts.join(", ")
             ));
         }
     }

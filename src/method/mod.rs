@@ -19,6 +19,7 @@ pub mod ring;
 pub mod shifting;
 pub mod start;
 pub mod wcsph;
+pub mod wet;
 
 pub use calibrate::{Calibration, calibrate, is_of_packing};
 pub use start::{initial, intruders, relaxed, resting};

@@ -64,7 +64,8 @@ pub struct BatchArguments {
     /// Wait until the submitted points have ended, and write the table
     #[arg(long)]
     pub wait: bool,
-    /// Show the state of each point; submit nothing
+    /// Show the state of each point and the time that it still needs, with what points share for
+    /// each of them; run and submit nothing
     #[arg(long, conflicts_with_all = ["wait", "cancel"])]
     pub look: bool,
     /// Stop the submitted points; the same command without this continues
@@ -88,4 +89,11 @@ pub struct BatchArguments {
     /// Run only this point: the task of a batch job
     #[arg(long, hide = true)]
     pub point: Option<usize>,
+}
+
+impl BatchArguments {
+    /// Whether the command is about jobs of a batch system.
+    pub fn is_about_jobs(&self) -> bool {
+        self.wait || self.cancel
+    }
 }

@@ -1,4 +1,5 @@
-//! Studies on a cluster: one array job of the batch system, each task of which is a point.
+//! Studies on a cluster, and a look at any study: one array job of the batch system, each task of
+//! which is a point.
 //!
 //! | module | what |
 //! |---|---|
@@ -28,6 +29,7 @@ use crate::arguments::StudyArguments;
 use crate::print::{note, out};
 use crate::study::trial::{Outcome, Trial};
 use crate::table;
+use crate::watch::duration;
 use job::Job;
 use record::Submitted;
 use state::{Known, State};
@@ -111,11 +113,15 @@ fn cancel(known: &[Known], arguments: &StudyArguments) -> Result<()> {
 fn tell(trials: &[Trial], known: &[Known], arguments: &StudyArguments) {
     let states = || trials.iter().zip(known);
     let count = |word: &str| known.iter().filter(|k| k.state.word() == word).count();
+    let rest = |known: &Known| match known.state.has_ended() {
+        true => 0.0,
+        false => known.seconds,
+    };
     let words = ["done", "failed", "running", "waiting", "missing"];
     if arguments.store.json {
         let point = |(trial, known): (&Trial, &Known)| {
             json!({"point": trial.name, "title": trial.title, "state": known.state.word(),
-                "job": known.state.job()})
+                "job": known.state.job(), "cpu_seconds": known.seconds})
         };
         let points: Vec<_> = states().map(point).collect();
         let counts: serde_json::Map<_, _> = words
@@ -125,13 +131,26 @@ fn tell(trials: &[Trial], known: &[Known], arguments: &StudyArguments) {
         return out!("{}", json!({"points": points, "counts": counts}));
     }
     let row = |(trial, known): (&Trial, &Known)| {
-        vec![trial.name.clone(), trial.title.clone(), known.state.text()]
+        let rest = match rest(known) {
+            0.0 => String::new(),
+            seconds => format!("about {} of CPU", duration(seconds)),
+        };
+        vec![
+            trial.name.clone(),
+            trial.title.clone(),
+            known.state.text(),
+            rest,
+        ]
     };
     for line in table::lines(&states().map(row).collect::<Vec<_>>(), &[]) {
         out!("{line}");
     }
     let counts = words.map(|word| format!("{} {word}", count(word)));
-    out!("{}", counts.join(", "));
+    let rest = match known.iter().map(rest).sum() {
+        0.0 => String::new(),
+        seconds => format!("; about {} of CPU to go", duration(seconds)),
+    };
+    out!("{}{rest}", counts.join(", "));
     if !arguments.batch.look {
         out!("look     the same command with --look; `coronet status` shows running jobs");
         out!("stop     the same command with --cancel");

@@ -10,7 +10,7 @@ use coronet::pipeline::{self, Decision, Event, Run, Store, Watch};
 use coronet::scene::file;
 
 use super::{point, record, system};
-use crate::arguments::StudyArguments;
+use crate::arguments::{On, StudyArguments};
 use crate::print::note;
 use crate::study::trial::{Outcome, Trial};
 use crate::{PROGRAM, jobs, remote};
@@ -105,6 +105,8 @@ pub fn look(trials: &[Trial], arguments: &StudyArguments, folder: &Path) -> Resu
             _ if !lacks(&decisions) => State::Done,
             Some((job, true)) => State::Running(job.clone()),
             Some((job, false)) => State::Waiting(job.clone()),
+            // Here a point that failed runs again.
+            None if arguments.batch.on == On::Local => State::Missing,
             None => ended(k + 1, &decisions, folder)?,
         };
         let rest = decisions.iter().flatten();

@@ -52,19 +52,24 @@ pub const STOPPING: &str = "stopping all points after their next checkpoint";
 pub fn study(arguments: &StudyArguments) -> Result<()> {
     let (study, trials) = load(&arguments.study)?;
     let out = folder(&arguments.study, &arguments.store.artifacts)?;
-    if let Some(folder) = &arguments.into {
-        create_folder(folder)?;
-    }
     if let Some(number) = arguments.batch.point {
         return batch::point::run(&trials, number, arguments, &out);
     }
     let failed = match arguments.batch.on {
-        On::Local => Vec::new(),
+        On::Local if arguments.batch.is_about_jobs() => {
+            bail!(Usage(
+                "--wait and --cancel need --on slurm or --on hq".to_string()
+            ))
+        }
+        On::Local if !arguments.batch.look => Vec::new(),
         _ => match batch::collect(&trials, arguments, &out)? {
             Some(failed) => failed,
             None => return Ok(()),
         },
     };
+    if let Some(folder) = &arguments.into {
+        create_folder(folder)?;
+    }
     let outcomes = || run_rest(&trials, failed, arguments);
     match &study.error {
         Some(target) => tell_costs((&study, target), &trials, outcomes, arguments, &out),

@@ -21,7 +21,14 @@ pub fn headed(study: &Path, outcomes: &[Outcome], table: &[u8]) -> Vec<u8> {
     let mut head = format!("# version: {}\n", all(&|made| made.program.clone()));
     let flow = all(&|made| made.version.to_string());
     if flow == version::FLOW.to_string() {
-        head += &format!("# flow: {flow}\n");
+        let mut parts: Vec<&str> = made
+            .iter()
+            .flat_map(|made| &made.parts)
+            .map(String::as_str)
+            .collect();
+        parts.sort_unstable();
+        parts.dedup();
+        head += &format!("# flow: {flow}\n# parts: {}\n", parts.join(", "));
     }
     head += &format!("# machine: {}\n", all(&|made| made.machine.clone()));
     head += &format!("# date: {}\n", all(&|made| made.date.clone()));

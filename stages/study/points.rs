@@ -145,7 +145,7 @@ impl Study {
         match (&self.error, self.figure.is_empty(), self.case.is_empty()) {
             (Some(error), true, true) => error.check().map_err(str::to_string)?,
             (None, false, true) | (None, true, false) => self.check_figures()?,
-            _ => return Err("it needs one of [error], [[figure]] and [[case]]".to_string()),
+            _ => return Err("it needs just one of [error], [[figure]] and [[case]]".to_string()),
         }
         if self.figure.is_empty() && !self.curves.is_empty() {
             return Err("[[curves]] go with [[figure]], of which there is none".to_string());

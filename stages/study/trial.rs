@@ -77,6 +77,8 @@ pub struct Made {
     pub program: String,
     /// Version of the impact.
     pub version: u32,
+    /// Versions of the parts that it used, as `isph 2`.
+    pub parts: Vec<String>,
     /// Processor, cores and system.
     pub machine: String,
     /// UTC, as `2026-11-26`.
@@ -86,9 +88,14 @@ pub struct Made {
 impl Made {
     fn of(stamp: &Stamp) -> Made {
         let here = &stamp.machine;
+        let parts = stamp.settings.iter().filter_map(|setting| {
+            let name = setting.name.strip_prefix("version.")?;
+            Some(format!("{name} {}", setting.value))
+        });
         Made {
             program: stamp.program.clone(),
             version: stamp.version,
+            parts: parts.collect(),
             machine: format!("{}, {} cores, {}", here.processor, here.cores, here.system),
             date: stamp.started.chars().take(10).collect(),
         }

@@ -1,7 +1,7 @@
 //! The schema of study files: as shipped, and named by every study.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::program::Program;
 
@@ -64,8 +64,8 @@ fn mistakes_of_a_study_are_reported_all_at_once() {
     );
 }
 
-#[test]
-fn every_study_names_its_schema() {
+/// The study files as shipped.
+fn studies() -> Vec<PathBuf> {
     let files = fs::read_dir(STUDIES)
         .unwrap()
         .map(|file| file.unwrap().path());
@@ -73,7 +73,26 @@ fn every_study_names_its_schema() {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     assert!(studies.len() > 20);
-    for path in studies {
+    studies
+}
+
+#[test]
+fn every_study_loads_and_has_a_forecast() {
+    let program = Program::new();
+    for path in studies() {
+        let path = path.display().to_string();
+        let looked = program.call(&["study", &path, "--look", "--json"]).well();
+        let points = looked.objects().pop().unwrap()["points"].clone();
+        let points = points.as_array().unwrap();
+        assert!(!points.is_empty(), "{path}");
+        let seconds = |point: &serde_json::Value| point["cpu_seconds"].as_f64().unwrap();
+        assert!(points.iter().map(seconds).sum::<f64>() > 0.0, "{path}");
+    }
+}
+
+#[test]
+fn every_study_names_its_schema() {
+    for path in studies() {
         let text = fs::read_to_string(&path).unwrap();
         let first = text.lines().next().unwrap();
         assert_eq!(

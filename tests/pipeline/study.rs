@@ -197,3 +197,24 @@ fn what_repeats_and_what_costs_is_said_in_the_study() {
         .call(&["study", "study.toml"])
         .badly(2, &["study.toml", "money"]);
 }
+
+#[test]
+fn a_study_is_looked_at_before_it_runs() {
+    let program = program();
+    let look = ["study", "study.toml", "--look"];
+    let said = program.call(&look).well().out;
+    assert!(said.contains("missing  about"), "{said}");
+    assert!(said.contains("6 missing; about"), "{said}");
+    assert!(!program.path("artifacts/latest/study").exists());
+    program.call(&["study", "study.toml"]).well();
+    let said = program.call(&look).well().out;
+    assert!(
+        said.trim_end()
+            .ends_with("6 done, 0 failed, 0 running, 0 waiting, 0 missing")
+    );
+    for option in ["--wait", "--cancel"] {
+        program
+            .call(&["study", "study.toml", option])
+            .badly(2, &["--on slurm"]);
+    }
+}

@@ -204,6 +204,7 @@ pub fn rounded(value: f64, unit: &str) -> String {
         size if size >= 1000.0 && unit == "%" => return "> 1,000 %".to_string(),
         size if size < 0.0995 => 3,
         size if size < 0.995 => 2,
+        _ if unit == "deg" => 1,
         size if size < 9.95 || unit == "%" && size < 99.95 => 1,
         _ => 0,
     };
@@ -252,6 +253,7 @@ fn numbers_are_rounded() {
     assert_eq!(rounded(368.2, "%"), "> 1,000 %");
     assert_eq!(rounded(0.0543, "s"), "0.054 s");
     assert_eq!(rounded(407.4, "s"), "407 s");
+    assert_eq!(rounded(119.96, "deg"), "120.0 deg");
     assert_eq!(rounded(-9.869e-6, "sci"), "-9.869e-6");
     assert_eq!(short("0.333333333333 mm, d/12"), "0.3333 mm, d/12");
 }

@@ -31,14 +31,22 @@ fn add(path: &Path, row: [&str; 9]) -> std::io::Result<()> {
 fn head() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let jobs = fs::read_to_string(root.join("stages/jobs.rs")).expect("jobs.rs is there");
-    let flow = jobs.split("pub const FLOW: u32 = ").nth(1);
-    let flow = flow.and_then(|rest| rest.split(';').next()).unwrap_or("?");
+    let between = |begin: &str, end: char| {
+        let rest = jobs.split(begin).nth(1);
+        rest.and_then(|rest| rest.split(end).next()).unwrap_or("?")
+    };
+    let flow = between("pub const FLOW: u32 = ", ';');
+    let part = |name: &str| format!("{name} {}", between(&format!("part(\"{name}\", "), ')'));
+    let parts = ["isph", "mps", "surface-energy", "wcsph", "wetting"]
+        .map(part)
+        .join(", ");
     let here = Machine::here();
     let version = env!("CARGO_PKG_VERSION");
     let day: String = now().chars().take(10).collect();
     let machine = format!("{}, {} cores, {}", here.processor, here.cores, here.system);
     format!(
-        "# version: coronet {version}, FLOW {flow}\n# flow: {flow}\n# machine: {machine}\n\
+        "# version: coronet {version}, FLOW {flow}\n# flow: {flow}\n\
+         # parts: {parts}\n# machine: {machine}\n\
          # date: {day}\n\
          # command: cargo test --release --test validation -- --test-threads=1\n{}\n",
         COLUMNS.join(",")

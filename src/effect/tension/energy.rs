@@ -26,7 +26,7 @@
 //! at its beginning it would feed energy in, omega^2 dt / 4 a second of a wave of omega.
 //! Wall particles count as liquid and have no energy: 90 degrees; others: [`super::shore`].
 //! Pressure forces must do the work that their divergence sees, as those of WCSPH do and of ISPH
-//! with the transposed gradient; steps of ISPH are a quarter of the capillary limit.
+//! and MPS with the transposed gradient.
 //! Tests: tests/engine/effect_energy.rs.
 
 use super::Tension;

@@ -200,7 +200,8 @@ impl Scalars for Solution {
 impl<S: Scheme> Projection<S> {
     pub fn new((settings, scheme): (Settings, S), liquid: Liquid, state: &State) -> Self {
         let n = liquid.len();
-        let walls = Walls::new(&liquid.case, &liquid.flow.wall);
+        let dries = scheme.is_transposed() && liquid.follows_energy();
+        let walls = Walls::new(&liquid.case, &liquid.flow.wall, dries);
         let volume = liquid.flow.particles.mass / liquid.case.density;
         let cell = liquid.case.spacing.powi(liquid.case.space as i32);
         let closure = scheme.completion(&liquid.case);

@@ -3,7 +3,9 @@
 //! Walls have no equation of their own. To ask for D v = 0 at each of them would stop a drop that
 //! spreads, for a dry wall particle sees liquid on one side only, coming nearer. Their pressure
 //! follows from their rows of A alone, in which n . grad p is that of [`super::walls`]:
-//! (1) p_w = SUM w_wa p_a / SUM w_wa + o_w, a: liquid; in short p = E p_liquid + o
+//! (1) p_w = f_w (SUM w_wa p_a / SUM w_wa + o_w), a: liquid; in short p = E p_liquid + f o
+//! f_w: how wet the wall is, f of (1) of [`crate::method::wet`]; the row of a wall that is not wet
+//! leaves beta diag (f - 1) (p_w / f), of which the liquid gets f.
 //! What the row of a wall particle has goes to the liquid by the transpose of E: E^T M E is as
 //! symmetric as the matrix M with walls, and G p does the work of volumes as before.
 //! Test: tests/engine/projection_wall.rs.
@@ -63,7 +65,7 @@ impl<S: Scheme> Matrix for Product<'_, S> {
         let mut wide = std::mem::take(&mut this.transposed.wide);
         wide.clear();
         wide.extend_from_slice(x);
-        extend(equation, x, &mut wide[n..]);
+        extend(equation, &this.walls.share, x, &mut wide[n..]);
         match this.liquid.flow.is_axial() {
             true => this.multiply_rings(&wide, out),
             false => {
@@ -75,9 +77,10 @@ impl<S: Scheme> Matrix for Product<'_, S> {
         let scale = (1.0 - beta) / S::unit(this);
         let (liquid, walls) = wide.split_at_mut(n);
         each_mut(liquid, |_, x| *x *= beta);
-        let flux = &out[n..];
+        let (flux, share_of) = (&out[n..], &this.walls.share);
         each_mut(walls, |g, x| {
-            *x = beta * *x - scale * flux[g] / equation.diagonal[n + g];
+            let f = share_of[g];
+            *x = beta * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
         });
         each_mut(&mut out[..n], |i, out| {
             *out = scale * *out + equation.row(i, &wide)
@@ -87,10 +90,10 @@ impl<S: Scheme> Matrix for Product<'_, S> {
     }
 }
 
-/// Gives `walls` the pressure E of (1) of the liquid in `x`.
-pub(super) fn extend(equation: &Equation, x: &[f64], walls: &mut [f64]) {
+/// Gives `walls` the pressure E of (1) of the liquid in `x`; `share`: f.
+pub(super) fn extend(equation: &Equation, share: &[f64], x: &[f64], walls: &mut [f64]) {
     let n = x.len() - walls.len();
     each_mut(walls, |g, p| {
-        *p = equation.coupling.dot(n + g, x) / equation.diagonal[n + g];
+        *p = share[g] * equation.coupling.dot(n + g, x) / equation.diagonal[n + g];
     });
 }

@@ -63,7 +63,8 @@ impl<S: Scheme> Projection<S> {
             },
         );
         self.extrapolate();
-        self.walls.gather(&self.liquid.flow.wall);
+        let factor = self.factor(0);
+        self.walls.gather(&self.liquid.flow.wall, factor);
         let still = self.is_printed();
         let halt = self.halt(dt);
         self.walls.set_offsets(&self.liquid.flow.wall, still, &halt);
@@ -256,7 +257,7 @@ impl<S: Scheme> Projection<S> {
             .walls
             .slope(group, &self.liquid.flow.wall, &self.halt(dt));
         let lever = |a: usize| slope[a] * h * sums[2 + a] as f64;
-        (0..3).map(lever).sum::<f64>() - sums[5] as f64
+        self.walls.share[group] * (0..3).map(lever).sum::<f64>() - sums[5] as f64
     }
 
     /// First guess: the last pressure, and before walls that of the liquid.

@@ -12,11 +12,6 @@ const HALVINGS: usize = 5;
 /// Spacings that sqrt(p / rho) crosses in a step: a third of what is stable on a lattice.
 const ELASTIC: f64 = 0.25;
 
-/// Part of the capillary limit over which projections do not shake the layer at a surface whose
-/// tension has an energy (water at rest, ISPH, kinetic energy after 40 ms: at 1 3e-5, at 1/2
-/// 2e-5, at 1/4 2e-7 J/kg).
-const LAYER: f64 = 0.25;
-
 /// Longest step of a liquid that nothing moves, s.
 const IDLE: f64 = 1.0;
 
@@ -107,9 +102,6 @@ impl<S: Scheme> Projection<S> {
     fn next_step(&self) -> f64 {
         let limits = self.liquid.limits(f64::INFINITY);
         let mut least = limits.slow();
-        if self.liquid.follows_energy() {
-            least = least.min(LAYER * limits.capillary());
-        }
         if self.scheme.is_symmetric() {
             least = least.min(self.elastic());
         }

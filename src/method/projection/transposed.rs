@@ -272,6 +272,10 @@ impl<S: Scheme> Projection<S> {
         self.transposed.given.clear();
         self.transposed.given.resize(self.liquid.len(), false);
         self.complete();
+        if self.equation.is_enclosed() {
+            // No wall is dry, and constants must not be seen.
+            self.walls.share.fill(1.0);
+        }
         self.set_right_transposed(dt, density);
         if self.liquid.flow.is_axial() {
             self.link_rings();
@@ -323,7 +327,7 @@ impl<S: Scheme> Projection<S> {
         let Transposed { wide, beyond, .. } = &mut self.transposed;
         wide.clear();
         wide.resize(beyond.len(), 0.0);
-        extend(&self.equation, &x, wide);
+        extend(&self.equation, &self.walls.share, &x, wide);
         let walls = x[self.liquid.len()..].iter_mut().zip(&*wide);
         walls.zip(&*beyond).for_each(|((p, e), o)| *p = e + o);
         self.press(&x, true);
@@ -358,8 +362,9 @@ impl<S: Scheme> Projection<S> {
             let flux = flux[i] + (1.0 - beta) * dt * *right;
             if i >= n {
                 // What the rows of the liquid have of it, and of o.
-                let own = -flux / (dt * unit) / this.equation.diagonal[i];
-                *right = own + beta * beyond[i - n];
+                let f = this.walls.share[i - n];
+                let own = -f * flux / (dt * unit) / this.equation.diagonal[i];
+                *right = own + beta * (2.0 - f) * beyond[i - n];
                 return;
             }
             let rate = this.mass(i) * density * this.excess(i) / span - flux;

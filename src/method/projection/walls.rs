@@ -23,6 +23,7 @@
 use crate::method::flow::Flow;
 use crate::method::model::Case;
 use crate::method::pass::WallSums;
+use crate::method::wet;
 use crate::particle::Wall;
 use crate::scene::Side;
 use crate::space::sparse::Layout;
@@ -60,12 +61,17 @@ pub struct Walls {
     pub velocity: Vec<[f32; 3]>,
     pub guess: Vec<f64>,
     pub wet: Vec<bool>,
-    /// c_j, Pa.
+    /// S_wet of [`wet`] at the particle in contact; empty where walls do not dry.
+    full: Vec<f32>,
+    /// f of [`wet`] at the particle in contact.
+    pub share: Vec<f64>,
+    /// f c_j, Pa.
     pub offset: Vec<f32>,
 }
 
 impl Walls {
-    pub fn new(case: &Case, wall: &Wall) -> Self {
+    /// `dries`: whether a wall has its pressure only as far as it is wet.
+    pub fn new(case: &Case, wall: &Wall, dries: bool) -> Self {
         let n = wall.position[0].len();
         let mut walls = Walls {
             group: vec![0; n],
@@ -109,6 +115,11 @@ impl Walls {
             }
         }
         walls.list();
+        if dries {
+            let full = wet::full(case, wall);
+            walls.full = walls.contact.iter().map(|&j| full[j as usize]).collect();
+        }
+        walls.share = vec![1.0; walls.len()];
         walls
     }
 
@@ -163,8 +174,9 @@ impl Walls {
         }
     }
 
-    /// Velocity v*_w, guess and wetness of the groups from the sums over the liquid.
-    pub fn gather(&mut self, wall: &Wall) {
+    /// Velocity v*_w, guess and wetness of the groups from the sums over the liquid, of which
+    /// `factor` makes SUM V W.
+    pub fn gather(&mut self, wall: &Wall, factor: f64) {
         for g in 0..self.len() {
             let (mut weight, mut pressure, mut velocity) = (0.0f64, 0.0f64, [0.0f64; 3]);
             for &j in self.members(g) {
@@ -174,6 +186,10 @@ impl Walls {
                 (0..3).for_each(|a| velocity[a] += s.velocity[a] as f64);
             }
             let contact = self.contact[g] as usize;
+            if let Some(full) = self.full.get(g) {
+                let seen = factor as f32 * self.sums[contact].weight;
+                self.share[g] = wet::part(seen, *full) as f64;
+            }
             self.wet[g] = weight > 0.0;
             self.guess[g] = if self.wet[g] { pressure / weight } else { 0.0 };
             self.velocity[g] = [0, 1, 2].map(|a| match self.wet[g] {
@@ -193,7 +209,7 @@ impl Walls {
         })
     }
 
-    /// Sets c_j; all zero with `still`, the copy as printed.
+    /// Sets f c_j; all zero with `still`, the copy as printed.
     pub fn set_offsets(&mut self, wall: &Wall, still: bool, halt: &Halt) {
         if still {
             return self.offset.fill(0.0);
@@ -204,7 +220,7 @@ impl Walls {
                 let j = self.member[k as usize] as usize;
                 let away = |a: usize| wall.position[a][j] - wall.position[a][contact];
                 let c: f64 = (0..3).map(|a| slope[a] * away(a)).sum();
-                self.offset[j] = c as f32;
+                self.offset[j] = (self.share[g] * c) as f32;
             }
         }
     }

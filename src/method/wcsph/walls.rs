@@ -3,22 +3,13 @@
 use super::{SURFACE, Wcsph};
 use crate::columns;
 use crate::effect::viscosity::PairViscosity;
-use crate::kernel::{self, Kernel};
+use crate::kernel::Kernel;
 use crate::method::pass::{Extrapolation, Moving, WallSums};
+use crate::method::wet;
 use crate::particle::column::{Entry, Role};
 use crate::particle::{Particles, Wall, weight_of};
 use crate::scene::Pressure;
 use crate::space::parallel::{each_mut, sum_mut};
-use std::collections::HashMap;
-
-/// Part of the liquid up to which a wall is dry, and all but which makes it wet. Under the edge of
-/// a drop walls that know the pressure but not the edge push it back: 90 degrees came out as 94,
-/// at any spacing.
-const DAMP: f32 = 0.25;
-
-/// Strips of an integral over a half-space, and depths in h that are the same.
-const STRIPS: usize = 64;
-const LIKE: f64 = 1e-6;
 
 columns! {
     /// What is kept of a wall particle, in the order of the flow's wall.
@@ -146,40 +137,14 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.liquid.ledger.diffusion += mass * given;
     }
 
-    /// Finds, once, what wet walls see of the liquid: the kernel sum over a half-space, in a corner
-    /// the product of those over two or three.
-    fn soak(&mut self) {
-        let walls = self.liquid.flow.walls();
-        if !self.liquid.follows_energy() || self.walls.wet.len() == walls {
-            return;
-        }
-        let (case, wall) = (&self.liquid.case, &self.liquid.flow.wall.position);
-        let domain = &case.domain;
-        let (kernel, dimension) = (case.sph.kernel, case.space);
-        let half = |depth: f64| {
-            let step = (2.0 - depth).max(0.0) / STRIPS as f64;
-            let at = |k: usize| kernel::plane(kernel, dimension, depth + (k as f64 + 0.5) * step);
-            step * (0..STRIPS).map(at).sum::<f64>()
-        };
-        // Layers are few and their depths the same everywhere.
-        let mut known = HashMap::new();
-        let mut seen = |depth: f64| {
-            let layer = (depth / LIKE).round() as i64;
-            *known.entry(layer).or_insert_with(|| half(depth))
-        };
-        let of = |j: usize| {
-            let behind = |a: usize| (-wall[a][j]).max(wall[a][j] - domain.size[a]) / case.h;
-            let depths = (0..3).map(behind).filter(|depth| *depth > 0.0);
-            depths.map(&mut seen).product::<f64>().max(LIKE) as f32
-        };
-        self.walls.wet = (0..walls).map(of).collect();
-    }
-
     /// Pressure of the liquid carried to the wall against gravity (Adami et al. Eq. 27), as
     /// density.
     fn wall_density(&mut self) {
-        self.soak();
-        let (model, unit, wet) = (&self.model, self.sum_factor(), &self.walls.wet);
+        let walls = self.liquid.flow.walls();
+        if self.liquid.follows_energy() && self.walls.wet.len() != walls {
+            self.walls.wet = wet::full(&self.liquid.case, &self.liquid.flow.wall);
+        }
+        let (model, unit, whole) = (&self.model, self.sum_factor(), &self.walls.wet);
         let (g, h) = (self.liquid.body_force.total(), self.liquid.case.h);
         let sums = &self.walls.sums;
         each_mut(&mut self.walls.density[..sums.len()], |i, density| {
@@ -190,10 +155,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             } else {
                 0.0
             };
-            let part = match wet.get(i) {
-                Some(whole) if s.weight > 0.0 => {
-                    ((unit * s.weight / whole - DAMP) / (1.0 - 2.0 * DAMP)).clamp(0.0, 1.0)
-                }
+            let part = match whole.get(i) {
+                Some(whole) if s.weight > 0.0 => wet::part(unit * s.weight, *whole),
                 _ => 1.0,
             };
             *density = model.density_at(part as f64 * p);

@@ -11,6 +11,7 @@ All quantities are in SI units; z is up. Times count from the start of the run; 
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import shutil
@@ -108,12 +109,23 @@ def read_frames(path: PathLike) -> Iterator[Frame]:
 def read_study(folder: PathLike) -> dict[str, pd.DataFrame]:
     """The tables of a study, by file name without ending: `study`, `figures`, `promises`.
 
-    `folder` is where `coronet study` has written them. Raises FileNotFoundError if there is none.
+    `folder` is where `coronet study` has written them. Where a table has an origin (`--into`), its
+    lines `# key: value` are in `attrs` of the table. Raises FileNotFoundError if there is none.
     """
     files = sorted(Path(folder).glob("*.csv"))
     if not files:
         raise FileNotFoundError(f"{folder}: no table of a study here")
-    return {file.stem: pd.read_csv(file) for file in files}
+    return {file.stem: _read_table(file) for file in files}
+
+
+def _read_table(file: Path) -> pd.DataFrame:
+    with file.open(encoding="utf-8") as lines:
+        head = list(itertools.takewhile(lambda line: line.startswith("# "), lines))
+    table = pd.read_csv(file, skiprows=len(head))
+    for line in head:
+        key, _, value = line[2:].strip().partition(": ")
+        table.attrs[key] = value
+    return table
 
 
 class Run:

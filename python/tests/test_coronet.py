@@ -178,5 +178,8 @@ def test_mistakes_of_a_scene_are_all_told():
 def test_a_study_is_read(tmp_path):
     with pytest.raises(FileNotFoundError, match="no table"):
         coronet.read_study(tmp_path)
-    tables = coronet.read_study(ROOT / "docs" / "accuracy")
+    tables = coronet.read_study(ROOT / "docs" / "results" / "data")
     assert tables and all(len(table) for table in tables.values())
+    angles = tables["contact-angle"]
+    assert angles.attrs["command"] == "coronet study scenes/study/contact-angle.toml"
+    assert angles["by circle"].between(20, 165).all()

@@ -82,6 +82,8 @@ def save(run: Run, path: PathLike) -> None:
     with rr.RecordingStream("coronet") as recording:
         recording.save(os.fspath(path))
         log(run)
+        # What waits in batches is lost with the recording.
+        recording.flush()
 
 
 def show(run: Run) -> None:
@@ -89,6 +91,7 @@ def show(run: Run) -> None:
     with rr.RecordingStream("coronet") as recording:
         recording.spawn()
         log(run)
+        recording.flush()
 
 
 def main() -> None:

@@ -32,7 +32,8 @@ def main():
             text = subprocess.run(command, check=True, env=home, capture_output=True, text=True).stdout
             frames = len(run.times)
             for wanted in [
-                "/liquid - data columns: [ViewCoordinates:xyz]",
+                "/liquid - data columns: ",
+                "ViewCoordinates:xyz]",
                 "/liquid/drop",
                 "/liquid/pool",
                 f"with {frames} rows",

@@ -94,6 +94,9 @@ def check(page, kind, page_file, pictures):
     page.locator("#copy").click()
     page.wait_for_function("document.getElementById('copy').textContent === 'Copied'")
     assert not mistakes, mistakes
+    # Printed and saved pages have all pictures, also those that were never looked at.
+    loaded = "[...document.images].every((image) => image.complete && image.naturalWidth > 0)"
+    page.wait_for_function(loaded, timeout=5000)
     page.evaluate("scrollTo(0, 0)")
     page.screenshot(path=pictures / f"report-{kind}.png")
 

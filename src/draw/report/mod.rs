@@ -317,7 +317,7 @@ fn put(page: &mut String, text: std::fmt::Arguments) {
 }
 
 fn put_image(page: &mut String, png: &[u8], caption: &str) {
-    page.push_str("<img loading=\"lazy\" src=\"data:image/png;base64,");
+    page.push_str("<img decoding=\"async\" src=\"data:image/png;base64,");
     STANDARD.encode_string(png, page);
     put(page, format_args!("\" alt=\"{}\">", escape(caption)));
 }

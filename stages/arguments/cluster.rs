@@ -90,10 +90,3 @@ pub struct BatchArguments {
     #[arg(long, hide = true)]
     pub point: Option<usize>,
 }
-
-impl BatchArguments {
-    /// Whether the command is about jobs of a batch system.
-    pub fn is_about_jobs(&self) -> bool {
-        self.wait || self.cancel
-    }
-}

@@ -56,7 +56,7 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
         return batch::point::run(&trials, number, arguments, &out);
     }
     let failed = match arguments.batch.on {
-        On::Local if arguments.batch.is_about_jobs() => {
+        On::Local if arguments.batch.wait || arguments.batch.cancel => {
             bail!(Usage(
                 "--wait and --cancel need --on slurm or --on hq".to_string()
             ))

@@ -1,6 +1,7 @@
 """A run as a recording of Rerun: every frame and measure, a view from above, a plot for each unit."""
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -31,9 +32,10 @@ def main():
             command = [rerun, "rrd", "print", "-v", path]
             text = subprocess.run(command, check=True, env=home, capture_output=True, text=True).stdout
             frames = len(run.times)
+            # Since 0.41 a component is printed with the path of its entity.
+            upright = r"/liquid - data columns: \[(/liquid@)?ViewCoordinates:xyz\]"
+            assert re.search(upright, text), f"no axes of the liquid in:\n{text[:6000]}"
             for wanted in [
-                "/liquid - data columns: ",
-                "ViewCoordinates:xyz]",
                 "/liquid/drop",
                 "/liquid/pool",
                 f"with {frames} rows",

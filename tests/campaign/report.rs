@@ -30,10 +30,9 @@ pub fn side_by_side<T: Sync, R: Send>(items: &[T], check: impl Fn(&T) -> R + Syn
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Counts, and problems by kind.
+/// Problems by kind, and how many checks were made.
 pub struct Report {
     title: &'static str,
-    counts: Vec<String>,
     checks: usize,
     /// Checks whose call did not come: the program took another turn this time.
     missed: usize,
@@ -45,16 +44,15 @@ impl Report {
     pub fn new(title: &'static str) -> Self {
         Report {
             title,
-            counts: Vec::new(),
             checks: 0,
             missed: 0,
             problems: BTreeMap::new(),
         }
     }
 
+    /// Prints what a part was; the checks of all parts may take an hour.
     pub fn count(&mut self, part: &str, calls: usize, checks: usize) {
-        self.counts
-            .push(format!("{part}: {calls} calls, {checks} checks"));
+        println!("{}: {part}: {calls} calls, {checks} checks", self.title);
         self.checks += checks;
     }
 
@@ -72,9 +70,6 @@ impl Report {
 
     /// Prints all of it; panics if there is a problem.
     pub fn end(self) {
-        for count in &self.counts {
-            println!("{}: {count}", self.title);
-        }
         let bad: usize = self.problems.values().map(Vec::len).sum();
         for (kind, places) in &self.problems {
             println!("{} x {kind}", places.len());

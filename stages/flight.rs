@@ -140,7 +140,7 @@ fn pass_over(context: &Context, path: &Path, error: ContentError) -> Result<(), 
 pub fn clear(context: &Context) -> Result<(), StageError> {
     for entry in entries(context.work())? {
         let path = entry.path();
-        if entry.file_name() != OUT && !path.is_dir() {
+        if entry.file_name() != OUT && !file::is_folder(&path)? {
             fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
         }
     }

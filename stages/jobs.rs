@@ -1,6 +1,7 @@
 //! The jobs of a scene: for each body pack and relax, then calibrate, impact and post.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use anyhow::Result;
 use coronet::method;
@@ -10,13 +11,14 @@ use coronet::scene::file::Loaded;
 use coronet::scene::input::RelaxInput;
 
 use crate::calibrate::Calibrate;
+use crate::forecast;
 use crate::impact::Impact;
 use crate::live::Viewers;
 use crate::pack::Pack;
 use crate::post::Post;
+use crate::probe::{self, Like};
 use crate::relax::Relax;
 use crate::settings::{self, Forecast};
-use crate::{forecast, probe};
 
 /// VERSION of each stage: is increased when the same settings give another result. What only some
 /// scenes have is versioned by name, beside their settings, so that a change leaves the results of
@@ -113,7 +115,7 @@ pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>
                 true => packed,
                 false => bodies.clone(),
             },
-            forecast: later(move || forecast::calibrate(scene)),
+            forecast: later(scene, Like::Machine, forecast::calibrate),
             identity: identity("calibrate", "", version::CALIBRATE, settings),
         }));
         calibration = Some(jobs.len() - 1);
@@ -129,7 +131,7 @@ pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>
         bodies,
         calibration,
         viewers,
-        forecast: later(move || forecast::impact(scene)),
+        forecast: later(scene, Like::Impact, forecast::impact),
         identity: identity("impact", "", version::FLOW, settings),
     }));
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
@@ -140,7 +142,7 @@ pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>
         folder,
         text: &loaded.text,
         impact: jobs.len() - 1,
-        forecast: later(move || forecast::post(scene)),
+        forecast: later(scene, Like::Machine, forecast::post),
         identity: identity("post", "", version::POST, settings),
     }));
     Ok(Pipeline {
@@ -149,9 +151,17 @@ pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>
     })
 }
 
-/// The cost of a job, computed on demand.
-fn later<'a>(work: impl Fn() -> Option<Work> + Sync + 'a) -> Forecast<'a> {
-    Box::new(move || work().map(probe::adjusted))
+/// The cost of a job, computed once, on demand.
+fn later<'a>(
+    scene: &'a Scene,
+    like: Like,
+    work: impl Fn(&Scene) -> Option<Work> + Sync + 'a,
+) -> Forecast<'a> {
+    let known = OnceLock::new();
+    Box::new(move || {
+        let known = known.get_or_init(|| work(scene).map(|w| probe::adjusted(w, scene, like)));
+        *known
+    })
 }
 
 fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>) -> Identity {
@@ -169,7 +179,9 @@ fn pack(scene: &Scene, body: usize) -> Result<Box<dyn Stage + '_>> {
     Ok(Box::new(Pack {
         identity: identity("pack", &input.name, version::PACK, settings),
         input,
-        forecast: later(move || forecast::pack(scene, body)),
+        forecast: later(scene, Like::Machine, move |scene| {
+            forecast::pack(scene, body)
+        }),
     }))
 }
 
@@ -187,6 +199,8 @@ fn relax(
         input,
         checkpoint_every: scene.impact.checkpoint_every,
         pack,
-        forecast: later(move || forecast::relax(scene, body)),
+        forecast: later(scene, Like::Relax(body), move |scene| {
+            forecast::relax(scene, body)
+        }),
     }))
 }

@@ -1,21 +1,28 @@
 //! Speed of this machine: the time of steps whose cost on another machine is known.
+//!
+//! Steps are timed for the scene itself, on a lattice that is coarser where the scene has many
+//! particles: the table of [`forecast`] then only says how the cost grows with their number.
 
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use coronet::method::{Phase, build, initial};
+use coronet::method::{self, Phase, initial};
 use coronet::particle::pack::pack;
 use coronet::pipeline::{Work, machine};
-use coronet::scene::file;
+use coronet::scene::{Arrangement, Relax, Scene, file};
 
 use crate::forecast;
 
-/// Number of measured advances after the first.
-const TURNS: usize = 4;
+/// Particles of the copy that is timed, rings of such a copy.
+const PARTICLES: f64 = 5000.0;
+const RINGS: f64 = 1500.0;
+/// Timed advances after the first: CPU seconds after which they end, and their number.
+const ENOUGH: f64 = 0.15;
+const TURNS: usize = 6;
 
-/// A pool of 24 x 24 x 12 particles with tension, WCSPH `modern`, as most forecast scenes; it
-/// slides, so that rows are searched again as often as in a splash.
+/// A pool of 24 x 24 x 12 particles with tension, WCSPH `modern`, for what has no steps. It slides,
+/// so that rows are searched again as often as in a splash.
 const POOL: &str = "\
 title = 'probe'
 box = { size = ['24 mm', '24 mm', '16 mm'] }
@@ -31,43 +38,88 @@ viscosity = { dynamic = '1 mPa s' }
 tension = { coefficient = '70 mN/m', strength = 5 }
 ";
 
-/// CPU seconds of work from which the machine is probed, which takes some tenths of a second.
+/// CPU seconds of work from which steps are timed, which takes some tenths of a second.
 const PROBED: f64 = 0.3;
 
-/// The work, with the speed of this machine.
-pub fn adjusted(work: Work) -> Work {
-    let slower = if work.amount > PROBED {
-        slower
-    } else {
-        work.slower
+/// Whose speed a work follows.
+#[derive(Clone, Copy)]
+pub enum Like {
+    /// Any: a pool's.
+    Machine,
+    /// Steps of the impact.
+    Impact,
+    /// Steps of the relaxation of a body.
+    Relax(usize),
+}
+
+/// The work in CPU seconds of this machine.
+pub fn adjusted(work: Work, scene: &Scene, like: Like) -> Work {
+    if work.amount <= PROBED {
+        return work;
+    }
+    let own = match like {
+        Like::Machine => None,
+        Like::Impact => slower(scene, Phase::Impact),
+        Like::Relax(body) => {
+            let resting = forecast::resting(scene, body);
+            let damping = scene
+                .relax
+                .as_ref()
+                .map_or(0.0, |Relax { damping, .. }| *damping);
+            slower(&resting, Phase::Relax { damping })
+        }
     };
-    Work { slower, ..work }
+    let slower = own.unwrap_or_else(machine_slower);
+    let amount = work.amount * slower;
+    Work { amount, ..work }
 }
 
 /// CPU seconds of this machine for one of the machine of the forecasts.
-fn slower() -> f64 {
+fn machine_slower() -> f64 {
     static SLOWER: OnceLock<f64> = OnceLock::new();
-    *SLOWER.get_or_init(|| probe().unwrap_or(1.0))
+    *SLOWER.get_or_init(|| {
+        let pool = file::read(POOL, Path::new("probe"), &[]).ok();
+        pool.and_then(|pool| slower(&pool.scene, Phase::Impact))
+            .unwrap_or(1.0)
+    })
 }
 
-/// `None` where the time of a process is not available.
-fn probe() -> Option<f64> {
-    let scene = file::read(POOL, Path::new("probe"), &[]).ok()?.scene;
-    let (pool, _) = pack(&scene.pack_input(0), &mut |_| ControlFlow::Continue(())).ok()?;
-    let mut solver = build(
-        &scene,
-        initial(&scene.impact_input(), &[pool]),
-        Phase::Impact,
-        None,
-    )
-    .ok()?;
+/// A copy of the scene with few particles.
+fn coarse(scene: &Scene) -> Scene {
+    let mut copy = scene.clone();
+    copy.pack.arrangement = Arrangement::Lattice;
+    let is_axial = scene.domain.is_axial();
+    let most = if is_axial { RINGS } else { PARTICLES };
+    let plane = is_axial || scene.dimension.count() == 2;
+    let over = (forecast::particles(scene) / most).max(1.0);
+    copy.spacing *= if plane { over.sqrt() } else { over.cbrt() };
+    copy
+}
+
+/// Timed cost of a step over that of the table; `None` where the time of a process is not
+/// available, or the copy of the scene has too few particles or fails.
+fn slower(scene: &Scene, phase: Phase) -> Option<f64> {
+    let scene = coarse(scene);
+    let body = |body| pack(&scene.pack_input(body), &mut |_| ControlFlow::Continue(())).ok();
+    let bodies: Option<Vec<_>> = (0..scene.bodies.len())
+        .map(|at| body(at).map(|b| b.0))
+        .collect();
+    let bodies = bodies?;
+    let state = match phase {
+        Phase::Impact => initial(&scene.impact_input(), &bodies),
+        Phase::Relax { .. } => method::resting(&scene, &bodies[0]),
+    };
+    let mut solver = method::build(&scene, state, phase, None).ok()?;
     // The first one allocates memory.
     solver.advance(&mut |_| ()).ok()?;
-    let (step, start) = (solver.step_count(), machine::cpu_seconds());
+    let (first, start) = (solver.step_count(), machine::cpu_seconds());
     for _ in 0..TURNS {
         solver.advance(&mut |_| ()).ok()?;
+        if machine::cpu_seconds() - start > ENOUGH {
+            break;
+        }
     }
-    let steps = (solver.step_count() - step) as f64;
+    let steps = (solver.step_count() - first) as f64;
     let cost = (machine::cpu_seconds() - start) / steps;
     (cost > 0.0).then(|| cost / forecast::step_cost(&scene))
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use anyhow::{Context as _, Result};
+use coronet::file::exists;
 use coronet::measure::answer::Figures;
 use coronet::pipeline::latest::{self, MANIFEST};
 use coronet::pipeline::name::is_name;
@@ -65,12 +66,11 @@ impl Run {
     /// # Errors
     /// If there is neither; if something cannot be read.
     pub fn meant(store: &Store, text: &str) -> Result<Run> {
-        let has_name = || latest::folder(store, text).join(MANIFEST).exists();
-        if is_name(text) && has_name() {
+        if is_name(text) && exists(&latest::folder(store, text).join(MANIFEST))? {
             return Run::named(store, text);
         }
         let path = Path::new(text);
-        if !path.exists() {
+        if !exists(path)? {
             let latest = latest::folder(store, "");
             let known = latest::pipelines(store).unwrap_or_default();
             let known = match known.is_empty() {

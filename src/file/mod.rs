@@ -3,7 +3,7 @@
 //! A pipe or a device in place of a file could make the program wait or read without end; a
 //! symbolic link in a store could lead out of it.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
@@ -91,6 +91,50 @@ pub fn refuse_link(path: &Path) -> Result<(), FileError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         Err(error) => Err(FileError::new(path, "examine")(error)),
     }
+}
+
+/// Whether `path` is a folder; a link to one is none.
+///
+/// # Errors
+/// If it cannot be examined.
+pub fn is_folder(path: &Path) -> Result<bool, FileError> {
+    Ok(examined(path)?.is_some_and(|metadata| metadata.is_dir()))
+}
+
+/// Whether there is anything at `path`, be it a link that leads nowhere.
+///
+/// # Errors
+/// If it cannot be examined.
+pub fn is_there(path: &Path) -> Result<bool, FileError> {
+    Ok(examined(path)?.is_some())
+}
+
+/// Whether there is anything at `path`, or where a link there leads.
+///
+/// # Errors
+/// If that cannot be examined.
+pub fn exists(path: &Path) -> Result<bool, FileError> {
+    match path.metadata() {
+        Ok(_) => Ok(true),
+        Err(error) if is_absence(&error) => Ok(false),
+        Err(error) => Err(FileError::new(path, "examine")(error)),
+    }
+}
+
+fn examined(path: &Path) -> Result<Option<Metadata>, FileError> {
+    match path.symlink_metadata() {
+        Ok(metadata) => Ok(Some(metadata)),
+        Err(error) if is_absence(&error) => Ok(None),
+        Err(error) => Err(FileError::new(path, "examine")(error)),
+    }
+}
+
+/// Whether an error says that nothing is there, in contrast to one of reading.
+fn is_absence(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+    )
 }
 
 fn open_with(path: &Path, flags: i32) -> Result<File, FileError> {

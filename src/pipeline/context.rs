@@ -241,7 +241,7 @@ impl Spent {
     /// Makes the work folder, empties the folder of finished files and counts the attempt.
     pub(super) fn begin(work: &Path) -> Result<Self, FileError> {
         let out = work.join(OUT);
-        if out.exists() {
+        if file::is_there(&out)? {
             fs::remove_dir_all(&out).map_err(FileError::new(&out, "empty"))?;
         }
         create_folder(&out)?;

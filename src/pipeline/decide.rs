@@ -111,7 +111,7 @@ pub fn decide(
         reasons: Vec::new(),
         start: None,
         seconds: None,
-        work: stage.work(),
+        work: None,
     };
     let family = digests.and_then(|digests| key::family(stage, &settings, &digests));
     if let Some(key) = decision.key {
@@ -125,8 +125,9 @@ pub fn decide(
         }
         decision.start = start(store, stage, &key, family)?;
     }
+    decision.work = stage.work();
     let stamps = store.stamps(stage.name())?;
-    decision.seconds = estimate(stage, &stamps);
+    decision.seconds = estimate(decision.work, stage, &stamps);
     if decision.reasons.is_empty() {
         let wanted: Vec<SettingStamp> = settings.iter().map(SettingStamp::from).collect();
         decision.reasons = reasons(pipeline, stage, &wanted, &inputs, &stamps);
@@ -299,9 +300,9 @@ fn input_difference(name: &str, old: Option<&InputStamp>, new: &Done) -> String 
 
 /// Wall time, s: the stage's estimate, corrected by the time of earlier results of the same method;
 /// without an estimate the time of its newest result.
-fn estimate(stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
+fn estimate(work: Option<Work>, stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
     let stamps = stamps.iter().map(|(_, stamp)| stamp);
-    let Some(work) = stage.work() else {
+    let Some(work) = work else {
         let newest = stamps.max_by_key(|stamp| &stamp.started);
         return newest.map(|stamp| stamp.wall_seconds);
     };
@@ -317,6 +318,6 @@ fn estimate(stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
     let longest = stamps
         .filter(|stamp| long(stamp) && known(stamp) && same(stamp))
         .max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds));
-    let slower = longest.and_then(ratio).unwrap_or_else(work.slower);
-    Some(slower * work.amount / work.threads as f64)
+    let longer = longest.and_then(ratio).unwrap_or(1.0);
+    Some(longer * work.amount / work.threads as f64)
 }

@@ -161,10 +161,8 @@ pub trait Stage: Sync {
 /// Estimated cost of a job before it starts.
 #[derive(Clone, Copy, Debug)]
 pub struct Work {
-    /// CPU seconds, on the reference machine of the stage.
+    /// CPU seconds.
     pub amount: f64,
-    /// CPU seconds of this machine for one of those; called if there is no earlier result.
-    pub slower: fn() -> f64,
     /// Threads that share them.
     pub threads: usize,
     /// Peak memory, bytes.

@@ -172,12 +172,12 @@ pub fn unfinished(store: &Store) -> Result<Vec<Unfinished>, FileError> {
     for stage in store.stages()? {
         for folder in store.folders(&stage)? {
             let work = folder.join(WORK);
-            if file::refuse_link(&work).is_err() || !work.is_dir() {
+            if !file::is_folder(&work)? {
                 continue;
             }
             let holder = store.is_locked(&folder)?;
             // Of a finished result, a work folder is what a kill left.
-            if holder.is_none() && folder.join(stamp::FILE).exists() {
+            if holder.is_none() && file::is_there(&folder.join(stamp::FILE))? {
                 continue;
             }
             let (told, checkpoint) = (read(&work), newest_checkpoint(&work)?);

@@ -64,8 +64,8 @@ impl Store {
     /// Makes the store, if needed, and marks it as one.
     ///
     /// # Errors
-    /// If the folder cannot be made, or the mark not be read or written; a store that is already
-    /// there and read-only may lack it.
+    /// If the folder cannot be made, or the mark not be read or written; a store that is read-only
+    /// and holds results may lack it.
     pub fn mark(&self) -> Result<(), FileError> {
         create_folder(&self.root)?;
         let path = self.root.join(MARK);
@@ -76,7 +76,7 @@ impl Store {
             Err(error) => return Err(error),
         }
         match write_file(&path, MARK_TEXT.as_bytes()) {
-            Err(error) if is_read_only(&error.source) => Ok(()),
+            Err(error) if is_read_only(&error.source) && !self.stages()?.is_empty() => Ok(()),
             other => other,
         }
     }
@@ -116,7 +116,7 @@ impl Store {
     /// If a folder cannot be listed.
     pub fn folders(&self, stage: &str) -> Result<Vec<PathBuf>, FileError> {
         let folder = self.root.join(stage);
-        if file::refuse_link(&folder).is_err() {
+        if !file::is_folder(&folder)? {
             return Ok(Vec::new());
         }
         let folders = folders_in(&folder)?;
@@ -298,7 +298,7 @@ fn set_aside_before(folder: &Path) -> Result<Found, FileError> {
 /// If a folder cannot be listed.
 pub fn clean_up(folder: &Path) -> Result<(), FileError> {
     for folder in [folder.to_path_buf(), folder.join(WORK)] {
-        if file::refuse_link(&folder).is_err() {
+        if !file::is_folder(&folder)? {
             continue;
         }
         for entry in entries(&folder)? {

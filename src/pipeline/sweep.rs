@@ -12,7 +12,7 @@ use super::lock::LOCK;
 use super::stamp::{self, InputStamp, Stamp, StampError};
 use super::store::{Found, LATEST, MARK, Store, WORK, clean_up, entries};
 use super::{Decision, PipelineError};
-use crate::file::FileError;
+use crate::file::{self, FileError};
 
 /// Options of a clean-up.
 #[derive(Clone, Debug, Default)]
@@ -74,7 +74,7 @@ pub fn plan(store: &Store, options: &Options) -> Result<Swept, PipelineError> {
                 Fate::Keep(why) => swept.kept.push((folder, why)),
                 Fate::Unknown(error) => swept.unknown.push(error),
                 Fate::Remove(label) => {
-                    finished |= folder.join(stamp::FILE).exists();
+                    finished |= file::is_there(&folder.join(stamp::FILE))?;
                     let bytes = size(&folder);
                     swept.removed.push((folder, label, bytes));
                 }
@@ -141,7 +141,7 @@ fn check(store: &Store) -> Result<(), PipelineError> {
     if store.is_marked()? {
         return Ok(());
     }
-    let remedy = if store.root().join(LATEST).is_dir() {
+    let remedy = if file::is_folder(&store.root().join(LATEST))? {
         "; if it is one of an earlier version, `coronet run` marks it"
     } else {
         ""

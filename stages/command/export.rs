@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
+use coronet::file::exists;
 use coronet::pipeline::Stamp;
 use coronet::pipeline::content::CHECKPOINT;
 use coronet::record::export::{self, Exported, Selection, Which};
 use coronet::scene::quantity::{self, Unit};
 use serde_json::json;
 
-use super::place::{Thing, is_there, thing};
+use super::place::{Thing, thing};
 use crate::arguments::{ExportArguments, Format};
 use crate::fault::Usage;
 use crate::journal::FRAMES;
@@ -68,7 +69,12 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
         Thing::Log(path) => order.log(&path)?,
         Thing::Result(path) => order.result(&path)?,
         Thing::Latest(results) => {
-            let run = results.iter().find(|path| path.join(FRAMES).exists());
+            let mut run = None;
+            for result in &results {
+                if exists(&result.join(FRAMES))? {
+                    run = Some(result);
+                }
+            }
             let Some(run) = run else {
                 let text = format!("{} has no run", arguments.path.display());
                 bail!(Usage(text));
@@ -136,7 +142,7 @@ impl Order<'_> {
 
     /// Exports the frames of a run, or else each checkpoint of a result.
     fn result(&self, path: &Path) -> Result<Exported> {
-        if is_there(&path.join(FRAMES))? {
+        if exists(&path.join(FRAMES))? {
             return self.log(&path.join(FRAMES));
         }
         let stamp = Stamp::read(path)?.context("no stamp")?;

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
+use coronet::file::exists;
 use coronet::particle::Frame;
 use coronet::pipeline::progress::{Unfinished, unfinished};
 use coronet::pipeline::store::WORK;
@@ -140,11 +141,11 @@ impl Footage {
 /// The logs of a run in their order, and whether it is under way.
 fn logs(arguments: &RenderArguments) -> Result<(Vec<PathBuf>, bool)> {
     let path = Path::new(&arguments.run);
-    if path.is_file() && path.extension().is_some_and(|found| found == content::LOG) {
+    if path.extension().is_some_and(|found| found == content::LOG) && exists(path)? {
         return Ok((vec![path.to_path_buf()], false));
     }
     let store = Store::new(&arguments.store.artifacts);
-    let jobs = if store.root().is_dir() {
+    let jobs = if exists(store.root())? {
         unfinished(&store)?
     } else {
         Vec::new()

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
+use coronet::file::exists;
 use coronet::pipeline::content::{CHECKPOINT, LOG};
 use coronet::pipeline::stamp;
 
@@ -23,13 +24,13 @@ pub fn thing(path: &Path) -> Result<Thing> {
     let cannot = |what| move || format!("cannot {what} {}", path.display());
     let metadata = fs::metadata(path).with_context(cannot("read"))?;
     if metadata.is_dir() {
-        if is_there(&path.join(stamp::FILE))? {
+        if exists(&path.join(stamp::FILE))? {
             return Ok(Thing::Result(path.to_path_buf()));
         }
         let mut results = Vec::new();
         for entry in fs::read_dir(path).with_context(cannot("list"))? {
             let folder = entry.with_context(cannot("list"))?.path();
-            if folder.is_dir() && is_there(&folder.join(stamp::FILE))? {
+            if exists(&folder.join(stamp::FILE))? {
                 results.push(folder);
             }
         }
@@ -48,9 +49,4 @@ pub fn thing(path: &Path) -> Result<Thing> {
             path.display()
         ))),
     }
-}
-
-pub fn is_there(path: &Path) -> Result<bool> {
-    path.try_exists()
-        .with_context(|| format!("cannot read {}", path.display()))
 }

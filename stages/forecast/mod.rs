@@ -1,8 +1,8 @@
 //! Forecast of the processor time, memory and disk space of a stage.
 //!
-//! The costs below were measured on machine B of docs/results/benchmarks.md; an earlier result of
-//! the same method corrects them for the present machine (`coronet::pipeline`), else a
-//! [probe](crate::probe). Steps follow from the speed that limits them: a splash is faster than the
+//! The costs below were measured on two cores that other programs shared. A [probe](crate::probe)
+//! corrects them for the present machine and scene, and an earlier result of the same method for
+//! what is left (`coronet::pipeline`). Steps follow from the speed that limits them: a splash is faster than the
 //! impact at first, then slows down as 1 / t until waves and jet determine the speed.
 
 mod post;
@@ -17,46 +17,46 @@ use coronet::scene::{
 };
 
 /// CPU seconds per particle and step: ISPH and MPS with multigrid, WCSPH without tension.
-const ISPH: f64 = 2.5e-6;
-const MPS: f64 = 2.6e-6;
-const WCSPH_SUMMED: f64 = 0.25e-6;
-const WCSPH_CONTINUOUS: f64 = 0.43e-6;
+const ISPH: f64 = 6e-6;
+const MPS: f64 = 6.5e-6;
+const WCSPH_SUMMED: f64 = 0.6e-6;
+const WCSPH_CONTINUOUS: f64 = 1.1e-6;
 /// CPU seconds that tension adds per particle and step of WCSPH; depth in H to which the normalised
 /// colour is summed under a surface, and its cost for each particle there.
-const TENSION: f64 = 0.1e-6;
+const TENSION: f64 = 0.25e-6;
 const BAND: f64 = 2.9;
-const NORMALISED: f64 = 1.4e-6;
+const NORMALISED: f64 = 3.5e-6;
 /// CPU seconds per ring and step of WCSPH, and of one near a surface besides; of a projection.
-const RING: [f64; 2] = [0.95e-6, 2.6e-6];
-const RING_PROJECTED: f64 = 20e-6;
+const RING: [f64; 2] = [2.4e-6, 6.5e-6];
+const RING_PROJECTED: f64 = 30e-6;
 /// Part of the steps that compute a tension that is kept: rows are valid for eight or more.
 const HELD: f64 = 0.12;
 /// Iterations of conjugate gradients to 1e-6 at a million particles, which grow as N^(1/3), and CPU
 /// seconds of an unknown in one: diagonal (or none), SSOR.
-const DIAGONAL: [f64; 2] = [187.0, 40e-9];
-const SSOR: [f64; 2] = [144.0, 220e-9];
+const DIAGONAL: [f64; 2] = [187.0, 100e-9];
+const SSOR: [f64; 2] = [144.0, 550e-9];
 /// Cost of a step of WCSPH for liquid at rest, over that of moving liquid: its rows stay valid.
 const STILL: f64 = 0.4;
 /// Neighbours in two dimensions over those in three, about.
 const FLAT: f64 = 0.5;
 /// CPU seconds of a step, independent of the number of particles: WCSPH, projections.
-const STEP: [f64; 2] = [0.05e-3, 0.2e-3];
+const STEP: [f64; 2] = [0.1e-3, 0.5e-3];
 /// CPU seconds of a wall particle in a step: WCSPH, projections. Its layers cover the widest
 /// kernel.
-const WALL: [f64; 2] = [0.05e-6, 0.26e-6];
+const WALL: [f64; 2] = [0.12e-6, 0.65e-6];
 /// CPU seconds that a contact angle adds to that.
-const WETTING: [f64; 2] = [0.1e-6, 0.42e-6];
+const WETTING: [f64; 2] = [0.25e-6, 1e-6];
 /// CPU seconds of a particle in a frame that is written.
-const LOG: f64 = 0.8e-6;
+const LOG: f64 = 2e-6;
 /// CPU seconds of a particle on a lattice.
-const LATTICE: f64 = 2e-6;
+const LATTICE: f64 = 5e-6;
 /// CPU seconds of packing a body, per particle in 2-D, in 3-D over N^(4/3): the iterations grow
 /// with its width. Factor for a free body, most of it near the surface; part that each digit of the
 /// tolerance below a thousandth of the density adds.
-const POISSON: [f64; 2] = [24e-6, 1.9e-6];
+const POISSON: [f64; 2] = [54e-6, 4.3e-6];
 const ROUND: f64 = 2.5;
 const DIGIT: f64 = 0.35;
-const START: f64 = 0.006;
+const START: f64 = 0.04;
 /// Part of `relax.time` until a body is at rest: over density and the permitted spread, over the
 /// permitted kinetic energy, kg/J; minimum. Measured for pools, within a factor of two or three.
 /// With contact lines, which creep, it takes all the time.
@@ -64,11 +64,11 @@ const CALM: [f64; 3] = [0.5e-3, 1e-6, 0.12];
 /// Cosine of a contact angle that moves no contact line.
 const UPRIGHT: f64 = 0.1;
 /// CPU seconds per particle in the calibration, and the factor with a contact angle.
-const CALIBRATE: [f64; 2] = [1.7e-6, 4.0];
+const CALIBRATE: [f64; 2] = [2e-6, 4.0];
 /// CPU seconds of measuring a frame: per particle, and over N^(2/3) for the surface; in 2-D per
 /// particle.
-const MEASURE: [f64; 2] = [0.9e-6, 12.8e-6];
-const MEASURE_FLAT: f64 = 0.55e-6;
+const MEASURE: [f64; 2] = [1.8e-6, 25e-6];
+const MEASURE_FLAT: f64 = 1.1e-6;
 /// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// number of checkpoints that stay.
 const MEMORY: [f64; 2] = [1300.0, 2500.0];
@@ -79,7 +79,7 @@ const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 
 /// Number of particles of the whole scene.
-fn particles(scene: &Scene) -> f64 {
+pub fn particles(scene: &Scene) -> f64 {
     let counts = (0..scene.bodies.len()).map(|body| numbers::count(scene, body));
     counts.sum::<u64>() as f64
 }
@@ -285,7 +285,6 @@ fn resting_steps(scene: &Scene, body: usize) -> Option<f64> {
 fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
     cpu.is_finite().then(|| Work {
         amount: cpu,
-        slower: || 1.0,
         threads: rayon::current_num_threads(),
         memory: BASE + memory * MEMORY[usize::from(is_projected(scene))],
         disk,
@@ -315,15 +314,19 @@ pub fn pack(scene: &Scene, body: usize) -> Option<Work> {
     work(scene, cpu, [count, count * CHECKPOINT])
 }
 
+/// The scene of the relaxation of a body.
+pub fn resting(scene: &Scene, body: usize) -> Scene {
+    let problem = scene.resting(body);
+    Scene {
+        problem,
+        ..scene.clone()
+    }
+}
+
 /// Cost of relaxing body `body`.
 pub fn relax(scene: &Scene, body: usize) -> Option<Work> {
     let count = numbers::count(scene, body) as f64;
-    let walls = match scene.bodies[body].shape.is_free() {
-        true => 0.0,
-        false => walls(scene),
-    };
-    let step = STEP[usize::from(is_projected(scene))] + count * particle_step(scene) + walls;
-    let cpu = resting_steps(scene, body)? * step;
+    let cpu = resting_steps(scene, body)? * step_cost(&resting(scene, body));
     work(scene, cpu, [count, count * CHECKPOINT])
 }
 
@@ -335,7 +338,7 @@ pub fn calibrate(scene: &Scene) -> Option<Work> {
     work(scene, flat(scene) * each * wetted * count, [count, 0.0])
 }
 
-/// CPU seconds of a step of the impact.
+/// CPU seconds of a step.
 pub fn step_cost(scene: &Scene) -> f64 {
     let step = STEP[usize::from(is_projected(scene))];
     let still = numbers::impact_speed(scene) == 0.0 && !is_projected(scene);

@@ -3,20 +3,28 @@
 use coronet::draw::player::SHOTS;
 use coronet::draw::section;
 use coronet::pipeline::Work;
-use coronet::scene::{Dimension, Scene};
+use coronet::scene::{Dimension, FigureStyle, Scene};
 
 use super::{BASE, frames, measure, whole, work};
 
 /// CPU seconds of an instant that the report plays, and per particle; per ring.
-const SHOT: [f64; 2] = [0.1, 3e-6];
+const SHOT: [f64; 2] = [0.05, 11e-6];
 const SHOT_OF_RINGS: f64 = 10e-6;
-/// CPU seconds per pixel: of a section up to the highest body; of a view and the title picture,
-/// over the square of a section's width; factor where no pool fills them; of a field.
+/// CPU seconds of a section over its pixels, up to the highest body; of a view and of the title
+/// picture over the square of a section's width; of the surface in each of them per particle;
+/// factor where no pool fills them, and of rings; of a field.
 const SECTION: f64 = 0.09e-6;
-const VIEW: f64 = 0.55e-6;
-const TITLE: f64 = 1.25e-6;
+const VIEW: f64 = 3.9e-6;
+const TITLE: f64 = 6.5e-6;
+const SURFACE: f64 = 11e-6;
 const DRY: f64 = 0.45;
-const FIELD: f64 = 6e-3;
+const ROUND: f64 = 0.42;
+const FIELD: f64 = 0.12;
+/// CPU seconds of the plots at the default size and resolution, over their pixels; bytes of the
+/// plots, and of an instant that the report plays in three dimensions.
+const PLOTS: f64 = 0.12 / (1654.0 * 1063.0);
+const PLOTS_BYTES: f64 = 6e5;
+const SHOT_BYTES: f64 = 5e4;
 /// Bytes of memory of a particle of the whole that is drawn.
 const PICTURE: f64 = 550.0;
 
@@ -29,6 +37,17 @@ fn shots(scene: &Scene) -> f64 {
         (false, Dimension::Two) => 0.0,
     }
 }
+
+/// CPU seconds of the plots.
+fn plots(scene: &Scene) -> f64 {
+    let FigureStyle {
+        width, height, dpi, ..
+    } = scene.post.figures;
+    PLOTS * width * height * (dpi / INCH).powi(2)
+}
+
+/// m.
+const INCH: f64 = 0.0254;
 
 /// CPU seconds of the section of a panel.
 fn section(scene: &Scene) -> f64 {
@@ -45,12 +64,16 @@ fn views(scene: &Scene, panels: f64) -> f64 {
         return 0.0;
     }
     let width = section::width(&scene.whole()) as f64;
-    let covered = if scene.pool_depth().unwrap_or(0.0) > 0.0 {
-        1.0
-    } else {
-        DRY
+    let covered = match scene.domain.is_axial() {
+        true => ROUND,
+        false if scene.pool_depth().unwrap_or(0.0) > 0.0 => 1.0,
+        false => DRY,
     };
-    covered * width * width * (VIEW * panels + TITLE)
+    let surfaces = match scene.domain.is_axial() {
+        true => 0.0,
+        false => SURFACE * whole(scene) * (panels + 1.0),
+    };
+    covered * width * width * (VIEW * panels + TITLE) + surfaces
 }
 
 /// Cost of measuring, drawing and plotting the frames, which show the whole of a symmetric scene.
@@ -62,11 +85,15 @@ pub fn post(scene: &Scene) -> Option<Work> {
     let panels = before_end(&scene.post.panels);
     let pictures = panels * section(scene) + views(scene, panels);
     let fields = before_end(&scene.post.fields) * FIELD;
+    let played = match scene.dimension {
+        Dimension::Two => 0.0,
+        Dimension::Three => frames(scene).min(SHOTS) * SHOT_BYTES,
+    };
     // One thread measures while another reads.
     let work = work(
         scene,
-        frames(scene) * measure(scene) + shots(scene) + pictures + fields,
-        [0.0, 0.0],
+        frames(scene) * measure(scene) + shots(scene) + pictures + fields + plots(scene),
+        [0.0, PLOTS_BYTES + played],
     )?;
     let memory = BASE + whole(scene) * PICTURE;
     Some(Work {

@@ -17,6 +17,14 @@ const ERRORS: [(i32, &str); 4] = [
 const FILES: End = End::Code(5);
 const DONE: End = End::Code(0);
 
+/// Calls whose failures were once handled wrongly: the mark of a new store, and the folder of a
+/// stage. Each sample has them.
+const WRONG: [&str; 3] = [
+    "rename artifacts/.store.json.(temporary)",
+    "write artifacts/.store.json.(temporary)",
+    "statx artifacts/pack",
+];
+
 /// A call that fails.
 struct Fault<'a> {
     beginning: &'a Beginning,
@@ -51,7 +59,9 @@ pub fn campaign(stride: usize) {
                 stays: true,
             });
         }
-        let chosen: Vec<_> = faults.iter().step_by(stride).collect();
+        let places = faults.iter().enumerate();
+        let chosen = places.filter(|(at, fault)| at % stride == 0 || fault.went_wrong());
+        let chosen: Vec<_> = chosen.map(|(_, fault)| fault).collect();
         let found = side_by_side(&chosen, |fault| fault.check(&beginnings.expected));
         report.count(beginning.name, calls.len(), chosen.len());
         for (fault, problem) in chosen.iter().zip(found) {
@@ -66,6 +76,10 @@ impl Fault<'_> {
         let onwards = if self.stays { " and all later" } else { "" };
         let Name { call, before } = self.call;
         format!("{} {call} #{before}{onwards}", self.error.1)
+    }
+
+    fn went_wrong(&self) -> bool {
+        self.call.before == 0 && WRONG.contains(&&self.call.call[..])
     }
 
     fn check(&self, expected: &Expected) -> Result<(), String> {

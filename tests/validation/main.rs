@@ -9,6 +9,7 @@ mod axis;
 mod contact;
 mod drop;
 mod flow;
+mod forecast;
 mod order;
 mod potential;
 mod table;

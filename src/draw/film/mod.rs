@@ -20,7 +20,9 @@ pub enum FilmError {
     #[error("cannot encode the film: {0}")]
     Encoder(String),
     /// The program was built without the encoder.
-    #[error("this program was built without the feature `video`; write a .gif or .png files")]
+    #[error(
+        "this program was built without MP4: write a .gif or .png files, or build it with `cargo build --release --features video`"
+    )]
     Absent,
 }
 

@@ -7,7 +7,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use super::{Objects, RemoteError, Wanted, file_name, sha256, stamp_name};
-use crate::file::FileError;
+use crate::file::{self, FileError};
 use crate::pipeline::content::{CHECKPOINT, ContentError, bytes};
 use crate::pipeline::key::contradiction;
 use crate::pipeline::lock::LOCK;
@@ -32,7 +32,7 @@ pub fn fetch(
     let work = wanted.folder.join(WORK);
     let out = work.join(OUT);
     refuse_links_below(wanted.folder, &out)?;
-    let had_work = work.exists();
+    let had_work = file::is_there(&work)?;
     empty(&out)?;
     create_folder(&out)?;
     let done = arrive(objects, wanted, inputs, &out);

@@ -1,6 +1,7 @@
 //! The frames of a running impact, and the instants at which it can begin: joins the frames and
 //! checkpoints of all attempts to one result.
 
+use coronet::file;
 use coronet::measure::loss;
 use coronet::method::frame::Schedule;
 use coronet::method::{Diverged, Solver};
@@ -174,7 +175,7 @@ pub fn merge(context: &Context, taken: u64) -> Result<(), Trouble> {
     };
     let mut segments = log::segments(context.work()).map_err(trouble)?;
     let path = context.work().join(BASE);
-    if path.symlink_metadata().is_ok() {
+    if file::is_there(&path).map_err(StageError::from)? {
         let resumed_from = None;
         segments.insert(0, Segment { path, resumed_from });
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use coronet::draw::post;
 use coronet::particle::Frame;
+use coronet::pipeline::stamp::StampError;
 use coronet::pipeline::{
     Context, Identity, Output, Progress, Stage, StageError, Stamp, Store, Work,
 };
@@ -55,7 +56,7 @@ impl Stage for Post<'_> {
         let scene = &self.input.scene();
         let out = context.output();
         let mut post = post::Post::new(scene, self.folder, &out).map_err(StageError::failed)?;
-        for text in unrest(context) {
+        for text in unrest(context)? {
             post.remark(format!("Warning: {text}."));
             context.warn(&text);
             context.note(text);
@@ -115,28 +116,23 @@ impl Stage for Post<'_> {
 }
 
 /// Notes of the relaxations about bodies that did not come to rest.
-fn unrest(context: &Context) -> Vec<String> {
+fn unrest(context: &Context) -> Result<Vec<String>, StageError> {
     let impact = &context.inputs[0];
     let Some(root) = impact.folder.ancestors().nth(2) else {
-        return Vec::new();
+        return Ok(Vec::new());
     };
-    let relaxed = impact
-        .stamp
-        .inputs
-        .iter()
-        .filter(|input| input.stage == RELAX);
-    // A missing or damaged stamp is reported where it is used; here it is ignored.
-    let stamps = relaxed.filter_map(|input| {
-        let folder = Store::new(root).folder(RELAX, &input.key);
-        Some((input, Stamp::read(&folder).ok()??))
-    });
-    let texts = stamps.flat_map(|(input, stamp)| {
-        let notes = stamp.notes.into_iter();
-        let restless = notes.filter(|note| note.starts_with(UNREST));
-        let text = |note| format!("body `{}` starts {note}", input.body);
-        restless.map(text).collect::<Vec<_>>()
-    });
-    texts.collect()
+    let mut texts = Vec::new();
+    for input in impact.stamp.inputs.iter().filter(|i| i.stage == RELAX) {
+        let stamp = match Stamp::read(&Store::new(root).folder(RELAX, &input.key)) {
+            Ok(Some(stamp)) => stamp,
+            Err(StampError::File(error)) => return Err(error.into()),
+            // A missing or damaged stamp is reported where it is used; here it is ignored.
+            Ok(None) | Err(_) => continue,
+        };
+        let restless = stamp.notes.iter().filter(|note| note.starts_with(UNREST));
+        texts.extend(restless.map(|note| format!("body `{}` starts {note}", input.body)));
+    }
+    Ok(texts)
 }
 
 /// Notes of the impact about conditions that have ended it.

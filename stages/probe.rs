@@ -1,25 +1,31 @@
 //! Speed of this machine: the time of steps whose cost on another machine is known.
 //!
 //! Steps are timed for the scene itself, on a lattice that is coarser where the scene has many
-//! particles: the table of [`forecast`] then only says how the cost grows with their number.
+//! particles: the table of [`forecast`] then only says how the cost grows with their number. Of a
+//! scene of which there is no small copy, those of a pool are timed.
 
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use coronet::method::{self, Phase, initial};
 use coronet::particle::pack::pack;
 use coronet::pipeline::{Work, machine};
-use coronet::scene::{Arrangement, Relax, Scene, file};
+use coronet::scene::{Arrangement, Relax, Scene, Shape, file};
 
 use crate::forecast;
 
-/// Particles of the copy that is timed, rings of such a copy.
+/// Particles, or rings, that the copy should have, and of liquid, walls and cells of the box
+/// together at most.
 const PARTICLES: f64 = 5000.0;
 const RINGS: f64 = 1500.0;
-/// Timed advances after the first: CPU seconds after which they end, and their number.
+const MOST: f64 = 1e6;
+/// Layers that the copy of a body has at least, if the body has them.
+const LAYERS: f64 = 4.0;
+/// Timed advances after the first: CPU seconds after which they end, and their largest number.
 const ENOUGH: f64 = 0.15;
-const TURNS: usize = 6;
+const TURNS: usize = 50;
 
 /// A pool of 24 x 24 x 12 particles with tension, WCSPH `modern`, for what has no steps. It slides,
 /// so that rows are searched again as often as in a splash.
@@ -52,30 +58,29 @@ pub enum Like {
     Relax(usize),
 }
 
-/// The work in CPU seconds of this machine.
+/// The work in CPU seconds of this machine; little work as it is in the table.
 pub fn adjusted(work: Work, scene: &Scene, like: Like) -> Work {
     if work.amount <= PROBED {
         return work;
     }
     let own = match like {
         Like::Machine => None,
-        Like::Impact => slower(scene, Phase::Impact),
+        Like::Impact => known(scene, Phase::Impact),
         Like::Relax(body) => {
             let resting = forecast::resting(scene, body);
             let damping = scene
                 .relax
                 .as_ref()
                 .map_or(0.0, |Relax { damping, .. }| *damping);
-            slower(&resting, Phase::Relax { damping })
+            known(&resting, Phase::Relax { damping })
         }
     };
-    let slower = own.unwrap_or_else(machine_slower);
-    let amount = work.amount * slower;
+    let amount = work.amount * own.unwrap_or_else(of_pool);
     Work { amount, ..work }
 }
 
 /// CPU seconds of this machine for one of the machine of the forecasts.
-fn machine_slower() -> f64 {
+fn of_pool() -> f64 {
     static SLOWER: OnceLock<f64> = OnceLock::new();
     *SLOWER.get_or_init(|| {
         let pool = file::read(POOL, Path::new("probe"), &[]).ok();
@@ -84,32 +89,69 @@ fn machine_slower() -> f64 {
     })
 }
 
-/// A copy of the scene with few particles.
-fn coarse(scene: &Scene) -> Scene {
-    let mut copy = scene.clone();
-    copy.pack.arrangement = Arrangement::Lattice;
-    let is_axial = scene.domain.is_axial();
-    let most = if is_axial { RINGS } else { PARTICLES };
-    let plane = is_axial || scene.dimension.count() == 2;
-    let over = (forecast::particles(scene) / most).max(1.0);
-    copy.spacing *= if plane { over.sqrt() } else { over.cbrt() };
-    copy
+/// [`slower`] of the copy of a scene, timed once: a study that is watched asks again and again.
+fn known(scene: &Scene, phase: Phase) -> Option<f64> {
+    static KNOWN: Mutex<Option<HashMap<String, Option<f64>>>> = Mutex::new(None);
+    let scene = coarse(scene)?;
+    let name = format!("{:?} {:?}", scene.problem, phase);
+    let mut known = KNOWN.lock().ok()?;
+    let known = known.get_or_insert_default();
+    *known.entry(name).or_insert_with(|| slower(&scene, phase))
 }
 
-/// Timed cost of a step over that of the table; `None` where the time of a process is not
-/// available, or the copy of the scene has too few particles or fails.
+/// A copy of the scene with few particles; `None` if there is none.
+fn coarse(scene: &Scene) -> Option<Scene> {
+    let mut copy = scene.clone();
+    copy.pack.arrangement = Arrangement::Lattice;
+    copy.relax = None;
+    let dimensions = scene.dimension.count() as f64;
+    let most = if scene.domain.is_axial() {
+        RINGS
+    } else {
+        PARTICLES
+    };
+    let wanted = (forecast::particles(scene) / most).powf(1.0 / dimensions);
+    let thinnest = scene
+        .bodies
+        .iter()
+        .map(|body| thickness(scene, &body.shape));
+    let thinnest = thinnest.fold(f64::INFINITY, f64::min);
+    let layers = thinnest / (LAYERS * scene.spacing);
+    copy.spacing *= wanted.min(layers).max(1.0);
+    let cells = scene.dimension.axes().iter();
+    let cells: f64 = cells
+        .map(|axis| scene.domain.size[*axis] / copy.spacing)
+        .product();
+    let all = forecast::particles(&copy) + forecast::wall_particles(&copy) + cells;
+    (all < MOST).then_some(copy)
+}
+
+/// Least extent of a body, m.
+fn thickness(scene: &Scene, shape: &Shape) -> f64 {
+    let (low, high) = shape.bounds(&scene.domain, scene.dimension);
+    let extents = scene.dimension.axes().iter();
+    let extents = extents.map(|axis| high[*axis] - low[*axis]);
+    extents.fold(f64::INFINITY, f64::min)
+}
+
+/// Timed cost of a step over that of the table, on one thread; `None` where the time of a process
+/// is not available, or the scene cannot be built.
 fn slower(scene: &Scene, phase: Phase) -> Option<f64> {
-    let scene = coarse(scene);
-    let body = |body| pack(&scene.pack_input(body), &mut |_| ControlFlow::Continue(())).ok();
-    let bodies: Option<Vec<_>> = (0..scene.bodies.len())
-        .map(|at| body(at).map(|b| b.0))
-        .collect();
-    let bodies = bodies?;
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    alone.ok()?.install(|| timed(scene, phase))
+}
+
+fn timed(scene: &Scene, phase: Phase) -> Option<f64> {
+    let body = |body| {
+        let packed = pack(&scene.pack_input(body), &mut |_| ControlFlow::Continue(()));
+        packed.ok().map(|packed| packed.0)
+    };
+    let bodies: Vec<_> = (0..scene.bodies.len()).map(body).collect::<Option<_>>()?;
     let state = match phase {
         Phase::Impact => initial(&scene.impact_input(), &bodies),
-        Phase::Relax { .. } => method::resting(&scene, &bodies[0]),
+        Phase::Relax { .. } => method::resting(scene, bodies.first()?),
     };
-    let mut solver = method::build(&scene, state, phase, None).ok()?;
+    let mut solver = method::build(scene, state, phase, None).ok()?;
     // The first one allocates memory.
     solver.advance(&mut |_| ()).ok()?;
     let (first, start) = (solver.step_count(), machine::cpu_seconds());
@@ -121,5 +163,5 @@ fn slower(scene: &Scene, phase: Phase) -> Option<f64> {
     }
     let steps = (solver.step_count() - first) as f64;
     let cost = (machine::cpu_seconds() - start) / steps;
-    (cost > 0.0).then(|| cost / forecast::step_cost(&scene))
+    (cost > 0.0).then(|| cost / forecast::step_cost(scene))
 }

@@ -72,7 +72,7 @@ impl Run {
         let path = Path::new(text);
         if !exists(path)? {
             let latest = latest::folder(store, "");
-            let known = latest::pipelines(store).unwrap_or_default();
+            let known = latest::pipelines(store)?;
             let known = match known.is_empty() {
                 true => "no names".to_string(),
                 false => known.join(", "),

@@ -93,12 +93,38 @@ pub fn refuse_link(path: &Path) -> Result<(), FileError> {
     }
 }
 
+/// Bytes of the file at `path`, at most `longest`; `None` if there is none, or nothing that can be
+/// one: a link, or too long.
+///
+/// # Errors
+/// If the operating system cannot read it.
+pub fn read_if_there(path: &Path, longest: u64) -> Result<Option<Vec<u8>>, FileError> {
+    if examined(path)?.is_none_or(|metadata| !metadata.is_file()) {
+        return Ok(None);
+    }
+    match read_no_link(path, longest) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.source.raw_os_error().is_none() || is_absence(&error.source) => {
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
 /// Whether `path` is a folder; a link to one is none.
 ///
 /// # Errors
 /// If it cannot be examined.
 pub fn is_folder(path: &Path) -> Result<bool, FileError> {
     Ok(examined(path)?.is_some_and(|metadata| metadata.is_dir()))
+}
+
+/// Whether `path` is a symbolic link.
+///
+/// # Errors
+/// If it cannot be examined.
+pub fn is_link(path: &Path) -> Result<bool, FileError> {
+    Ok(examined(path)?.is_some_and(|metadata| metadata.is_symlink()))
 }
 
 /// Whether there is anything at `path`, be it a link that leads nowhere.

@@ -233,9 +233,10 @@ fn read_checkpoint(folder: &Path, stamp: &Stamp, file: &str) -> Result<Checkpoin
 }
 
 impl Spent {
-    /// The record of earlier attempts, if there is one.
-    pub(super) fn read(work: &Path) -> Option<Self> {
-        serde_json::from_slice(&file::read_no_link(&work.join(SPENT), LONGEST).ok()?).ok()
+    /// The record of earlier attempts, if there is one that is not damaged.
+    pub(super) fn read(work: &Path) -> Result<Option<Self>, FileError> {
+        let bytes = file::read_if_there(&work.join(SPENT), LONGEST)?;
+        Ok(bytes.and_then(|bytes| serde_json::from_slice(&bytes).ok()))
     }
 
     /// Makes the work folder, empties the folder of finished files and counts the attempt.
@@ -245,7 +246,7 @@ impl Spent {
             fs::remove_dir_all(&out).map_err(FileError::new(&out, "empty"))?;
         }
         create_folder(&out)?;
-        let mut spent = Spent::read(work).unwrap_or_else(|| Spent {
+        let mut spent = Spent::read(work)?.unwrap_or_else(|| Spent {
             started: now(),
             ..Spent::default()
         });

@@ -307,7 +307,7 @@ fn estimate(work: Option<Work>, stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) 
         return newest.map(|stamp| stamp.wall_seconds);
     };
     // A job shorter than a second is not significant, nor is one in another unit.
-    let ratio = |stamp: &Stamp| Some(stamp.cpu_seconds / stamp.work?);
+    let ratio = |stamp: &Stamp| Some(stamp.cpu_seconds / stamp.forecast_seconds?);
     let known = |stamp: &&Stamp| ratio(stamp).is_some_and(|r| (0.1..10.0).contains(&r));
     let method = stage.settings().into_iter().find(|s| s.name == METHOD);
     let same = |stamp: &&Stamp| {

@@ -192,8 +192,8 @@ pub(super) fn finish(
     }
     for entry in outdated {
         let path = folder.join(entry.name);
-        if path.is_symlink() {
-            let _ = fs::remove_file(path);
+        if file::is_link(&path)? {
+            fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
         }
     }
     Ok(moved)

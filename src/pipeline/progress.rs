@@ -180,7 +180,7 @@ pub fn unfinished(store: &Store) -> Result<Vec<Unfinished>, FileError> {
             if holder.is_none() && file::is_there(&folder.join(stamp::FILE))? {
                 continue;
             }
-            let (told, checkpoint) = (read(&work), newest_checkpoint(&work)?);
+            let (told, checkpoint) = (read(&work)?, newest_checkpoint(&work)?);
             if holder.is_some() || told.is_some() || checkpoint.is_some() {
                 found.push(Unfinished {
                     told: told.filter(|(told, _)| told.stage == stage),
@@ -196,11 +196,15 @@ pub fn unfinished(store: &Store) -> Result<Vec<Unfinished>, FileError> {
     Ok(found)
 }
 
-/// What the file in a work folder says, and when it was written.
-fn read(work: &Path) -> Option<(Told, SystemTime)> {
+/// What the file in a work folder says, if it is not damaged, and when it was written.
+fn read(work: &Path) -> Result<Option<(Told, SystemTime)>, FileError> {
     let path = work.join(FILE);
-    let told = serde_json::from_slice(&file::read_no_link(&path, LONGEST).ok()?).ok()?;
-    Some((told, path.symlink_metadata().ok()?.modified().ok()?))
+    let Some(bytes) = file::read_if_there(&path, LONGEST)? else {
+        return Ok(None);
+    };
+    let written = path.symlink_metadata().and_then(|found| found.modified());
+    let told = serde_json::from_slice(&bytes).ok().zip(written.ok());
+    Ok(told)
 }
 
 fn newest_checkpoint(work: &Path) -> Result<Option<SystemTime>, FileError> {

@@ -114,7 +114,7 @@ fn stamp_of(made: &Made, outputs: Vec<OutputStamp>) -> Stamp {
         wall_seconds: milliseconds(spent.wall_seconds),
         cpu_seconds: milliseconds(spent.cpu_seconds),
         memory_bytes: peak_memory(),
-        work: made.stage.work().map(|work| work.amount),
+        forecast_seconds: made.stage.work().map(|work| work.amount),
     }
 }
 

@@ -119,8 +119,9 @@ pub struct Stamp {
     /// Peak memory of the process at the end of the stage, bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory_bytes: Option<u64>,
-    /// Size of the work in the stage's unit, for estimates.
-    pub work: Option<f64>,
+    /// CPU time that was forecast, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forecast_seconds: Option<f64>,
 }
 
 /// A stamp that cannot be used.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
@@ -171,24 +172,26 @@ fn roots(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
         .filter(|name| !options.forgotten.contains(name))
     {
         for folder in named(store, name)? {
-            add(store, &mut roots, name, folder);
+            add(store, &mut roots, name, folder)?;
         }
     }
     for (name, decisions) in &options.planned {
         for decision in decisions {
             if let Some(key) = decision.key {
-                add(store, &mut roots, name, store.folder(&decision.stage, &key));
+                add(store, &mut roots, name, store.folder(&decision.stage, &key))?;
             }
         }
     }
     for stage in store.stages()? {
         for folder in store.folders(&stage)? {
-            for input in read_by_unfinished(&folder) {
+            for input in read_by_unfinished(&folder)? {
                 let input = store.folder(&input.stage, &input.key);
-                add(store, &mut roots, "an unfinished run", input);
+                add(store, &mut roots, "an unfinished run", input)?;
             }
-            if options.older_than.is_some_and(|age| is_young(&folder, age)) {
-                add(store, &mut roots, "newer results", folder);
+            if let Some(age) = options.older_than
+                && is_young(&folder, age)?
+            {
+                add(store, &mut roots, "newer results", folder)?;
             }
         }
     }
@@ -207,44 +210,55 @@ fn released(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
     let mut released = Roots::new();
     for name in &options.forgotten {
         for folder in named(store, name)? {
-            add(store, &mut released, name, folder);
+            add(store, &mut released, name, folder)?;
         }
     }
     Ok(released)
 }
 
 /// Adds a folder and its inputs.
-fn add(store: &Store, roots: &mut Roots, name: &str, folder: PathBuf) {
+fn add(store: &Store, roots: &mut Roots, name: &str, folder: PathBuf) -> Result<(), PipelineError> {
     let holders = roots.entry(folder.clone()).or_default();
     if holders.iter().any(|holder| holder == name) {
-        return;
+        return Ok(());
     }
     holders.push(name.to_string());
-    if let Ok(Some(stamp)) = Stamp::read(&folder) {
-        for input in &stamp.inputs {
-            add(store, roots, name, store.folder(&input.stage, &input.key));
+    match Stamp::read(&folder) {
+        Ok(Some(stamp)) => {
+            for input in &stamp.inputs {
+                add(store, roots, name, store.folder(&input.stage, &input.key))?;
+            }
+            Ok(())
         }
+        Err(StampError::File(error)) => Err(error.into()),
+        // The judge keeps a damaged one.
+        Ok(None) | Err(_) => Ok(()),
     }
 }
 
 /// Inputs of an unfinished run, from its work folder.
-fn read_by_unfinished(folder: &Path) -> Vec<InputStamp> {
-    let spent = Spent::read(&folder.join(WORK));
-    spent.map_or(Vec::new(), |spent| spent.inputs)
+fn read_by_unfinished(folder: &Path) -> Result<Vec<InputStamp>, FileError> {
+    let spent = Spent::read(&folder.join(WORK))?;
+    Ok(spent.map_or(Vec::new(), |spent| spent.inputs))
 }
 
-/// Whether the newest of the stamp and the checkpoints is younger than `age`; an unknown age counts
-/// as young.
-fn is_young(folder: &Path, age: Duration) -> bool {
+/// Whether the newest of the stamp and the files of the work folder is younger than `age`; an
+/// unknown age counts as young.
+fn is_young(folder: &Path, age: Duration) -> Result<bool, FileError> {
     let mut paths = vec![folder.join(stamp::FILE)];
-    let work = entries(&folder.join(WORK)).unwrap_or_default();
+    let work = entries(&folder.join(WORK))?;
     paths.extend(work.iter().map(fs::DirEntry::path));
-    let modified = paths
-        .iter()
-        .filter_map(|path| path.symlink_metadata().ok()?.modified().ok());
-    let newest = modified.max().unwrap_or(SystemTime::UNIX_EPOCH);
+    let mut newest = SystemTime::UNIX_EPOCH;
+    for path in paths {
+        match path.symlink_metadata().and_then(|found| found.modified()) {
+            Ok(modified) => newest = newest.max(modified),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(FileError::new(&path, "examine")(error)),
+        }
+    }
     // After a clock was set back, files may have times in the future.
-    newest.elapsed().is_ok_and(|elapsed| elapsed < age) || newest > SystemTime::now()
+    let is_new = newest.elapsed().is_ok_and(|elapsed| elapsed < age);
+    Ok(is_new || newest > SystemTime::now())
 }
 
 struct Judge<'a> {
@@ -302,9 +316,10 @@ impl Judge<'_> {
             Ok(false) => Fate::Remove(format!("{stage}, unfinished, without a checkpoint")),
             Ok(true) => {
                 let age = self.options.older_than.filter(|_| self.options.unfinished);
-                match age.is_some_and(|age| !is_young(folder, age)) {
-                    true => Fate::Remove(format!("{stage}, unfinished")),
-                    false => Fate::Keep("unfinished, with usable checkpoints".to_string()),
+                match age.map(|age| is_young(folder, age)) {
+                    Some(Err(error)) => Fate::Unknown(error),
+                    Some(Ok(false)) => Fate::Remove(format!("{stage}, unfinished")),
+                    _ => Fate::Keep("unfinished, with usable checkpoints".to_string()),
                 }
             }
         }

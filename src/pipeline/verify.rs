@@ -9,7 +9,7 @@ use super::key::contradiction;
 use super::latest::{self, MANIFEST, ManifestError};
 use super::stamp::{self, OutputStamp, Stamp, StampError};
 use super::store::{LATEST, MARK, Store, refuse_links_below};
-use crate::file::FileError;
+use crate::file::{self, FileError};
 
 /// Findings in one folder.
 #[derive(Clone, Debug)]
@@ -135,26 +135,35 @@ pub(super) fn check(folder: &Path, path: &Path, output: &OutputStamp) -> Result<
 /// Sets a damaged file aside, unless a process uses the folder.
 fn problem(store: &Store, folder: &Path, file: &Path, error: ContentError) -> Problem {
     let damaged = matches!(error, ContentError::Damaged(_));
+    let mut what = error.to_string();
     let kept = match damaged {
-        true => aside(store, folder, file),
+        true => aside(store, folder, file).unwrap_or_else(|error| {
+            what += &format!("; it stays where it is: {error}");
+            None
+        }),
         false => None,
     };
     Problem {
         file: file.to_path_buf(),
-        what: error.to_string(),
+        what,
         damaged,
         kept,
     }
 }
 
 /// New path of a damaged file. If the file is missing, the stamp is set aside.
-fn aside(store: &Store, folder: &Path, file: &Path) -> Option<PathBuf> {
-    let _lock = store.lock(folder, &mut |_| false).ok()??;
-    if file.symlink_metadata().is_ok() {
-        return set_aside(folder, file).ok();
+fn aside(store: &Store, folder: &Path, file: &Path) -> Result<Option<PathBuf>, FileError> {
+    let Some(_lock) = store.lock(folder, &mut |_| false)? else {
+        return Ok(None);
+    };
+    if file::is_there(file)? {
+        return set_aside(folder, file).map(Some);
     }
-    let _ = set_aside(folder, &folder.join(stamp::FILE));
-    None
+    let stamp = folder.join(stamp::FILE);
+    match file::is_there(&stamp)? {
+        true => set_aside(folder, &stamp).map(|_| None),
+        false => Ok(None),
+    }
 }
 
 /// The mark of the store and the manifests of its names. The next run writes them again, so

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, bail};
 use coronet::pipeline::{self, Decision, Store};
+use coronet::scene::error::SceneError;
 use coronet::scene::file;
 
 use super::FOLDER;
@@ -47,8 +48,10 @@ fn next(artifacts: &Path, trial: &Trial) -> Result<Option<coronet::record::Diges
 
 /// The decisions about the jobs of a point; `None` if its scene is refused.
 pub fn plan(store: &Store, trial: &Trial) -> Result<Option<Vec<Decision>>> {
-    let Ok(loaded) = file::load(&trial.pipeline, &trial.sets) else {
-        return Ok(None);
+    let loaded = match file::load(&trial.pipeline, &trial.sets) {
+        Ok(loaded) => loaded,
+        Err(SceneError::File(error)) => return Err(error.into()),
+        Err(_) => return Ok(None),
     };
     let pipeline = jobs::pipeline(&loaded)?;
     Ok(Some(pipeline::plan(store, &pipeline)?))

@@ -73,6 +73,7 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
             for result in &results {
                 if exists(&result.join(FRAMES))? {
                     run = Some(result);
+                    break;
                 }
             }
             let Some(run) = run else {

@@ -13,6 +13,7 @@ use serde_json::{Map, Value, json};
 
 use crate::answer;
 use crate::arguments::StoreArguments;
+use crate::fault::{self, Unreadable};
 use crate::print::{note, out, size};
 use crate::runs::{Run, State};
 use crate::table::{age, cut, lines};
@@ -42,10 +43,13 @@ struct Row {
 pub fn list(arguments: &StoreArguments) -> Result<()> {
     let store = Store::new(&arguments.artifacts);
     let jobs = unfinished(&store)?;
-    let mut rows = Vec::new();
+    let (mut rows, mut unread) = (Vec::new(), None);
     for name in names(&store, &jobs)? {
         match Run::named(&store, &name) {
             Ok(run) => rows.push(row(&store, run, &jobs)),
+            Err(error) if fault::exit_code(&error) == fault::FILES => {
+                unread.get_or_insert(Unreadable(format!("{name}: {error:#}")));
+            }
             Err(error) => note!("warning: {name}: {error:#}"),
         }
     }
@@ -57,15 +61,13 @@ pub fn list(arguments: &StoreArguments) -> Result<()> {
     if arguments.json {
         rows.iter()
             .for_each(|row| out!("{}", object(row, &differing)));
-        return Ok(());
-    }
-    if rows.is_empty() {
+    } else if !rows.is_empty() {
+        print(&rows, &differing);
+    } else if unread.is_none() {
         let root = store.root().display();
         out!("there are no runs in {root}; `coronet run` makes one");
-        return Ok(());
     }
-    print(&rows, &differing);
-    Ok(())
+    unread.map_or(Ok(()), |unread| Err(unread.into()))
 }
 
 /// Names of runs with results, and of those that have begun.

@@ -39,6 +39,7 @@ pub fn push(arguments: &PushArguments) -> Result<()> {
                     remote.place()
                 )))
             }
+            Err(RemoteError::File(error)) => return Err(error.into()),
             Err(error) => {
                 note!("warning: {}: {error}", stamp.label());
                 bad += 1;

@@ -2,8 +2,9 @@
 //!
 //! The costs below were measured on two cores that other programs shared. A [probe](crate::probe)
 //! corrects them for the present machine and scene, and an earlier result of the same method for
-//! what is left (`coronet::pipeline`). Steps follow from the speed that limits them: a splash is faster than the
-//! impact at first, then slows down as 1 / t until waves and jet determine the speed.
+//! what is left (`coronet::pipeline`). Steps follow from the speed that limits them: a splash is
+//! faster than the impact at first, then slows down as 1 / t until waves and jet determine the
+//! speed.
 
 mod post;
 
@@ -136,11 +137,17 @@ fn particle_step(scene: &Scene) -> f64 {
     flat * (plain + found * tension)
 }
 
-/// CPU seconds that walls add to a step. Their particles lie in layers as deep as the widest
-/// kernel, also beyond open sides.
+/// CPU seconds that walls add to a step.
 fn walls(scene: &Scene) -> f64 {
-    let layers = layers(scene) as f64;
     let projected = usize::from(is_projected(scene));
+    let is_wetted = scene.effects.wetting.is_some() && scene.effects.tension.is_some();
+    let wetting = if is_wetted { WETTING[projected] } else { 0.0 };
+    flat(scene) * wall_particles(scene) * (WALL[projected] + wetting)
+}
+
+/// Particles of walls: layers as deep as the widest kernel, also beyond open sides.
+pub fn wall_particles(scene: &Scene) -> f64 {
+    let layers = layers(scene) as f64;
     let (mut inner, mut outer, mut open) = (1.0, 1.0, 1.0);
     for &axis in scene.dimension.axes() {
         let cells = scene.domain.size[axis] / scene.spacing;
@@ -152,9 +159,7 @@ fn walls(scene: &Scene) -> f64 {
         (inner, outer) = (inner * cells, outer * (cells + sides(Side::Wall) + beyond));
         open *= cells + beyond;
     }
-    let is_wetted = scene.effects.wetting.is_some() && scene.effects.tension.is_some();
-    let wetting = if is_wetted { WETTING[projected] } else { 0.0 };
-    flat(scene) * (outer - open.max(inner)) * (WALL[projected] + wetting)
+    outer - open.max(inner)
 }
 
 fn flat(scene: &Scene) -> f64 {

@@ -60,7 +60,7 @@ fn section(scene: &Scene) -> f64 {
 
 /// CPU seconds of the views of panels and the title picture.
 fn views(scene: &Scene, panels: f64) -> f64 {
-    if scene.dimension == Dimension::Two || panels == 0.0 {
+    if scene.solid().dimension == Dimension::Two || panels == 0.0 {
         return 0.0;
     }
     let width = section::width(&scene.whole()) as f64;
@@ -85,7 +85,7 @@ pub fn post(scene: &Scene) -> Option<Work> {
     let panels = before_end(&scene.post.panels);
     let pictures = panels * section(scene) + views(scene, panels);
     let fields = before_end(&scene.post.fields) * FIELD;
-    let played = match scene.dimension {
+    let played = match scene.solid().dimension {
         Dimension::Two => 0.0,
         Dimension::Three => frames(scene).min(SHOTS) * SHOT_BYTES,
     };

@@ -13,7 +13,7 @@ use coronet::pipeline::Stamp;
 use coronet::scene::{Scene, file};
 use serde_json::Value;
 
-use crate::fault::{self, Stopped};
+use crate::fault::{self, Stopped, Unreadable};
 
 /// Time between two checks for a request to stop.
 const POLL: Duration = Duration::from_millis(20);
@@ -145,8 +145,9 @@ impl Trial {
     /// Brings the point up to date.
     ///
     /// # Errors
-    /// If the program cannot be started or its answer not be read, or if it was stopped, by a
-    /// signal or because `stop` was set.
+    /// If the program cannot be started or its answer not be read, if it could not read or write a
+    /// file, which says nothing about the point, or if it was stopped, by a signal or because
+    /// `stop` was set.
     pub fn run(&self, place: Place, threads: usize, stop: &AtomicBool) -> Result<Outcome> {
         let program = std::env::current_exe().context("cannot find this program")?;
         let mut command = Command::new(program);
@@ -171,6 +172,9 @@ impl Trial {
                 bail!(Stopped(format!("point {} was stopped: {why}", self.name)));
             }
             let why = why.trim_start_matches("error: ").to_string();
+            if code == fault::FILES {
+                bail!(Unreadable(format!("point {}: {why}", self.name)));
+            }
             let answer = String::from_utf8_lossy(&ended.stdout);
             let lines = answer
                 .lines()

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::{Figure, method_name};
 
-/// Name, scene, overrides: both dimensions, rings, a quarter, with and without walls that are wetted.
+/// Name, scene, overrides: both dimensions, rings, a quarter, with and without contact angles.
 const CASES: [(&str, &str, &[&str]); 8] = [
     ("smallest", "tests/campaign/smallest.toml", &[]),
     ("tiny", "scenes/tiny.toml", &[]),
@@ -96,6 +96,9 @@ fn lines(command: &str, store: &Path, scene: &str, sets: &[&str]) -> Vec<Value> 
         .arg("--artifacts")
         .arg(store)
         .env("RAYON_NUM_THREADS", "1");
+    if command == "run" {
+        program.args(["--threads", "1"]);
+    }
     let method = format!("method.name={}", method_name());
     for set in sets.iter().copied().chain([&method[..]]) {
         program.args(["--set", set]);

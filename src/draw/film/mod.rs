@@ -20,9 +20,7 @@ pub enum FilmError {
     #[error("cannot encode the film: {0}")]
     Encoder(String),
     /// The program was built without the encoder.
-    #[error(
-        "this program was built without MP4: write a .gif or .png files, or build it with `cargo build --release --features video`"
-    )]
+    #[error("this program has no MP4: write .gif or .png, or build it with `--features video`")]
     Absent,
 }
 

@@ -41,8 +41,11 @@ pub fn fetch(
         (Ok(None) | Err(_), true) => &out,
         _ => &work,
     };
-    empty(rest)?;
-    done
+    match empty(rest) {
+        // The next run removes it.
+        Err(error) if !matches!(done, Ok(Some(_))) => Err(error.into()),
+        _ => done,
+    }
 }
 
 fn empty(folder: &Path) -> Result<(), FileError> {

@@ -28,21 +28,19 @@ impl Folder {
             return Err(RemoteError::Unusable(what));
         }
         let path = self.root.join(name);
-        refuse_links_below(&self.root, &path)
-            .map_err(|error| RemoteError::bad(name, format!("cannot be used: {error}")))?;
+        refuse_links_below(&self.root, &path).map_err(failed(name))?;
         Ok(path)
     }
 }
 
-/// An error of the folder; a single object that cannot be read does not make it unusable.
+/// An error of the folder. A failed read says nothing about an object, which must not be replaced
+/// then; an object that cannot be one is bad.
 fn failed(name: &str) -> impl Fn(FileError) -> RemoteError {
     move |error| match error.source.kind() {
-        ErrorKind::PermissionDenied
-        | ErrorKind::ReadOnlyFilesystem
-        | ErrorKind::StorageFull
-        | ErrorKind::QuotaExceeded
-        | ErrorKind::StaleNetworkFileHandle
-        | ErrorKind::TimedOut => RemoteError::Unusable(error.to_string()),
+        ErrorKind::NotADirectory | ErrorKind::IsADirectory | ErrorKind::AlreadyExists => {
+            RemoteError::bad(name, format!("cannot be used: {error}"))
+        }
+        _ if error.source.raw_os_error().is_some() => RemoteError::Unusable(error.to_string()),
         _ => RemoteError::bad(name, format!("cannot be used: {error}")),
     }
 }

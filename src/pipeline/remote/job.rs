@@ -33,6 +33,7 @@ impl Remote<'_> {
             Err(source) if self.only => {
                 return Err(PipelineError::Remote { job, place, source });
             }
+            Err(RemoteError::File(error)) => return Err(error.into()),
             Err(error) => {
                 self.warn(&error, &job, "it is made here", watch);
                 return Ok(None);

@@ -75,7 +75,7 @@ const MEASURE_FLAT: f64 = 1.1e-6;
 const MEMORY: [f64; 2] = [1300.0, 2500.0];
 const FRAME: f64 = 35.0;
 /// Bytes of memory of the program itself.
-const BASE: f64 = 2e7;
+const BASE: f64 = 2.8e7;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 

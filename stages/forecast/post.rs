@@ -21,9 +21,11 @@ const DRY: f64 = 0.45;
 const ROUND: f64 = 0.42;
 const FIELD: f64 = 0.12;
 /// CPU seconds of the plots at the default size and resolution, over their pixels; bytes of the
-/// plots, and of an instant that the report plays in three dimensions.
+/// plots, of a panel, which the report has too, and of an instant that the report plays in three
+/// dimensions.
 const PLOTS: f64 = 0.12 / (1654.0 * 1063.0);
 const PLOTS_BYTES: f64 = 6e5;
+const PANEL_BYTES: f64 = 8e5;
 const SHOT_BYTES: f64 = 5e4;
 /// Bytes of memory of a particle of the whole that is drawn.
 const PICTURE: f64 = 550.0;
@@ -93,7 +95,7 @@ pub fn post(scene: &Scene) -> Option<Work> {
     let work = work(
         scene,
         frames(scene) * measure(scene) + shots(scene) + pictures + fields + plots(scene),
-        [0.0, PLOTS_BYTES + played],
+        [0.0, PLOTS_BYTES + panels * PANEL_BYTES + played],
     )?;
     let memory = BASE + whole(scene) * PICTURE;
     Some(Work {

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use coronet::draw::film::FilmError;
 use coronet::method::Diverged;
 use coronet::particle::pack::PackError;
 use coronet::pipeline::PipelineError;
@@ -81,6 +82,9 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
         return Some(USAGE);
     }
     if let Some(PackError::TooFew { .. }) = error.downcast_ref::<PackError>() {
+        return Some(USAGE);
+    }
+    if let Some(FilmError::Absent) = error.downcast_ref::<FilmError>() {
         return Some(USAGE);
     }
     let is_damage = error.downcast_ref().is_some_and(LogError::is_damage)

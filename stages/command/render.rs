@@ -180,6 +180,12 @@ struct Made {
     times: Vec<f64>,
 }
 
+fn new_film(kind: film::Format, arguments: &RenderArguments) -> Result<Film> {
+    let path = &arguments.output;
+    let film = Film::new(kind, path, arguments.size, arguments.rate);
+    film.with_context(|| format!("cannot make {}", shown(path)))
+}
+
 /// A file of one frame.
 fn one(
     arguments: &RenderArguments,
@@ -195,7 +201,7 @@ fn one(
     path.parent().map_or(Ok(()), atomic::create_folder)?;
     match format {
         Format::Film(kind) => {
-            let mut film = Film::new(kind, path, arguments.size, arguments.rate)?;
+            let mut film = new_film(kind, arguments)?;
             film.add(&artist.picture(&frame))?;
             film.finish()?;
         }
@@ -235,7 +241,7 @@ fn many(
     let path = &arguments.output;
     path.parent().map_or(Ok(()), atomic::create_folder)?;
     let mut film = match format {
-        Format::Film(kind) => Some(Film::new(kind, path, arguments.size, arguments.rate)?),
+        Format::Film(kind) => Some(new_film(kind, arguments)?),
         _ => None,
     };
     if film.is_none() {

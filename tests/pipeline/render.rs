@@ -98,6 +98,9 @@ fn mistakes_are_explained() {
     render(&["--at", "5 mm"]).badly(2, &["--at", "mm"]);
     render(&["--size", "7x7"]).badly(2, &["--size", "16 to 8192"]);
     render(&["--size", "99x64", "--output", "a.mp4"]).badly(2, &["even", "--size"]);
+    if !cfg!(feature = "video") {
+        render(&["--output", "a.mp4"]).badly(2, &["a.mp4", "MP4", "--features video"]);
+    }
     render(&["--background", "red"]).badly(2, &["--background", "#rrggbb"]);
     render(&["--target", "1 mm, 2 mm"]).badly(2, &["--target", "three lengths"]);
     render(&["--material", "oil"]).badly(2, &["--material", "milk"]);

@@ -60,6 +60,8 @@ impl Report {
         if result.as_ref().is_err_and(|what| what == MISSED) {
             self.missed += 1;
         } else if let Err(what) = result {
+            // At once: the rest may take an hour.
+            println!("{}: {part}: {place}: {what}", self.title);
             let kind = format!("{part}: {}", plain(&what));
             self.problems
                 .entry(kind)

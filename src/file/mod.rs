@@ -35,6 +35,12 @@ impl FileError {
         self.source.kind() == io::ErrorKind::NotFound
     }
 
+    /// Whether the operating system failed, in contrast to a file that is absent or no file that
+    /// can be used.
+    pub fn is_failure(&self) -> bool {
+        self.source.raw_os_error().is_some() && !is_absence(&self.source)
+    }
+
     /// Whether the user may not do this.
     pub fn is_permission_denied(&self) -> bool {
         self.source.kind() == io::ErrorKind::PermissionDenied
@@ -104,10 +110,8 @@ pub fn read_if_there(path: &Path, longest: u64) -> Result<Option<Vec<u8>>, FileE
     }
     match read_no_link(path, longest) {
         Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.source.raw_os_error().is_none() || is_absence(&error.source) => {
-            Ok(None)
-        }
-        Err(error) => Err(error),
+        Err(error) if error.is_failure() => Err(error),
+        Err(_) => Ok(None),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use coronet::pipeline::{self, Decision, Store, machine};
 use serde_json::json;
 
@@ -12,7 +12,7 @@ use crate::jobs;
 use crate::print::size;
 use crate::print::{note, out};
 use crate::watch::duration;
-use coronet::measure::series::Reference;
+use coronet::measure::series::{Reference, SeriesError};
 use coronet::scene::file::{self, Loaded};
 use coronet::scene::{Scene, sanity};
 
@@ -27,8 +27,11 @@ pub fn load(arguments: &PipelineArguments) -> Result<Loaded> {
     let loaded = file::load(&arguments.pipeline, &arguments.set)?;
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
     for reference in &loaded.scene.post.references {
-        Reference::read(&folder.join(&reference.path), reference.clock)
-            .map_err(|error| Usage(format!("`post.references`: {error}")))?;
+        match Reference::read(&folder.join(&reference.path), reference.clock) {
+            Err(SeriesError::File(error)) if error.is_failure() => return Err(error.into()),
+            Err(error) => bail!(Usage(format!("`post.references`: {error}"))),
+            Ok(_) => {}
+        }
     }
     Ok(loaded)
 }

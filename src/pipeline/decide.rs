@@ -29,7 +29,7 @@ pub struct Decision {
     pub start: Option<String>,
     /// Expected wall time, s, from the stage's own estimate or from earlier runs.
     pub seconds: Option<f64>,
-    /// The stage's own estimate of the work.
+    /// The stage's own estimate of the work; `None` also for a result that is there.
     pub work: Option<Work>,
 }
 

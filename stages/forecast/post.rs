@@ -66,16 +66,13 @@ fn views(scene: &Scene, panels: f64) -> f64 {
         return 0.0;
     }
     let width = section::width(&scene.whole()) as f64;
-    let covered = match scene.domain.is_axial() {
-        true => ROUND,
-        false if scene.pool_depth().unwrap_or(0.0) > 0.0 => 1.0,
-        false => DRY,
+    let surface = SURFACE * whole(scene);
+    let (covered, surface) = match scene.domain.is_axial() {
+        true => (ROUND, 0.0),
+        false if scene.pool_depth().unwrap_or(0.0) > 0.0 => (1.0, surface),
+        false => (DRY, surface),
     };
-    let surfaces = match scene.domain.is_axial() {
-        true => 0.0,
-        false => SURFACE * whole(scene) * (panels + 1.0),
-    };
-    covered * width * width * (VIEW * panels + TITLE) + surfaces
+    covered * width * width * (VIEW * panels + TITLE) + surface * (panels + 1.0)
 }
 
 /// Cost of measuring, drawing and plotting the frames, which show the whole of a symmetric scene.

@@ -110,6 +110,15 @@ fn step(side: usize, preset: &str, threads: &[ThreadPool; 2]) {
     line(&name, whole, "B/particle");
 }
 
+/// Operations of an entry of a row, as counted in the source: separation and square 11, root 1,
+/// the value of the spline 10, the sum 1; its slope 13, both terms of Nishio Eq. 5 37.
+const DENSITY: f64 = 23.0;
+const FORCE: f64 = 62.0;
+
+/// What a target reads and writes beside its row, bytes: a record, and a result of three numbers.
+/// Records of neighbours are in a near cache.
+const STREAMED: f64 = 44.0;
+
 /// The parts of the step of `paper`, from the hand-written loop.
 fn parts(side: usize, threads: &[ThreadPool; 2]) {
     let scene = scene::block(side, "paper", true);
@@ -147,6 +156,12 @@ fn parts(side: usize, threads: &[ThreadPool; 2]) {
         );
         let entries = hand.entries() as f64 / n as f64;
         line(&name("row_entries"), entries, "1/particle");
+        for (part, operations) in [(Part::Density, DENSITY), (Part::Force, FORCE)] {
+            let rate = 1e-9 * work / hand.seconds[part as usize];
+            let name = |what: &str| name(&format!("{}_{what}", part.name()));
+            line(&name("arithmetic"), operations * entries * rate, "GFLOP/s");
+            line(&name("traffic"), (4.0 * entries + STREAMED) * rate, "GB/s");
+        }
         line(
             &name("steps_on_rows"),
             hand.steps as f64 / hand.builds as f64,

@@ -25,6 +25,12 @@ pub trait Kernel: Copy + Send + Sync + 'static {
     }
     /// w'(q) / q, eight at once; zero for q >= 2, finite for q = 0.
     fn slope_lanes<F: Real>(q: F) -> F;
+    /// [`Kernel::w_apart`] and [`Kernel::slope_lanes`] at the squared distance `q2`.
+    #[inline(always)]
+    fn both_lanes<F: Real>(q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [Self::w_apart(q, q2), Self::slope_lanes(q)]
+    }
     /// The derivative of `slope` over q, so that
     /// grad grad W = norm / h^(d+2) (slope I + curve d d), d = r_ab / h.
     fn curve(q: f64) -> f64;

@@ -87,11 +87,13 @@ impl<K: Kernel> Pass<4> for Sum<K> {
     type Payload = ();
     type Out = Local;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        K::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
-        let q = pair.q2.sqrt();
-        let w = K::w_apart(q, pair.q2);
+        let [w, slope] = pair.weight;
         sum[3] += w;
-        let slope = K::slope_lanes(q);
         for k in 0..3 {
             sum[k] = slope.mul_add(pair.d[k], sum[k]);
         }
@@ -115,8 +117,13 @@ impl<K: Kernel> Pass<3> for Transposed<K> {
     type Payload = Multiplier;
     type Out = [f32; 3];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = K::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Multiplier>, sum: &mut [F; 3]) {
-        let slope = K::slope_lanes(pair.q2.sqrt()) * pair.other.lambda;
+        let slope = pair.weight[0] * pair.other.lambda;
         for k in 0..3 {
             sum[k] = slope.mul_add(pair.d[k], sum[k]);
         }
@@ -138,8 +145,13 @@ impl<K: Kernel> Pass<1> for Direct<K> {
     type Payload = Step;
     type Out = f32;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = K::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Step>, sum: &mut [F; 1]) {
-        let slope = K::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         let dx = pair.other.dx;
         let mut dot = pair.d[0] * dx[0];
         dot = pair.d[1].mul_add(dx[1], dot);

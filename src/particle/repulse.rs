@@ -34,8 +34,13 @@ impl Pass<3> for Push {
     type Payload = ();
     type Out = [f32; 3];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = WendlandC2::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 3]) {
-        let slope = WendlandC2::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         for k in 0..3 {
             sum[k] = slope.mul_add(pair.d[k], sum[k]);
         }

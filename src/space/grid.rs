@@ -47,6 +47,11 @@ impl Scale {
         let [x, y, z] = self.factor;
         [lanes.constant(x), lanes.constant(y), lanes.constant(z)]
     }
+
+    /// The square of `length` m in that multiple.
+    pub fn square(self, grid: &Grid, length: f64) -> f64 {
+        (length * self.factor[0] / grid.unit[0]).powi(2)
+    }
 }
 
 /// A scene that the cells cannot hold.

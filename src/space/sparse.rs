@@ -7,7 +7,7 @@
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, WIDTH};
 use super::row::{CHUNK, Rows};
-use super::sweep::{Pair, Payload, Records, TOO_FEW, carried, gathered, splat};
+use super::sweep::{Pair, Payload, Records, STAGED, Stage, TOO_FEW, carried, splat};
 use rayon::prelude::*;
 
 /// What couples a pair, and what else is summed along the row.
@@ -18,6 +18,12 @@ pub trait Couple<const N: usize>: Sync {
     #[inline(always)]
     fn extra(&self, _target: usize) -> [f32; 3] {
         [0.0; 3]
+    }
+    /// See [`super::sweep::Pass::weigh`].
+    #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [q, q]
     }
     /// Weights of eight pairs: zero for padding (d = 0) and beyond the support.
     fn pair<F: Real>(&self, pair: &Pair<F, Self::Payload>, sum: &mut [F; N]) -> F;
@@ -212,6 +218,7 @@ impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
     fn run<L: Lanes>(self, lanes: L) {
         let (layout, pass, from, chunk) = (self.layout, self.pass, self.from, self.chunk);
         let n = layout.liquid.len();
+        let mut stage = Stage::<L::F, P::Payload>::new(lanes);
         for (k, (degree, sums)) in self.degree.iter_mut().zip(self.sums).enumerate() {
             chunk.start.push(chunk.index.len() as u32);
             let mut eights = [lanes.splat(0.0); N];
@@ -220,14 +227,34 @@ impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
             if i < n {
                 let row = layout.liquid.row(i);
                 // SAFETY: `build` has asserted that rows name records.
-                *degree += unsafe { append(lanes, layout, pass, i, row, &mut eights, chunk) };
+                *degree += unsafe {
+                    append(
+                        lanes,
+                        layout,
+                        pass,
+                        (i, row),
+                        &mut stage,
+                        &mut eights,
+                        chunk,
+                    )
+                };
             } else {
                 let g = i - n;
                 let members = layout.start[g] as usize..layout.start[g + 1] as usize;
                 for &j in &layout.member[members] {
                     let (row, j) = (layout.wall.row(j as usize), n + j as usize);
                     // SAFETY: the same.
-                    *degree += unsafe { append(lanes, layout, pass, j, row, &mut eights, chunk) };
+                    *degree += unsafe {
+                        append(
+                            lanes,
+                            layout,
+                            pass,
+                            (j, row),
+                            &mut stage,
+                            &mut eights,
+                            chunk,
+                        )
+                    };
                 }
             }
             for (sum, eight) in sums.iter_mut().zip(eights) {
@@ -247,8 +274,8 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     lanes: L,
     layout: &Layout,
     pass: &P,
-    target: usize,
-    row: &[u32],
+    (target, row): (usize, &[u32]),
+    stage: &mut Stage<L::F, P::Payload>,
     sum: &mut [L::F; N],
     chunk: &mut Chunk,
 ) -> f64 {
@@ -261,25 +288,31 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     chunk.make_room(row.len());
     let mut kept = chunk.index.len();
     let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
-    for group in row.chunks_exact(WIDTH) {
-        // SAFETY: a group has eight indices, all of records.
-        let pair = unsafe { gathered(lanes, layout.records, group, at, own, scale) };
-        let weight = pass.pair(&pair, sum).to_array();
-        // All are written, and those that count are passed: no branch that cannot be foretold.
-        for (w, &j) in weight.into_iter().zip(group) {
-            let j = layout.original(j as usize);
-            let w = if j >= n && target >= n { 0.0 } else { w };
-            let unknown = match j < n {
-                true => j as u32,
-                false => layout.unknown[j - n],
-            };
-            // SAFETY: there is room for the whole row, and no more was kept so far.
-            unsafe {
-                *indices.add(kept) = unknown;
-                *weights.add(kept) = w;
+    for part in row.chunks(STAGED * WIDTH) {
+        // SAFETY: all indices are of records.
+        let count = unsafe { stage.gather(lanes, layout.records, part, at, scale) };
+        for k in 0..count {
+            let weight = pass.weigh(*stage.q2(k));
+            stage.weight(k, weight);
+        }
+        for (k, group) in part.chunks_exact(WIDTH).enumerate() {
+            let weight = pass.pair(&stage.pair(k, own), sum).to_array();
+            // All are written, and those that count are passed: no branch that cannot be foretold.
+            for (w, &j) in weight.into_iter().zip(group) {
+                let j = layout.original(j as usize);
+                let w = if j >= n && target >= n { 0.0 } else { w };
+                let unknown = match j < n {
+                    true => j as u32,
+                    false => layout.unknown[j - n],
+                };
+                // SAFETY: there is room for the whole row, and no more was kept so far.
+                unsafe {
+                    *indices.add(kept) = unknown;
+                    *weights.add(kept) = w;
+                }
+                kept += usize::from(w != 0.0);
+                degree += w as f64;
             }
-            kept += usize::from(w != 0.0);
-            degree += w as f64;
         }
     }
     // SAFETY: so many were written.

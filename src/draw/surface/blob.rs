@@ -63,7 +63,12 @@ fn strength(smoothing: f32) -> f32 {
 /// `d = (other - own) / reach` and w of (1), of a point within reach.
 #[inline(always)]
 fn seen(own: &Vector3<f32>, other: &Vector3<f32>, reach: f32) -> Option<(Vector3<f32>, f32)> {
-    let d = (other - own) / reach;
+    let d = other - own;
+    // Most points are far: that is told without a division, with room for its rounding.
+    if d.norm_squared() > 1.0001 * reach * reach {
+        return None;
+    }
+    let d = d / reach;
     let r = d.norm();
     (r < 1.0).then_some((d, 1.0 - r * r * r))
 }

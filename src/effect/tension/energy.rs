@@ -112,15 +112,13 @@ fn complete<K: Kernel>(dimension: usize, unit: f64, s: &mut [f32; 4]) -> Density
     density(dimension, s[3] as f64, [0, 1, 2].map(|a| s[a] as f64))
 }
 
-/// Adds slope d and w of a pair.
+/// Adds slope d and w of a pair, both given.
 #[inline(always)]
-pub fn look<K: Kernel, F: Real>(q2: F, d: [F; 3], sum: &mut [F; 4]) {
-    let q = q2.sqrt();
-    let slope = K::slope_lanes(q);
+pub fn look<F: Real>([w, slope]: [F; 2], d: [F; 3], sum: &mut [F; 4]) {
     for a in 0..3 {
         sum[a] = slope.mul_add(d[a], sum[a]);
     }
-    sum[3] += K::w_apart(q, q2);
+    sum[3] += w;
 }
 
 /// SUM slope d and SUM w of the others.
@@ -130,8 +128,12 @@ impl<K: Kernel> Pass<4> for Look<K> {
     type Payload = ();
     type Out = [f32; 4];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        K::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
-        look::<K, F>(pair.q2, pair.d, sum);
+        look(pair.weight, pair.d, sum);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 4], out: &mut [f32; 4]) {

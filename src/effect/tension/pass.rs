@@ -210,9 +210,13 @@ impl<K: Kernel> Pass<3> for Pull<K> {
     type Payload = Energetic;
     type Out = [f32; 3];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [q, K::slope_lanes(q)]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 3]) {
-        let q = pair.q2.sqrt();
-        let slope = K::slope_lanes(q);
+        let [q, slope] = pair.weight;
         let (own, other) = (&pair.own, &pair.other);
         let mut g = own.gradient;
         for a in 0..3 {

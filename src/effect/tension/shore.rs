@@ -220,6 +220,10 @@ impl<const N: usize, P: Pass<N, Out = [f32; 3]>> Pass<N> for Others<'_, P> {
         self.0.extra(target)
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        self.0.weigh(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, P::Payload>, sum: &mut [F; N]) {
         self.0.pair(pair, sum)
     }

@@ -30,8 +30,12 @@ impl<K: Kernel, W: Fn(usize) -> bool + Sync> Pass<4> for Look<'_, K, W> {
         !(self.wanted)(target)
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        K::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
-        look::<K, F>(pair.q2, pair.d, sum);
+        look(pair.weight, pair.d, sum);
     }
     #[inline(always)]
     fn finish(&self, target: usize, [x, y, z, sum]: [f32; 4], out: &mut Completed) {
@@ -46,13 +50,13 @@ impl<K: Kernel, W: Fn(usize) -> bool + Sync> Pass<4> for Look<'_, K, W> {
     }
 }
 
-/// dC/dt and n_g . h d(grad C)/dt of a pair at the velocities `v`, own minus other.
+/// dC/dt and n_g . h d(grad C)/dt of a pair at the velocities `v`, own minus other, from the
+/// distance and the slope of the kernel.
 #[inline(always)]
-fn rates<K: Kernel, F: Real>(q2: F, d: [F; 3], v: [F; 3], along: [F; 3]) -> [F; 2] {
-    let q = q2.sqrt();
-    let (slope, closing) = (K::slope_lanes(q), dot(v, d));
+fn rates<K: Kernel, F: Real>([q, slope]: [F; 2], d: [F; 3], v: [F; 3], along: [F; 3]) -> [F; 2] {
+    let closing = dot(v, d);
     if are_zero(along) {
-        return [slope * closing, q2.splat(0.0)];
+        return [slope * closing, q.splat(0.0)];
     }
     let turning = K::curve_lanes(q) * (closing * dot(along, d));
     [slope * closing, slope.mul_add(dot(along, v), turning)]
@@ -74,13 +78,18 @@ impl<K: Kernel> Pass<3> for Spared<'_, K> {
         self.completed[target].along
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [q, K::slope_lanes(q)]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Sparing>, sum: &mut [F; 3]) {
         let v = difference(pair.own.velocity, pair.other.velocity);
         let evened = self.plain.evened(pair);
-        let [sums, gradients] = rates::<K, F>(pair.q2, pair.d, v, pair.extra);
+        let [sums, gradients] = rates::<K, F>(pair.weight, pair.d, v, pair.extra);
         sum[0] += sums;
         sum[1] += gradients;
-        sum[2] = K::slope_lanes(pair.q2.sqrt()).mul_add(evened, sum[2]);
+        sum[2] = pair.weight[1].mul_add(evened, sum[2]);
     }
     #[inline(always)]
     fn finish(&self, target: usize, [sums, gradients, evened]: [f32; 3], out: &mut [f32; 3]) {
@@ -107,9 +116,14 @@ impl<K: Kernel> Pass<2> for Divergence<'_, K> {
         self.completed[target].along
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [q, K::slope_lanes(q)]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Flowing>, sum: &mut [F; 2]) {
         let v = difference(pair.own.velocity, pair.other.velocity);
-        let [sums, gradients] = rates::<K, F>(pair.q2, pair.d, v, pair.extra);
+        let [sums, gradients] = rates::<K, F>(pair.weight, pair.d, v, pair.extra);
         sum[0] += sums;
         sum[1] += gradients;
     }

@@ -34,8 +34,13 @@ pub struct Weights<K, const PRINTED: bool>(pub PhantomData<K>);
 impl<K: Kernel, const PRINTED: bool> Couple<6> for Weights<K, PRINTED> {
     type Payload = Coupled;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = K::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Coupled>, sum: &mut [F; 6]) -> F {
-        let slope = K::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         let zero = pair.q2.splat(0.0);
         let mut w = zero - slope;
         if PRINTED {
@@ -77,11 +82,13 @@ impl<K: Kernel, const CORRECTED: bool> Pass<20> for Look<'_, K, CORRECTED> {
     type Payload = Moving;
     type Out = Local;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        K::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 20]) {
-        let q = pair.q2.sqrt();
-        let w = K::w_apart(q, pair.q2);
+        let [w, slope] = pair.weight;
         sum[0] += w;
-        let slope = K::slope_lanes(q);
         let (mut g, mut v) = (pair.d, pair.d);
         for a in 0..3 {
             g[a] = slope * pair.d[a];
@@ -131,8 +138,13 @@ impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
     type Payload = Pressed;
     type Out = [f32; 3];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = K::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Pressed>, sum: &mut [F; 3]) {
-        let slope = K::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         let p = if SYMMETRIC {
             pair.other.pressure + pair.own.pressure
         } else {
@@ -163,11 +175,13 @@ impl<K: Kernel, V: PairViscosity> Pass<7> for Around<K, V> {
     type Payload = Moving;
     type Out = Sums<[f32; 3]>;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        K::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 7]) {
-        let q = pair.q2.sqrt();
-        let w = K::w_apart(q, pair.q2);
+        let [w, slope] = pair.weight;
         sum[3] += w;
-        let slope = K::slope_lanes(q);
         let mut v = pair.d;
         for a in 0..3 {
             sum[4 + a] = slope.mul_add(pair.d[a], sum[4 + a]);

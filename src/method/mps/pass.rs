@@ -101,8 +101,13 @@ pub struct Weights<const FLAGGED: bool> {
 impl<const FLAGGED: bool> Couple<7> for Weights<FLAGGED> {
     type Payload = Coupled;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let w = weight(q2, self.reach, NEAREST);
+        [w, w]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Coupled>, sum: &mut [F; 7]) -> F {
-        let mut w = weight(pair.q2, self.reach, NEAREST);
+        let mut w = pair.weight[0];
         if FLAGGED {
             let whole = w * pair.own.inside;
             w = whole * pair.other.inside;
@@ -153,12 +158,14 @@ impl<const CORRECTED: bool, const BLENDED: bool> Pass<21> for Look<'_, CORRECTED
         }
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        Smooth::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 21]) {
-        let q = pair.q2.sqrt();
         sum[0] += weight(pair.q2, self.reach, NEAREST);
-        let smooth = Smooth::w_apart(q, pair.q2);
+        let [smooth, slope] = pair.weight;
         sum[1] += smooth;
-        let slope = Smooth::slope_lanes(q);
         let mut f = steep(pair.q2, self.reach, self.core);
         if BLENDED {
             f = self.surface.blend(pair.extra[0], f, slope);
@@ -209,8 +216,13 @@ impl Pass<1> for Number {
     type Payload = ();
     type Out = f64;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let w = weight(q2, self.reach, NEAREST);
+        [w, w]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 1]) {
-        sum[0] += weight(pair.q2, self.reach, NEAREST)
+        sum[0] += pair.weight[0]
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
@@ -250,15 +262,22 @@ impl<const SYMMETRIC: bool, const BLENDED: bool> Pass<3> for PressureSlope<'_, S
         }
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let f = steep(q2, self.reach, self.core);
+        match BLENDED {
+            true => [f, Smooth::slope_lanes(q2.sqrt())],
+            false => [f, f],
+        }
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Pressed>, sum: &mut [F; 3]) {
         let p = if SYMMETRIC {
             pair.other.pressure + pair.own.pressure
         } else {
             pair.other.pressure - pair.own.level
         };
-        let mut f = steep(pair.q2, self.reach, self.core);
+        let [mut f, slope] = pair.weight;
         if BLENDED {
-            let slope = Smooth::slope_lanes(pair.q2.sqrt());
             f = self.surface.blend(pair.extra[0], f, slope);
         }
         f = f * p;
@@ -284,8 +303,13 @@ impl Pass<3> for Viscous {
     type Payload = Moving;
     type Out = [f32; 3];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let w = weight(q2, self.reach, NEAREST);
+        [w, w]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 3]) {
-        let w = weight(pair.q2, self.reach, NEAREST);
+        let w = pair.weight[0];
         for a in 0..3 {
             let v = pair.other.velocity[a] - pair.own.velocity[a];
             sum[a] = w.mul_add(v, sum[a]);
@@ -309,12 +333,14 @@ impl Pass<5> for Around {
     type Payload = ();
     type Out = Sums<f32>;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        Smooth::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 5]) {
-        let q = pair.q2.sqrt();
         sum[0] += weight(pair.q2, self.reach, NEAREST);
-        let w = Smooth::w_apart(q, pair.q2);
+        let [w, slope] = pair.weight;
         sum[1] += w;
-        let slope = Smooth::slope_lanes(q);
         for a in 0..3 {
             sum[2 + a] = slope.mul_add(pair.d[a], sum[2 + a]);
         }

@@ -89,9 +89,14 @@ impl<W: Weight> Pass<1> for Divergence<W> {
     type Payload = Flowing;
     type Out = f64;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let weight = self.weight.at(q2);
+        [weight, weight]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Flowing>, sum: &mut [F; 1]) {
         let v = [0, 1, 2].map(|a| pair.own.velocity[a] - pair.other.velocity[a]);
-        sum[0] = self.weight.at(pair.q2).mul_add(dot(v, pair.d), sum[0]);
+        sum[0] = pair.weight[0].mul_add(dot(v, pair.d), sum[0]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
@@ -111,8 +116,13 @@ impl<W: Weight> Pass<3> for PressureForce<W> {
     type Payload = Pressing;
     type Out = [f32; 3];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let weight = self.weight.at(q2);
+        [weight, weight]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Pressing>, sum: &mut [F; 3]) {
-        let f = self.weight.at(pair.q2) * (pair.own.pressure + pair.other.pressure);
+        let f = pair.weight[0] * (pair.own.pressure + pair.other.pressure);
         for a in 0..3 {
             sum[a] = f.mul_add(pair.d[a], sum[a]);
         }

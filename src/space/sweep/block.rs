@@ -9,7 +9,7 @@ use crate::space::row::separation;
 pub const MEMBERS: usize = 48;
 
 /// Room for the rounding of what decides who is a candidate.
-const MARGIN: f64 = 1.0001;
+pub const MARGIN: f64 = 1.0001;
 
 /// The targets of [`WIDE`] cells to each side: how many, and where, in fixed point.
 pub struct Block {

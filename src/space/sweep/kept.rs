@@ -3,7 +3,8 @@
 //! candidates of a block into the nearest cache and gathers from there.
 
 use super::block::{Block, Bounds};
-use super::{FAR, Field, Fields, Own, Pair, Pass, Payload, splat, total};
+use super::stage::{STAGED, Stage};
+use super::{FAR, Field, Pass, Payload, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::WIDE;
 use crate::space::lane::{self, Half, Job, Lanes, WIDTH, dot};
@@ -220,6 +221,7 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
         let (field, pass, chunk) = (self.field, self.pass, self.chunk);
         let points = self.points;
         let scale = field.scale.lanes(lanes);
+        let mut stage = Stage::<L::F, P::Payload>::new(lanes);
         let mut candidates = chunk.candidates.as_slice();
         let mut places = chunk.place.as_slice();
         let mut targets = self.targets.iter().zip(&chunk.count).zip(self.out);
@@ -243,17 +245,18 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
                 let own = splat(lanes, field.own_of(pass, i), pass.extra(i));
                 let at = [x, y, z];
                 let mut sum = [lanes.splat(0.0); N];
-                let (whole, left) = row.split_at(count - count % WIDTH);
-                for group in whole.chunks_exact(WIDTH) {
+                let mut left = count;
+                for part in row.chunks(STAGED * WIDTH) {
+                    let candidates = chunk.copied.as_slice();
                     // SAFETY: a row holds places among the candidates of its block.
-                    let pair = unsafe { gathered(lanes, &chunk.copied, group, at, own, scale) };
-                    pass.pair(&pair, &mut sum);
-                }
-                if !left.is_empty() {
-                    // SAFETY: the same; rows are padded to eight.
-                    let mut pair = unsafe { gathered(lanes, &chunk.copied, left, at, own, scale) };
-                    pair.q2 = lanes.first(count % WIDTH, pair.q2, lanes.splat(FAR));
-                    pass.pair(&pair, &mut sum);
+                    unsafe { gather(lanes, &mut stage, candidates, part, at, scale) };
+                    let groups = part.len() / WIDTH;
+                    if left < part.len() {
+                        let last = stage.q2(groups - 1);
+                        *last = lanes.first(left % WIDTH, *last, lanes.splat(FAR));
+                    }
+                    left = left.saturating_sub(part.len());
+                    stage.add(groups, pass, own, &mut sum);
                 }
                 pass.finish(i, total(&sum), out);
             }
@@ -261,28 +264,26 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
     }
 }
 
-/// A target and eight candidates.
+/// The pairs of a target and the candidates of `part`, at most [`STAGED`] times eight.
 ///
 /// # Safety
-/// There are eight places, all below the number of candidates.
+/// All places of `part` are below the number of candidates.
 #[inline(always)]
-unsafe fn gathered<L: Lanes, P: Payload>(
+unsafe fn gather<L: Lanes, P: Payload>(
     lanes: L,
+    stage: &mut Stage<L::F, P>,
     candidates: &[Half],
-    places: &[u16],
+    part: &[u16],
     at: [i32; 3],
-    (own, extra): Own<L::F, P>,
     scale: [L::F; 3],
-) -> Pair<L::F, P> {
-    // SAFETY: there are eight places, all of candidates.
-    let (other, word) = unsafe { lanes.gather_halves(candidates.as_ptr(), places.as_ptr()) };
-    let d = separation(lanes, at, other, scale);
+) {
     let zero = lanes.splat(0.0);
-    Pair {
-        d,
-        q2: dot(d, d),
-        own,
-        other: P::Of::from_words([word, zero, zero, zero, zero, zero]),
-        extra,
+    assert!(part.len() <= STAGED * WIDTH);
+    for (k, places) in part.chunks_exact(WIDTH).enumerate() {
+        // SAFETY: there are eight places, all of candidates.
+        let (other, word) = unsafe { lanes.gather_halves(candidates.as_ptr(), places.as_ptr()) };
+        let away = separation(lanes, at, other, scale);
+        let words = [word, zero, zero, zero, zero, zero];
+        stage.put(k, away, dot(away, away), words);
     }
 }

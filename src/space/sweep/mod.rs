@@ -7,10 +7,11 @@ mod block;
 mod kept;
 mod near;
 mod payload;
+mod stage;
 
 use super::grid::Scale;
-use super::lane::{self, Job, Lanes, Real, Record, WIDTH, dot};
-use super::row::{CHUNK, Rows, separation};
+use super::lane::{self, Job, Lanes, Real, Record, WIDTH};
+use super::row::{CHUNK, Rows};
 use payload::IN_RECORD;
 
 pub use super::row::Source;
@@ -18,6 +19,7 @@ pub use kept::Kept;
 pub use near::{Field, runs};
 pub use payload::{Fields, Payload, PayloadField, Records, WORDS, words_of};
 use rayon::prelude::*;
+pub(super) use stage::{STAGED, Stage};
 
 /// Rows name records that are not there.
 pub(super) const TOO_FEW: &str = "rows of more points than there are records";
@@ -31,6 +33,8 @@ pub struct Pair<F: Copy, P: Payload> {
     pub d: [F; 3],
     /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
     pub q2: F,
+    /// [`Pass::weigh`] of `q2`.
+    pub weight: [F; 2],
     /// [`Pass::own`] of the target, splatted.
     pub own: P::Of<F>,
     /// Payload of the neighbours.
@@ -41,31 +45,6 @@ pub struct Pair<F: Copy, P: Payload> {
 
 /// `own` and `extra` of a [`Pair`].
 pub(super) type Own<F, P> = (<P as Payload>::Of<F>, [F; 3]);
-
-/// The pairs of a target and the eight records of `group`.
-///
-/// # Safety
-/// `group` has eight indices, all below `records.len()`.
-#[inline(always)]
-pub(super) unsafe fn gathered<L: Lanes, P: Payload>(
-    lanes: L,
-    records: &[Record],
-    group: &[u32],
-    at: [i32; 3],
-    (own, extra): Own<L::F, P>,
-    scale: [L::F; 3],
-) -> Pair<L::F, P> {
-    // SAFETY: there are eight indices, all of records.
-    let (other, [a, b, c, d, e]) = unsafe { lanes.gather(records.as_ptr(), group.as_ptr()) };
-    let separation = separation(lanes, at, other, scale);
-    Pair {
-        d: separation,
-        q2: dot(separation, separation),
-        own,
-        other: P::Of::from_words([a, b, c, d, e, lanes.splat(0.0)]),
-        extra,
-    }
-}
 
 /// What one pair adds to `N` sums, and what becomes of the sums.
 pub trait Pass<const N: usize>: Sync {
@@ -87,6 +66,14 @@ pub trait Pass<const N: usize>: Sync {
     #[inline(always)]
     fn extra(&self, _target: usize) -> [f32; 3] {
         [0.0; 3]
+    }
+    /// What the sums need of the distance alone, |d|^2 given: the distance, or values of a kernel.
+    /// These are long chains of operations (a root, then mostly a division), and a processor waits
+    /// for them where each eight pairs are finished at once: they are found for many pairs first.
+    #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [q, q]
     }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
     fn pair<F: Real>(&self, pair: &Pair<F, Self::Payload>, sum: &mut [F; N]);
@@ -139,6 +126,7 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
     fn run<L: Lanes>(self, lanes: L) {
         let (records, rows, pass, from) = (self.records, self.rows, self.pass, self.from);
         let scale = self.scale.lanes(lanes);
+        let mut stage = Stage::<L::F, P::Payload>::new(lanes);
         for (k, out) in self.out.iter_mut().enumerate() {
             let target = rows.first + from + k;
             if pass.skips(target) {
@@ -150,10 +138,10 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
             let own = pass.own(target, carried(record));
             let own = splat(lanes, own, pass.extra(target));
             let mut sum = [lanes.splat(0.0); N];
-            for group in rows.row(from + k).chunks_exact(WIDTH) {
+            for part in rows.row(from + k).chunks(STAGED * WIDTH) {
                 // SAFETY: indices are below the bound of the rows, and there are so many records.
-                let pair = unsafe { gathered(lanes, records, group, at, own, scale) };
-                pass.pair(&pair, &mut sum);
+                let count = unsafe { stage.gather(lanes, records, part, at, scale) };
+                stage.add(count, pass, own, &mut sum);
             }
             pass.finish(target, total(&sum), out);
         }

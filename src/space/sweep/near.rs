@@ -1,12 +1,13 @@
 //! Sums of few targets or over long supports: no list is kept. Targets that lie together look at
 //! the same candidates, which are found and copied together once.
 
-use super::block::{Block, Bounds, MEMBERS};
+use super::block::{Block, Bounds, MARGIN, MEMBERS};
 use super::payload::count;
-use super::{FAR, Fields, Own, Pair, Pass, Payload, WORDS, splat, total};
+use super::stage::{STAGED, Stage};
+use super::{FAR, Fields, Pass, Payload, WORDS, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::{Grid, Scale, WIDE};
-use crate::space::lane::{self, Job, Lanes, WIDTH, dot};
+use crate::space::lane::{self, Job, Lanes, Real, WIDTH, dot};
 use crate::space::row::{CHUNK, Source, count_points, separation};
 use rayon::prelude::*;
 
@@ -134,20 +135,23 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
         let (field, pass, targets) = (self.field, self.pass, self.targets);
         let mut columns = Columns::new(field.grid, field.cutoff, WIDE);
         let mut near = Near::<L, W>::new(lanes);
+        let scale = field.scale.lanes(lanes);
+        let reach = field.scale.square(field.grid, MARGIN * field.cutoff);
+        let reach = lanes.splat(reach as f32);
         let mut begin = 0;
         while begin < targets.len() {
             let (block, [low, high]) = Block::of(field.position, &columns, &targets[begin..]);
             let bounds = block.bounds(lanes, field.grid, field.cutoff);
             let count = block.count;
             let block = Carrying::of(block, (&field, pass), &targets[begin..]);
-            let scale = field.scale.lanes(lanes);
+            let about = (bounds.centre, scale, reach);
             let mut sums = [[lanes.splat(0.0); N]; MEMBERS];
             for &column in columns.about(&low, &high, field.cutoff) {
                 for source in field.sources {
                     let (mut j, end) = source.run(column);
                     while j < end {
                         if near.count + WIDTH > ROOM {
-                            block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
+                            block.add(&mut near, about, pass, &mut sums);
                         }
                         // SAFETY: `runs` has seen that all points of the sources are followed by
                         // eight words, and there is room for eight.
@@ -156,7 +160,7 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
                     }
                 }
             }
-            block.add(&mut near, (bounds.centre, scale), pass, &mut sums);
+            block.add(&mut near, about, pass, &mut sums);
             for (k, sum) in sums.iter().enumerate().take(count) {
                 let target = targets[begin + k] as usize;
                 pass.finish(target, total(sum), &mut self.out[begin + k]);
@@ -194,13 +198,15 @@ impl<C: Payload> Carrying<C> {
     fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N, Payload = C>>(
         &self,
         near: &mut Near<L, W>,
-        (centre, scale): ([i32; 3], [L::F; 3]),
+        (centre, scale, reach): ([i32; 3], [L::F; 3], L::F),
         pass: &P,
         sums: &mut [[L::F; N]; MEMBERS],
     ) {
         let lanes = near.lanes;
         near.place(centre, scale);
         let (whole, left) = (near.count / WIDTH, near.count % WIDTH);
+        let groups = near.count.div_ceil(WIDTH);
+        let mut stage = Stage::<L::F, C>::new(lanes);
         for (k, sums) in sums.iter_mut().enumerate().take(self.block.count) {
             let [x, y, z] = self.block.at[k].map(|at| [at; WIDTH]);
             // SAFETY: there are eight of each.
@@ -213,17 +219,22 @@ impl<C: Payload> Carrying<C> {
             };
             let away = separation(lanes, centre, at, scale);
             let own = splat(lanes, self.own[k], self.extra[k]);
-            let mut sum = *sums;
-            for group in 0..whole {
-                let pair = near.pair(group, away, own);
-                pass.pair(&pair, &mut sum);
+            let mut filled = 0;
+            for group in 0..groups {
+                let away = near.away(group, away);
+                let mut q2 = dot(away, away);
+                if group == whole {
+                    q2 = lanes.first(left, q2, lanes.splat(FAR));
+                }
+                // Eight that are all out of reach add nothing: the next eight take their place.
+                stage.put(filled, away, q2, near.carried(group));
+                filled += usize::from(q2.less_mask(reach) != 0);
+                if filled == STAGED {
+                    stage.add(filled, pass, own, sums);
+                    filled = 0;
+                }
             }
-            if left > 0 {
-                let mut pair = near.pair(whole, away, own);
-                pair.q2 = lanes.first(left, pair.q2, lanes.splat(FAR));
-                pass.pair(&pair, &mut sum);
-            }
-            *sums = sum;
+            stage.add(filled, pass, own, sums);
         }
         near.count = 0;
     }
@@ -304,31 +315,25 @@ impl<L: Lanes, const W: usize> Near<L, W> {
         }
     }
 
-    /// A group of candidates and a target that is `away` from the centre.
+    /// A target that is `away` from the centre minus a group of candidates.
     #[inline(always)]
-    fn pair<P: Payload>(
-        &self,
-        group: usize,
-        away: [L::F; 3],
-        (own, extra): Own<L::F, P>,
-    ) -> Pair<L::F, P> {
-        let d = [
+    fn away(&self, group: usize, away: [L::F; 3]) -> [L::F; 3] {
+        [
             self.away[0][group] - away[0],
             self.away[1][group] - away[1],
             self.away[2][group] - away[2],
-        ];
+        ]
+    }
+
+    /// What a group of candidates carries.
+    #[inline(always)]
+    fn carried(&self, group: usize) -> [L::F; WORDS] {
+        assert!(group < GROUPS);
         let mut words = [self.lanes.splat(0.0); WORDS];
         for (word, payload) in words.iter_mut().zip(&self.payload) {
-            // SAFETY: the group is one of [`GROUPS`], or the line above had panicked; each has its
-            // eight words.
+            // SAFETY: each of the groups has its eight words.
             *word = unsafe { self.lanes.load(payload.as_ptr().add(group * WIDTH)) };
         }
-        Pair {
-            d,
-            q2: dot(d, d),
-            own,
-            other: P::Of::from_words(words),
-            extra,
-        }
+        words
     }
 }

@@ -1,6 +1,10 @@
 //! Pair sums of weakly compressible SPH. Lengths in units of h, `q = r / h`,
 //! grad W = norm / h^(d+1) slope(q) d with d = r_ab / h.
 
+mod walls;
+
+pub use walls::{Extrapolation, WallSums};
+
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::payload;
@@ -40,9 +44,13 @@ impl<K: Kernel> Pass<1> for Summation<K> {
     type Payload = ();
     type Out = f64;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let w = K::w_apart(q2.sqrt(), q2);
+        [w, w]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 1]) {
-        let w = K::w_apart(pair.q2.sqrt(), pair.q2);
-        sum[0] += w;
+        sum[0] += pair.weight[0];
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
@@ -95,11 +103,16 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
         own
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = K::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 1]) {
         let v = difference(pair.own.velocity, pair.other.velocity);
         let e = pair.own.excess - pair.other.excess;
         let rate = pair.q2.splat(self.diffusion).mul_add(e, dot(v, pair.d));
-        let slope = K::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         sum[0] = slope.mul_add(rate, sum[0]);
     }
     #[inline(always)]
@@ -161,11 +174,16 @@ impl<K: Kernel> Pass<2> for Spared<K> {
     type Payload = Sparing;
     type Out = [f32; 3];
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = K::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Sparing>, sum: &mut [F; 2]) {
         let v = difference(pair.own.velocity, pair.other.velocity);
         let evened = self.evened(pair);
         let rate = evened + dot(v, pair.d);
-        let slope = K::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         sum[0] = slope.mul_add(rate, sum[0]);
         sum[1] = slope.mul_add(evened, sum[1]);
     }
@@ -200,8 +218,13 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, C
         own
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let slope = K::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 3]) {
-        let slope = K::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         let (own, other) = (&pair.own, &pair.other);
         let p = own.pressure + other.pressure;
         if V::PRESENT {
@@ -235,10 +258,14 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<6> for ForceAndGradi
         self.0.own(target, own)
     }
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        self.0.weigh(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 6]) {
         let mut force = [sum[0], sum[1], sum[2]];
         self.0.pair(pair, &mut force);
-        let slope = K::slope_lanes(pair.q2.sqrt());
+        let slope = pair.weight[0];
         for a in 0..3 {
             sum[a] = force[a];
             sum[3 + a] = slope.mul_add(pair.d[a], sum[3 + a]);
@@ -291,11 +318,13 @@ impl<K: Kernel, V: PairViscosity> Pass<5> for Neighbourhood<K, V> {
     type Payload = Moving;
     type Out = Surroundings;
     #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        K::both_lanes(q2)
+    }
+    #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 5]) {
-        let q = pair.q2.sqrt();
-        let w = K::w_apart(q, pair.q2);
+        let [w, slope] = pair.weight;
         if V::PRESENT {
-            let slope = K::slope_lanes(q);
             let v = difference(pair.own.velocity, pair.other.velocity);
             let mut s = [sum[0], sum[1], sum[2]];
             let weight = pair.own.weight + pair.other.weight;
@@ -346,55 +375,5 @@ impl Pass<1> for Marked<'_> {
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f32) {
         *out = sum[0];
-    }
-}
-
-/// Extrapolation of pressure and velocity from the liquid to a wall particle (Adami, Hu & Adams
-/// 2012, Eqs. 22-27).
-pub struct Extrapolation<K> {
-    /// The kernel.
-    pub kernel: PhantomData<K>,
-}
-
-/// Sums of [`Extrapolation`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct WallSums {
-    /// SUM w.
-    pub weight: f32,
-    /// SUM P w.
-    pub pressure: f32,
-    /// SUM d w, d = (r_wall - r_liquid) / h.
-    pub lever: [f32; 3],
-    /// SUM v w.
-    pub velocity: [f32; 3],
-    /// SUM slope v . d: the power of its pressure.
-    pub closing: f32,
-}
-
-impl<K: Kernel> Pass<9> for Extrapolation<K> {
-    type Payload = Moving;
-    type Out = WallSums;
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 9]) {
-        let other = &pair.other;
-        let q = pair.q2.sqrt();
-        let w = K::w_apart(q, pair.q2);
-        sum[0] += w;
-        sum[1] = w.mul_add(other.pressure / other.weight.abs(), sum[1]);
-        for a in 0..3 {
-            sum[2 + a] = w.mul_add(pair.d[a], sum[2 + a]);
-            sum[5 + a] = w.mul_add(other.velocity[a], sum[5 + a]);
-        }
-        sum[8] = K::slope_lanes(q).mul_add(dot(other.velocity, pair.d), sum[8]);
-    }
-    #[inline(always)]
-    fn finish(&self, _: usize, s: [f32; 9], out: &mut WallSums) {
-        *out = WallSums {
-            weight: s[0],
-            pressure: s[1],
-            lever: [s[2], s[3], s[4]],
-            velocity: [s[5], s[6], s[7]],
-            closing: s[8],
-        };
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use coronet::file::changed;
 use coronet::measure::answer::{Answer, Figures};
 use coronet::measure::series::Series;
 use coronet::pipeline::{Report, Stamp, Store, stamp};
@@ -76,13 +77,14 @@ pub fn of_result(folder: &Path, stamp: &Stamp) -> Result<Option<Figures>> {
         "impact" => {
             let stamps = store_of(folder)?.stamps("post")?;
             let of_this = |post: &Stamp| post.inputs.iter().any(|input| input.key == stamp.key);
-            let mine = stamps.iter().filter(|(_, post)| of_this(post));
-            let written = |(folder, _): &&(std::path::PathBuf, Stamp)| {
-                let metadata = folder.join(stamp::FILE).metadata();
-                metadata.and_then(|metadata| metadata.modified()).ok()
-            };
-            let newest = mine.max_by_key(written);
-            newest.map(|(folder, post)| read(folder, post)).transpose()
+            let mut mine = Vec::new();
+            for (folder, post) in stamps.iter().filter(|(_, post)| of_this(post)) {
+                mine.push((changed(&folder.join(stamp::FILE))?, folder, post));
+            }
+            let newest = mine.into_iter().max_by_key(|(written, ..)| *written);
+            newest
+                .map(|(_, folder, post)| read(folder, post))
+                .transpose()
         }
         _ => Ok(None),
     }

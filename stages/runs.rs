@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use anyhow::{Context as _, Result};
-use coronet::file::exists;
+use coronet::file::{changed, exists};
 use coronet::measure::answer::Figures;
 use coronet::pipeline::latest::{self, MANIFEST};
 use coronet::pipeline::name::is_name;
@@ -53,11 +53,10 @@ impl Run {
             results.push((folder, stamp));
         }
         let path = latest::folder(store, name).join(MANIFEST);
-        let named = path.metadata().and_then(|metadata| metadata.modified());
         Ok(Run {
             name: name.to_string(),
             results,
-            named: named.ok(),
+            named: changed(&path)?,
         })
     }
 

@@ -6,6 +6,7 @@
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// An operation on a file that failed.
 #[derive(Debug, thiserror::Error)]
@@ -88,15 +89,11 @@ pub fn read_no_link(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
 /// # Errors
 /// If it is a link, or cannot be examined.
 pub fn refuse_link(path: &Path) -> Result<(), FileError> {
-    match path.symlink_metadata() {
-        Ok(metadata) if metadata.is_symlink() => {
-            let what = "it is a symbolic link, which is never followed here; remove it";
-            Err(FileError::new(path, "use")(io::Error::other(what)))
-        }
-        Ok(_) => Ok(()),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(FileError::new(path, "examine")(error)),
+    if !is_link(path)? {
+        return Ok(());
     }
+    let what = "it is a symbolic link, which is never followed here; remove it";
+    Err(FileError::new(path, "use")(io::Error::other(what)))
 }
 
 /// Bytes of the file at `path`, at most `longest`; `None` if there is none, or nothing that can be
@@ -149,6 +146,15 @@ pub fn exists(path: &Path) -> Result<bool, FileError> {
         Err(error) if is_absence(&error) => Ok(false),
         Err(error) => Err(FileError::new(path, "examine")(error)),
     }
+}
+
+/// When the file at `path` was last changed; `None` if there is none.
+///
+/// # Errors
+/// If it cannot be examined.
+pub fn changed(path: &Path) -> Result<Option<SystemTime>, FileError> {
+    let time = examined(path)?.map(|metadata| metadata.modified());
+    time.transpose().map_err(FileError::new(path, "examine"))
 }
 
 fn examined(path: &Path) -> Result<Option<Metadata>, FileError> {

@@ -31,6 +31,18 @@ pub trait Kernel: Copy + Send + Sync + 'static {
         let q = q2.sqrt();
         [Self::w_apart(q, q2), Self::slope_lanes(q)]
     }
+    /// [`Kernel::slope_lanes`] at the squared distance `q2`, twice.
+    #[inline(always)]
+    fn slope_alone<F: Real>(q2: F) -> [F; 2] {
+        let slope = Self::slope_lanes(q2.sqrt());
+        [slope, slope]
+    }
+    /// The distance and [`Kernel::slope_lanes`] at the squared distance `q2`.
+    #[inline(always)]
+    fn root_and_slope<F: Real>(q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [q, Self::slope_lanes(q)]
+    }
     /// The derivative of `slope` over q, so that
     /// grad grad W = norm / h^(d+2) (slope I + curve d d), d = r_ab / h.
     fn curve(q: f64) -> f64;

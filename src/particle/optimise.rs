@@ -118,8 +118,7 @@ impl<K: Kernel> Pass<3> for Transposed<K> {
     type Out = [f32; 3];
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = K::slope_lanes(q2.sqrt());
-        [slope, slope]
+        K::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Multiplier>, sum: &mut [F; 3]) {
@@ -146,8 +145,7 @@ impl<K: Kernel> Pass<1> for Direct<K> {
     type Out = f32;
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = K::slope_lanes(q2.sqrt());
-        [slope, slope]
+        K::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Step>, sum: &mut [F; 1]) {

@@ -35,8 +35,7 @@ impl Pass<3> for Push {
     type Out = [f32; 3];
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = WendlandC2::slope_lanes(q2.sqrt());
-        [slope, slope]
+        WendlandC2::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 3]) {

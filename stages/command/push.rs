@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use coronet::pipeline::remote::{Put, Remote, RemoteError};
+use coronet::pipeline::stamp::StampError;
 use coronet::pipeline::{Stamp, Store};
 use serde_json::json;
 
@@ -12,7 +13,7 @@ use super::run::no_remote;
 use super::verify::existing;
 use crate::arguments::PushArguments;
 use crate::fault::{Unreadable, Untrusted};
-use crate::print::{note, out};
+use crate::print::{note, out, shown};
 use crate::remote;
 use crate::runs::Run;
 
@@ -23,7 +24,7 @@ pub fn push(arguments: &PushArguments) -> Result<()> {
     // No clean-up removes what is on its way.
     let _shared = store.share(&mut |_| true)?;
     let (mut new, mut known, mut bad) = (0, 0, 0);
-    for (folder, stamp) in results(&store, &arguments.names)? {
+    for (folder, stamp) in results(&store, &arguments.names, &mut bad)? {
         let word = match remote.put(&folder, &stamp) {
             Ok(Put::New) => {
                 new += 1;
@@ -67,15 +68,24 @@ pub fn push(arguments: &PushArguments) -> Result<()> {
     Ok(())
 }
 
-/// The finished results that the names reach, or all.
-fn results(store: &Store, names: &[String]) -> Result<BTreeMap<PathBuf, Stamp>> {
+/// The finished results that the names reach, or all; `bad`: plus those whose stamp is none.
+fn results(store: &Store, names: &[String], bad: &mut u32) -> Result<BTreeMap<PathBuf, Stamp>> {
     let mut results = BTreeMap::new();
     for name in names {
         results.extend(Run::meant(store, name)?.results);
     }
     if names.is_empty() {
         for stage in store.stages()? {
-            results.extend(store.stamps(&stage)?);
+            for folder in store.folders(&stage)? {
+                match Stamp::read(&folder) {
+                    Ok(stamp) => results.extend(stamp.map(|stamp| (folder, stamp))),
+                    Err(StampError::File(error)) => return Err(error.into()),
+                    Err(error) => {
+                        note!("warning: {}: {error}", shown(&folder));
+                        *bad += 1;
+                    }
+                }
+            }
         }
     }
     Ok(results)

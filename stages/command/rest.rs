@@ -1,6 +1,6 @@
 //! What a run has not made, and the command that goes on.
 
-use coronet::pipeline::{self, Pipeline, Store};
+use coronet::pipeline::{self, Pipeline, PipelineError, Store};
 
 use crate::print::{note, out, quoted};
 
@@ -12,9 +12,12 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// `None` if nothing is missing, or if that cannot be told.
-    pub fn of(store: &Store, pipeline: &Pipeline) -> Option<Rest> {
-        let decisions = pipeline::plan(store, pipeline).ok()?;
+    /// `None` if nothing is missing.
+    ///
+    /// # Errors
+    /// If the store cannot be read.
+    pub fn of(store: &Store, pipeline: &Pipeline) -> Result<Option<Rest>, PipelineError> {
+        let decisions = pipeline::plan(store, pipeline)?;
         let stale = decisions.iter().filter(|decision| decision.fresh.is_none());
         let missing: Vec<String> = stale
             .map(|decision| match &decision.start {
@@ -22,10 +25,10 @@ impl Rest {
                 None => decision.label(),
             })
             .collect();
-        (!missing.is_empty()).then(|| Rest {
+        Ok((!missing.is_empty()).then(|| Rest {
             missing,
             command: command(std::env::args_os().map(|word| word.to_string_lossy().into_owned())),
-        })
+        }))
     }
 
     /// On standard output.

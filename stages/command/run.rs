@@ -82,8 +82,9 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     // On one of the threads: outside, each parallel loop would wait for another thread to wake up.
     let ended = match rayon::scope(|_| pipeline::run(&all)) {
         Err(stopped @ PipelineError::Interrupted { .. }) => {
-            if let Some(rest) = Rest::of(&store, &pipeline) {
-                rest.tell();
+            match Rest::of(&store, &pipeline) {
+                Ok(rest) => rest.iter().for_each(Rest::tell),
+                Err(error) => note!("warning: what is missing is not known: {error}"),
             }
             return Err(stopped.into());
         }
@@ -92,7 +93,7 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     let told = Told {
         figures: figures(&loaded.scene, &ended.reports)?,
         rest: match arguments.until {
-            Some(_) => Rest::of(&store, &pipeline),
+            Some(_) => Rest::of(&store, &pipeline)?,
             None => None,
         },
         ended: self::ended(&ended.reports),

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Error, Result};
 use coronet::pipeline::{Stamp, stamp};
 use coronet::record::checkpoint::{self, Array};
 use coronet::record::log::{self};
@@ -12,19 +12,23 @@ use serde_json::{Value, json};
 use super::place::{Thing, thing};
 use crate::answer;
 use crate::arguments::ShowArguments;
-use crate::print::{note, out, shown, size};
+use crate::print::{out, shown, size};
 
 /// Facts in the order of printing.
 type Facts = Vec<(&'static str, Value)>;
 
 pub fn show(arguments: &ShowArguments) -> Result<()> {
     let json = arguments.json;
+    // What else a result holds is shown whatever becomes of its figures.
+    let mut lacks = None;
     let things: Vec<Facts> = match thing(&arguments.path)? {
         Thing::Checkpoint(path) => vec![checkpoint_facts(&path)?],
         Thing::Log(path) => vec![log_facts(&path)?],
-        Thing::Result(folder) => vec![result_facts(&folder, json)?],
+        Thing::Result(folder) => vec![result_facts(&folder, json, &mut lacks)?],
         Thing::Latest(folders) => {
-            let facts = folders.iter().map(|folder| result_facts(folder, json));
+            let facts = folders
+                .iter()
+                .map(|folder| result_facts(folder, json, &mut lacks));
             facts.collect::<Result<_>>()?
         }
     };
@@ -38,7 +42,7 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
             write_facts(&facts);
         }
     }
-    Ok(())
+    lacks.map_or(Ok(()), Err)
 }
 
 /// Reads and thereby verifies a whole checkpoint.
@@ -110,11 +114,11 @@ fn log_facts(path: &Path) -> Result<Facts> {
     ])
 }
 
-fn result_facts(folder: &Path, json: bool) -> Result<Facts> {
+/// `lacks`: why a result has none of the figures that it should have.
+fn result_facts(folder: &Path, json: bool, lacks: &mut Option<Error>) -> Result<Facts> {
     let stamp = Stamp::read(folder)?.context("no stamp")?;
-    // What else it holds is shown whatever becomes of its figures.
     let figures = answer::of_result(folder, &stamp).unwrap_or_else(|error| {
-        note!("warning: {} has no figures: {error:#}", shown(folder));
+        *lacks = Some(error.context(format!("{} has no figures", shown(folder))));
         None
     });
     let setting =

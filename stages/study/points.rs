@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
-use coronet::measure::series::Series;
+use coronet::measure::series::{Series, SeriesError};
 use coronet::scene::numbers::count;
 use coronet::scene::{Clock, file, schema};
 use schemars::JsonSchema;
@@ -117,7 +117,7 @@ pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
     let text = String::from_utf8(content).map_err(|error| wrong(error.to_string()))?;
     let study: Study = file::parse(&text, path)?;
     study.check().map_err(wrong)?;
-    study.check_tables(path).map_err(wrong)?;
+    study.check_tables(path)?;
     let points = study.points().map_err(wrong)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut trials = Vec::new();
@@ -167,17 +167,21 @@ impl Study {
     }
 
     /// Checks that its tables can be read; `path`: of the study file.
-    fn check_tables(&self, path: &Path) -> Result<(), String> {
+    fn check_tables(&self, path: &Path) -> Result<()> {
+        let wrong = |what: String| Usage(format!("{}: {what}", path.display()));
         let folder = path.parent().unwrap_or(Path::new("."));
         let of_error = self.error.iter().filter_map(Target::table);
         for (table, column) in of_error.chain(self.tables_of_figures()) {
-            let read = Series::read(&folder.join(table)).map_err(|error| error.to_string())?;
+            let read = match Series::read(&folder.join(table)) {
+                Err(SeriesError::File(error)) if error.is_failure() => return Err(error.into()),
+                read => read.map_err(|error| wrong(error.to_string()))?,
+            };
             if read.column(column).is_none() {
                 let names = read.names.join(", ");
                 let table = table.display();
-                return Err(format!(
+                bail!(wrong(format!(
                     "{table} has no column `{column}`; columns are {names}"
-                ));
+                )));
             }
         }
         Ok(())

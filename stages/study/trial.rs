@@ -132,6 +132,17 @@ impl Outcome {
     }
 }
 
+/// Why a program failed: its error, or of a panic, after which come hints, the place and the words.
+fn reason(complaint: &str) -> Option<String> {
+    let mut lines = complaint
+        .lines()
+        .skip_while(|line| !line.contains("panicked at"));
+    match (lines.next(), lines.next()) {
+        (Some(place), Some(words)) => Some(format!("{place} {words}")),
+        _ => Some(complaint.lines().last()?.trim().to_string()),
+    }
+}
+
 impl Trial {
     pub fn scene(&self) -> Result<Scene> {
         Ok(file::load(&self.pipeline, &self.sets)?.scene)
@@ -167,7 +178,7 @@ impl Trial {
         let complaint = String::from_utf8_lossy(&ended.stderr);
         if !ended.status.success() {
             let code = ended.status.code().map_or(fault::FAILED, |code| code as u8);
-            let why = complaint.lines().last().unwrap_or("it was killed").trim();
+            let why = reason(&complaint).unwrap_or("it was killed".to_string());
             if ended.status.code().is_none() || code == fault::INTERRUPTED {
                 bail!(Stopped(format!("point {} was stopped: {why}", self.name)));
             }

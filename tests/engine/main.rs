@@ -3,6 +3,7 @@
 mod allocation;
 mod cloud;
 mod draw_figure;
+mod draw_periodic;
 mod draw_player;
 mod draw_revolved;
 mod draw_surface;

@@ -117,6 +117,22 @@ name = "depth"
 column = "crater_depth_m"
 "#;
 
+#[test]
+fn a_table_of_a_study_that_cannot_be_read_is_no_mistake_in_it() {
+    let text = STUDY.replace("depth_m\"", "depth_m\"\nreference = \"table.csv\"");
+    let program = Program::with("long.toml", &text);
+    fs::write(program.path("table.csv"), "time_s,crater_depth_m\n0,0\n").unwrap();
+    open_to_all(&program);
+    mode(&program.path("table.csv"), 0);
+    let Some(ended) = as_nobody(&program, "coronet study long.toml --look") else {
+        return;
+    };
+    ended.badly(5, &["table.csv", "Permission denied"]);
+    fs::remove_file(program.path("table.csv")).unwrap();
+    let ended = as_nobody(&program, "coronet study long.toml --look").unwrap();
+    ended.badly(2, &["table.csv", "No such file"]);
+}
+
 /// Processes whose command line holds `text`.
 fn processes(text: &str) -> usize {
     let list = fs::read_dir("/proc").unwrap().flatten();

@@ -360,6 +360,23 @@ fn the_program_shares_results() {
     );
     let fresh = members(&third.run(&[]), "status");
     assert!(fresh.values().all(|status| status == "fresh"), "{fresh:?}");
+
+    // Stamps that are wrong here stay here.
+    let shared = tempfile::tempdir().unwrap();
+    let url = format!("file://{}", shared.path().display());
+    let drop = first.latest("pack-drop");
+    let mut stamp = Stamp::read(&drop).unwrap().unwrap();
+    stamp.settings.pop();
+    stamp.write(&drop).unwrap();
+    change(&first.latest("calibrate").join("stamp.json"), |bytes| {
+        bytes.truncate(9)
+    });
+    let ended = first.call(&["push", "--remote", &url]);
+    ended.badly(
+        4,
+        &["pack drop", "contradicts itself", "calibrate", "2 results"],
+    );
+    assert!(ended.out.contains("5 results put"), "{}", ended.out);
 }
 
 #[test]

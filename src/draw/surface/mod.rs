@@ -213,7 +213,9 @@ impl Field {
         let place = |x: f32| (x - self.low[axis]) / self.step[axis];
         let low = place(blob.centre[axis] - blob.extent[axis]).ceil().max(0.0) as usize;
         let high = place(blob.centre[axis] + blob.extent[axis]).floor();
-        low..((high + 1.0).max(0.0) as usize).min(self.count[axis])
+        let end = ((high + 1.0).max(0.0) as usize).min(self.count[axis]);
+        // It may lie beyond the last node.
+        low.min(end)..end
     }
 
     /// Adds a blob to the layers of nodes from `first` on.

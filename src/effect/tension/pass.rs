@@ -209,10 +209,10 @@ pub struct Pull<K> {
 impl<K: Kernel> Pass<3> for Pull<K> {
     type Payload = Energetic;
     type Out = [f32; 3];
+    const SKIPS_ZEROS: bool = true;
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let q = q2.sqrt();
-        [q, K::slope_lanes(q)]
+        K::root_and_slope(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 3]) {

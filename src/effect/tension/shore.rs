@@ -211,6 +211,7 @@ struct Others<'a, P>(&'a P);
 impl<const N: usize, P: Pass<N, Out = [f32; 3]>> Pass<N> for Others<'_, P> {
     type Payload = P::Payload;
     type Out = [f32; 3];
+    const SKIPS_ZEROS: bool = P::SKIPS_ZEROS;
     #[inline(always)]
     fn own(&self, _: usize, _: P::Payload) -> P::Payload {
         P::Payload::default()

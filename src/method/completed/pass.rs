@@ -79,8 +79,7 @@ impl<K: Kernel> Pass<3> for Spared<'_, K> {
     }
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let q = q2.sqrt();
-        [q, K::slope_lanes(q)]
+        K::root_and_slope(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Sparing>, sum: &mut [F; 3]) {
@@ -117,8 +116,7 @@ impl<K: Kernel> Pass<2> for Divergence<'_, K> {
     }
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let q = q2.sqrt();
-        [q, K::slope_lanes(q)]
+        K::root_and_slope(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Flowing>, sum: &mut [F; 2]) {

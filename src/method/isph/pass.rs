@@ -35,8 +35,7 @@ impl<K: Kernel, const PRINTED: bool> Couple<6> for Weights<K, PRINTED> {
     type Payload = Coupled;
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = K::slope_lanes(q2.sqrt());
-        [slope, slope]
+        K::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Coupled>, sum: &mut [F; 6]) -> F {
@@ -139,8 +138,7 @@ impl<K: Kernel, const SYMMETRIC: bool> Pass<3> for PressureSlope<K, SYMMETRIC> {
     type Out = [f32; 3];
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = K::slope_lanes(q2.sqrt());
-        [slope, slope]
+        K::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Pressed>, sum: &mut [F; 3]) {

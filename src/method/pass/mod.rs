@@ -104,8 +104,7 @@ impl<K: Kernel> Pass<1> for Continuity<'_, K> {
     }
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = K::slope_lanes(q2.sqrt());
-        [slope, slope]
+        K::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 1]) {
@@ -175,8 +174,7 @@ impl<K: Kernel> Pass<2> for Spared<K> {
     type Out = [f32; 3];
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = K::slope_lanes(q2.sqrt());
-        [slope, slope]
+        K::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Sparing>, sum: &mut [F; 2]) {
@@ -219,8 +217,7 @@ impl<K: Kernel, V: PairViscosity, const CONTROL: bool> Pass<3> for Force<K, V, C
     }
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        let slope = K::slope_lanes(q2.sqrt());
-        [slope, slope]
+        K::slope_alone(q2)
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 3]) {

@@ -15,6 +15,10 @@ pub fn put(
     stamp: &Stamp,
     replace: bool,
 ) -> Result<Put, RemoteError> {
+    if let Some(what) = contradiction(stamp) {
+        let what = format!("contradicts itself: {what}");
+        return Err(RemoteError::bad("its stamp", what));
+    }
     let name = stamp_name(&stamp.stage, &stamp.key);
     if !replace && objects.has(&name)? {
         return other(objects, &name, stamp);

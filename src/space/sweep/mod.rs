@@ -52,6 +52,9 @@ pub trait Pass<const N: usize>: Sync {
     type Payload: Payload;
     /// What a target gets.
     type Out: Send;
+    /// Whether two points whose payloads are all zeros add nothing to each other. Where most are,
+    /// [`runs`] need not look at them.
+    const SKIPS_ZEROS: bool = false;
     /// Whether nothing adds to this target, so that its row need not be read.
     #[inline(always)]
     fn skips(&self, _target: usize) -> bool {

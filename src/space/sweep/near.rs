@@ -135,6 +135,7 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
         let (field, pass, targets) = (self.field, self.pass, self.targets);
         let mut columns = Columns::new(field.grid, field.cutoff, WIDE);
         let mut near = Near::<L, W>::new(lanes);
+        let mut stage = Stage::<L::F, P::Payload>::new(lanes);
         let scale = field.scale.lanes(lanes);
         let reach = field.scale.square(field.grid, MARGIN * field.cutoff);
         let reach = lanes.splat(reach as f32);
@@ -151,7 +152,7 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
                     let (mut j, end) = source.run(column);
                     while j < end {
                         if near.count + WIDTH > ROOM {
-                            block.add(&mut near, about, pass, &mut sums);
+                            block.add((&mut near, &mut stage), about, pass, &mut sums);
                         }
                         // SAFETY: `runs` has seen that all points of the sources are followed by
                         // eight words, and there is room for eight.
@@ -160,7 +161,7 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
                     }
                 }
             }
-            block.add(&mut near, about, pass, &mut sums);
+            block.add((&mut near, &mut stage), about, pass, &mut sums);
             for (k, sum) in sums.iter().enumerate().take(count) {
                 let target = targets[begin + k] as usize;
                 pass.finish(target, total(sum), &mut self.out[begin + k]);
@@ -197,7 +198,7 @@ impl<C: Payload> Carrying<C> {
     #[inline(always)]
     fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N, Payload = C>>(
         &self,
-        near: &mut Near<L, W>,
+        (near, stage): (&mut Near<L, W>, &mut Stage<L::F, C>),
         (centre, scale, reach): ([i32; 3], [L::F; 3], L::F),
         pass: &P,
         sums: &mut [[L::F; N]; MEMBERS],
@@ -206,7 +207,9 @@ impl<C: Payload> Carrying<C> {
         near.place(centre, scale);
         let (whole, left) = (near.count / WIDTH, near.count % WIDTH);
         let groups = near.count.div_ceil(WIDTH);
-        let mut stage = Stage::<L::F, C>::new(lanes);
+        if P::SKIPS_ZEROS {
+            near.find_carrying();
+        }
         for (k, sums) in sums.iter_mut().enumerate().take(self.block.count) {
             let [x, y, z] = self.block.at[k].map(|at| [at; WIDTH]);
             // SAFETY: there are eight of each.
@@ -219,8 +222,13 @@ impl<C: Payload> Carrying<C> {
             };
             let away = separation(lanes, centre, at, scale);
             let own = splat(lanes, self.own[k], self.extra[k]);
+            let looked_at = match P::SKIPS_ZEROS && self.own[k].to_words() == [0.0; WORDS] {
+                true => &near.carrying[..near.carriers],
+                false => &EVERY[..groups],
+            };
             let mut filled = 0;
-            for group in 0..groups {
+            for &group in looked_at {
+                let group = group as usize;
                 let away = near.away(group, away);
                 let mut q2 = dot(away, away);
                 if group == whole {
@@ -243,6 +251,16 @@ impl<C: Payload> Carrying<C> {
 /// Groups of eight candidates.
 const GROUPS: usize = ROOM / WIDTH + 1;
 
+/// The numbers of all groups.
+const EVERY: [u8; GROUPS] = {
+    let (mut every, mut group) = ([0; GROUPS], 0);
+    while group < GROUPS {
+        every[group] = group as u8;
+        group += 1;
+    }
+    every
+};
+
 /// Candidates, copied together.
 struct Near<L: Lanes, const W: usize> {
     lanes: L,
@@ -252,6 +270,9 @@ struct Near<L: Lanes, const W: usize> {
     payload: [[f32; ROOM + WIDTH]; W],
     /// Centre of the block minus candidate, in units of the smoothing length.
     away: [[L::F; GROUPS]; 3],
+    /// The groups in which a candidate carries something, the first `carriers`.
+    carrying: [u8; GROUPS],
+    carriers: usize,
 }
 
 impl<L: Lanes, const W: usize> Near<L, W> {
@@ -263,6 +284,23 @@ impl<L: Lanes, const W: usize> Near<L, W> {
             at: [[0; ROOM + WIDTH]; 3],
             payload: [[0.0; ROOM + WIDTH]; W],
             away: [[lanes.splat(0.0); GROUPS]; 3],
+            carrying: [0; GROUPS],
+            carriers: 0,
+        }
+    }
+
+    /// Finds the groups in which a candidate carries something.
+    #[inline(always)]
+    fn find_carrying(&mut self) {
+        let zero = self.lanes.splat(0.0);
+        self.carriers = 0;
+        for group in 0..self.count.div_ceil(WIDTH) {
+            let mut sum = zero;
+            for word in &self.carried(group)[..W] {
+                sum += word.abs();
+            }
+            self.carrying[self.carriers] = group as u8;
+            self.carriers += usize::from(zero.less_mask(sum) != 0);
         }
     }
 

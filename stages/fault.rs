@@ -8,6 +8,7 @@ use coronet::particle::pack::PackError;
 use coronet::pipeline::PipelineError;
 use coronet::pipeline::latest::ManifestError;
 use coronet::pipeline::remote::RemoteError;
+use coronet::pipeline::stamp::StampError;
 use coronet::record::CheckpointError;
 use coronet::record::export::ExportError;
 use coronet::record::log::LogError;
@@ -64,6 +65,12 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
             PipelineError::Manifest(ManifestError::File(_)) => Some(FILES),
             PipelineError::File(_) => Some(FILES),
             _ => None,
+        };
+    }
+    if let Some(error) = error.downcast_ref::<StampError>() {
+        return match error {
+            StampError::Invalid { .. } => Some(UNTRUSTED),
+            StampError::File(_) => Some(FILES),
         };
     }
     if let Some(error) = error.downcast_ref::<RemoteError>() {

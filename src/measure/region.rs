@@ -89,7 +89,7 @@ impl<'a> Region<'a> {
                 true => k.rem_euclid(size),
                 false => k.clamp(0, size - 1),
             };
-            (low..=high.min(low + size)).map(move |k| inside(k) as usize)
+            (low..=high.min(low.saturating_add(size))).map(move |k| inside(k) as usize)
         };
         let at = [0, 1, 2].map(|a| {
             let place = (f64::from(point[a]) / raster.spacing[a]).max(0.0) as usize;

@@ -46,7 +46,7 @@ pub fn list(arguments: &StoreArguments) -> Result<()> {
     let (mut rows, mut unread) = (Vec::new(), None);
     for name in names(&store, &jobs)? {
         match Run::named(&store, &name) {
-            Ok(run) => rows.push(row(&store, run, &jobs)),
+            Ok(run) => rows.push(row(&store, run, &jobs, &mut unread)),
             Err(error) if fault::exit_code(&error) == fault::FILES => {
                 unread.get_or_insert(Unreadable(format!("{name}: {error:#}")));
             }
@@ -81,7 +81,8 @@ fn names(store: &Store, jobs: &[Unfinished]) -> Result<Vec<String>> {
     Ok(names)
 }
 
-fn row(store: &Store, run: Run, jobs: &[Unfinished]) -> Row {
+/// `unread`: set if its figures cannot be read.
+fn row(store: &Store, run: Run, jobs: &[Unfinished], unread: &mut Option<Unreadable>) -> Row {
     let state = run.state(jobs);
     let mine = jobs.iter().filter(|job| {
         let told = job.told.as_ref();
@@ -95,6 +96,9 @@ fn row(store: &Store, run: Run, jobs: &[Unfinished]) -> Row {
     };
     let figures = figures.unwrap_or_else(|error| {
         note!("warning: {} has no figures: {error:#}", run.name);
+        if fault::exit_code(&error) == fault::FILES {
+            unread.get_or_insert(Unreadable(format!("{}: {error:#}", run.name)));
+        }
         None
     });
     let folders = run.results.iter().map(|(folder, _)| folder);

@@ -24,7 +24,8 @@ pub fn push(arguments: &PushArguments) -> Result<()> {
     // No clean-up removes what is on its way.
     let _shared = store.share(&mut |_| true)?;
     let (mut new, mut known, mut bad) = (0, 0, 0);
-    for (folder, stamp) in results(&store, &arguments.names, &mut bad)? {
+    let mut unread = None;
+    for (folder, stamp) in results(&store, &arguments.names, &mut bad, &mut unread)? {
         let word = match remote.put(&folder, &stamp) {
             Ok(Put::New) => {
                 new += 1;
@@ -65,11 +66,17 @@ pub fn push(arguments: &PushArguments) -> Result<()> {
             "{bad} results were not put; `coronet verify` looks at those of this machine"
         )));
     }
-    Ok(())
+    unread.map_or(Ok(()), |unread| Err(unread.into()))
 }
 
-/// The finished results that the names reach, or all; `bad`: plus those whose stamp is none.
-fn results(store: &Store, names: &[String], bad: &mut u32) -> Result<BTreeMap<PathBuf, Stamp>> {
+/// The finished results that the names reach, or all; `bad`: plus those whose stamp is not valid;
+/// `unread`: the first that cannot be read.
+fn results(
+    store: &Store,
+    names: &[String],
+    bad: &mut u32,
+    unread: &mut Option<Unreadable>,
+) -> Result<BTreeMap<PathBuf, Stamp>> {
     let mut results = BTreeMap::new();
     for name in names {
         results.extend(Run::meant(store, name)?.results);
@@ -79,7 +86,10 @@ fn results(store: &Store, names: &[String], bad: &mut u32) -> Result<BTreeMap<Pa
             for folder in store.folders(&stage)? {
                 match Stamp::read(&folder) {
                     Ok(stamp) => results.extend(stamp.map(|stamp| (folder, stamp))),
-                    Err(StampError::File(error)) => return Err(error.into()),
+                    Err(StampError::File(error)) => {
+                        note!("warning: {error}");
+                        unread.get_or_insert(Unreadable(error.to_string()));
+                    }
                     Err(error) => {
                         note!("warning: {}: {error}", shown(&folder));
                         *bad += 1;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Error, Result};
 use coronet::measure::answer::Figures;
 use coronet::measure::series::Series;
 use coronet::pipeline::name::is_name;
@@ -90,12 +90,18 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
         }
         ended => ended?,
     };
+    // What was made is told whatever becomes of that.
+    let rest = match arguments.until {
+        Some(_) => Rest::of(&store, &pipeline),
+        None => Ok(None),
+    };
+    let (rest, unknown) = match rest {
+        Ok(rest) => (rest, None),
+        Err(error) => (None, Some(error)),
+    };
     let told = Told {
         figures: figures(&loaded.scene, &ended.reports)?,
-        rest: match arguments.until {
-            Some(_) => Rest::of(&store, &pipeline)?,
-            None => None,
-        },
+        rest,
         ended: self::ended(&ended.reports),
         also,
     };
@@ -106,6 +112,9 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
         &told,
         arguments.store.json,
     );
+    if let Some(error) = unknown {
+        return Err(Error::from(error).context("what is missing is not known"));
+    }
     let unnamed = ended.unnamed.map_or(Ok(()), Err);
     unnamed.context("the results are finished and kept, but have no names in latest/")
 }

@@ -7,12 +7,13 @@ use anyhow::{Context as _, Error, Result};
 use coronet::pipeline::{Stamp, stamp};
 use coronet::record::checkpoint::{self, Array};
 use coronet::record::log::{self};
+use coronet::scene::error::SceneError;
 use serde_json::{Value, json};
 
 use super::place::{Thing, thing};
 use crate::answer;
 use crate::arguments::ShowArguments;
-use crate::print::{out, shown, size};
+use crate::print::{note, out, shown, size};
 
 /// Facts in the order of printing.
 type Facts = Vec<(&'static str, Value)>;
@@ -114,11 +115,16 @@ fn log_facts(path: &Path) -> Result<Facts> {
     ])
 }
 
-/// `lacks`: why a result has none of the figures that it should have.
+/// `lacks`: why the first result without the figures that it should have has none.
 fn result_facts(folder: &Path, json: bool, lacks: &mut Option<Error>) -> Result<Facts> {
     let stamp = Stamp::read(folder)?.context("no stamp")?;
     let figures = answer::of_result(folder, &stamp).unwrap_or_else(|error| {
-        *lacks = Some(error.context(format!("{} has no figures", shown(folder))));
+        let error = error.context(format!("{} has no figures", shown(folder)));
+        // Those of a scene of another version need that version.
+        match error.chain().any(|cause| cause.is::<SceneError>()) || lacks.is_some() {
+            true => note!("warning: {error:#}"),
+            false => *lacks = Some(error),
+        }
         None
     });
     let setting =

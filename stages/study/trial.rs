@@ -63,7 +63,7 @@ pub enum Outcome {
         made: Made,
     },
     Failed {
-        /// The last line of its error.
+        /// [`reason`].
         why: String,
         /// Exit code.
         code: u8,
@@ -132,7 +132,8 @@ impl Outcome {
     }
 }
 
-/// Why a program failed: its error, or of a panic, after which come hints, the place and the words.
+/// The last line of what a program wrote of its failure. Of a panic, whose last lines are hints:
+/// its place and its first line.
 fn reason(complaint: &str) -> Option<String> {
     let mut lines = complaint
         .lines()

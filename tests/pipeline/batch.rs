@@ -2,11 +2,10 @@
 //! `tests/cluster/check` runs them on a real Slurm.
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt as _;
 
 use serde_json::Value;
 
-use crate::program::{Ended, Program};
+use crate::program::{Ended, Program, install};
 
 const STUDY: &str = r#"
 title = "Spread of tiny drops"
@@ -59,9 +58,9 @@ fn program(commands: &[(&str, &str)]) -> Program {
     let program = Program::with("study.toml", STUDY);
     fs::create_dir(program.path("bin")).unwrap();
     for (name, text) in commands {
-        let path = program.path("bin").join(name);
-        fs::write(&path, text).unwrap();
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+        let written = program.path("command.txt");
+        fs::write(&written, text).unwrap();
+        install(&written, &program.path("bin").join(name));
     }
     program
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{Ended, Program, TINY, hearing, members};
+use crate::program::{Ended, Program, TINY, hearing, install, members};
 
 const RUN: &str = "run tiny.toml --threads 1";
 
@@ -31,7 +31,7 @@ fn as_nobody(program: &Program, line: &str) -> Option<Ended> {
     }
     let binary = env!("CARGO_BIN_EXE_coronet");
     let copy = program.path("coronet");
-    fs::copy(binary, &copy).unwrap();
+    install(Path::new(binary), &copy);
     fs::set_permissions(program.folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
     let line = line.replace("coronet ", &format!("'{}' ", copy.display()));
     let mut command = Command::new("su");

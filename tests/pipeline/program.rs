@@ -155,6 +155,14 @@ impl Program {
     }
 }
 
+/// Copies a file that will be executed, by another process: what this one has open for writing
+/// while another test starts a program cannot be executed until that has started.
+pub fn install(from: &Path, to: &Path) {
+    let mut command = Command::new("install");
+    let done = command.args(["-m", "755"]).arg(from).arg(to).status();
+    assert!(done.unwrap().success(), "{}", to.display());
+}
+
 /// `relax drop` or `impact`, from an object of a run or a plan.
 pub fn label(object: &Value) -> String {
     let part = |name: &str| object[name].as_str().unwrap_or_default();

@@ -214,7 +214,7 @@ impl Field {
         let low = place(blob.centre[axis] - blob.extent[axis]).ceil().max(0.0) as usize;
         let high = place(blob.centre[axis] + blob.extent[axis]).floor();
         let end = ((high + 1.0).max(0.0) as usize).min(self.count[axis]);
-        // It may lie beyond the last node.
+        // The blob may lie beyond the last node.
         low.min(end)..end
     }
 

@@ -60,7 +60,7 @@ impl Raster {
         let mut raster = Raster::empty(dimension, domain, particle_spacing, position);
         let block = raster.block_size();
         let images = with_images(domain, &raster, position);
-        let sorted = Sorted::new(&images, block, raster.blocks);
+        let sorted = Sorted::new(&images, block, raster.blocks, raster.edge[1] == 1);
         drop(images);
         let kind = raster.classify(&sorted);
         let mut band = Vec::new();

@@ -13,8 +13,8 @@ pub struct Sorted {
 }
 
 impl Sorted {
-    pub fn new(images: &[[f32; 3]], block: [f64; 3], blocks: [usize; 3]) -> Sorted {
-        let flat = blocks[1] == 1;
+    /// `flat`: whether there is no y, in which a box of one block still has padding.
+    pub fn new(images: &[[f32; 3]], block: [f64; 3], blocks: [usize; 3], flat: bool) -> Sorted {
         let pad = |a: usize| usize::from(!(a == 1 && flat));
         let bins = [0, 1, 2].map(|a| blocks[a] + 2 * pad(a));
         let bin = |p: &[f32; 3]| -> Option<usize> {

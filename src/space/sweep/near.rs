@@ -253,6 +253,7 @@ const GROUPS: usize = ROOM / WIDTH + 1;
 
 /// The numbers of all groups.
 const EVERY: [u8; GROUPS] = {
+    assert!(GROUPS <= 1 << u8::BITS);
     let (mut every, mut group) = ([0; GROUPS], 0);
     while group < GROUPS {
         every[group] = group as u8;
@@ -292,7 +293,7 @@ impl<L: Lanes, const W: usize> Near<L, W> {
     /// Finds the groups in which a candidate carries something.
     #[inline(always)]
     fn find_carrying(&mut self) {
-        let zero = self.lanes.splat(0.0);
+        let (zero, least) = (self.lanes.splat(0.0), self.lanes.splat(f32::from_bits(1)));
         self.carriers = 0;
         for group in 0..self.count.div_ceil(WIDTH) {
             let mut sum = zero;
@@ -300,7 +301,8 @@ impl<L: Lanes, const W: usize> Near<L, W> {
                 sum += word.abs();
             }
             self.carrying[self.carriers] = group as u8;
-            self.carriers += usize::from(zero.less_mask(sum) != 0);
+            // What is no number counts as something.
+            self.carriers += usize::from(sum.less_mask(least) != (1 << WIDTH) - 1);
         }
     }
 

@@ -7,7 +7,9 @@ use coronet::measure::answer::Figures;
 use coronet::measure::series::Series;
 use coronet::pipeline::name::is_name;
 use coronet::pipeline::remote::Remote;
-use coronet::pipeline::{self, Decision, PipelineError, Report, Run, Status, Store, latest};
+use coronet::pipeline::{
+    self, Decision, Pipeline, PipelineError, Report, Run, Status, Store, latest,
+};
 use coronet::scene::file::Loaded;
 use coronet::scene::{Scene, numbers, variant};
 use serde_json::json;
@@ -90,15 +92,7 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
         }
         ended => ended?,
     };
-    // What was made is told whatever becomes of that.
-    let rest = match arguments.until {
-        Some(_) => Rest::of(&store, &pipeline),
-        None => Ok(None),
-    };
-    let (rest, unknown) = match rest {
-        Ok(rest) => (rest, None),
-        Err(error) => (None, Some(error)),
-    };
+    let (rest, unknown) = still_missing(arguments, &store, &pipeline);
     let told = Told {
         figures: figures(&loaded.scene, &ended.reports)?,
         rest,
@@ -117,6 +111,19 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     }
     let unnamed = ended.unnamed.map_or(Ok(()), Err);
     unnamed.context("the results are finished and kept, but have no names in latest/")
+}
+
+/// What `--until` left out, or why that is not known: what was made is told whatever becomes of it.
+fn still_missing(
+    arguments: &RunArguments,
+    store: &Store,
+    pipeline: &Pipeline,
+) -> (Option<Rest>, Option<PipelineError>) {
+    match arguments.until.as_ref().map(|_| Rest::of(store, pipeline)) {
+        None => (None, None),
+        Some(Ok(rest)) => (rest, None),
+        Some(Err(error)) => (None, Some(error)),
+    }
 }
 
 /// What is done before the stages run.

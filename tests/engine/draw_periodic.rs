@@ -72,6 +72,23 @@ fn coordinate() -> impl Strategy<Value = f32> {
     ]
 }
 
+/// It is one node across.
+#[test]
+fn liquid_at_the_end_of_a_flat_periodic_box_has_a_coarse_field() {
+    let scene = scene("xz", 'x', &["periodic", "periodic"]);
+    let frame = Frame {
+        id: vec![0, 1],
+        body: vec![0, 0],
+        pressure: vec![1.0; 2],
+        position: [vec![0.0, 7.86e-3], vec![0.0; 2], vec![0.0; 2]],
+        velocity: [vec![0.0; 2], vec![0.0; 2], vec![0.0; 2]],
+        ..Frame::default()
+    };
+    let field = Field::coarse(&scene, &frame, 0.5e-3).unwrap();
+    assert!(field.values.iter().all(|value| value.is_finite()));
+    assert!(field.values.iter().any(|value| *value > 0.0));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 

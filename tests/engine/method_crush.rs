@@ -3,7 +3,7 @@
 use super::method_scene::{disturbed, drop_scene};
 use coronet::method::{self, Phase};
 use coronet::particle::{Particles, State};
-use coronet::scene::{Density, Method};
+use coronet::scene::{Density, Method, MpsGradient};
 
 /// Root mean square of the distance from the middle, m.
 fn radius(state: &State) -> f64 {
@@ -62,12 +62,13 @@ fn crushed_liquid_spreads_again() {
 fn a_close_pair_is_not_thrown() {
     const SPEED: f64 = 0.01;
     // How fast they part after a step, over how fast they approached.
-    let returned = |core: f64| {
+    let returned = |core: f64, gradient: MpsGradient| {
         let mut scene = drop_scene("mps modern", 2, "");
         let Method::Mps(settings) = &mut scene.method else {
             panic!("not MPS");
         };
         settings.core = core;
+        settings.gradient = gradient;
         let mut state = disturbed(&scene, 0.0);
         let p = &mut state.particles;
         let away = |p: &Particles, i: usize, k: usize| {
@@ -98,7 +99,9 @@ fn a_close_pair_is_not_thrown() {
     let Method::Mps(modern) = drop_scene("mps modern", 2, "").problem.method else {
         panic!("not MPS");
     };
-    let [held, thrown] = [modern.core, 0.0].map(returned);
+    let [held, thrown] = [modern.core, 0.0].map(|core| returned(core, MpsGradient::Corrected));
     assert!(held.abs() < 1.0, "{held} of the speed");
     assert!(thrown > 1.0, "{thrown} of the speed");
+    let smooth = returned(modern.core, modern.gradient);
+    assert!(smooth.abs() < 1.0, "{smooth} of the speed");
 }

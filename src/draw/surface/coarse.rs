@@ -45,7 +45,8 @@ impl Field {
         for corner in 0..8 {
             let next = [0, 1, 2].map(|a| corner >> a & 1);
             let weight = |a: usize| [1.0 - part[a], part[a]][next[a]];
-            let place = self.index([0, 1, 2].map(|a| node[a] + next[a]));
+            // Across a box of one node the second has no weight.
+            let place = self.index([0, 1, 2].map(|a| (node[a] + next[a]).min(self.count[a] - 1)));
             self.values[place] += share * weight(0) * weight(1) * weight(2);
         }
     }

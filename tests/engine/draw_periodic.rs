@@ -87,6 +87,13 @@ fn liquid_at_the_end_of_a_flat_periodic_box_has_a_coarse_field() {
     let field = Field::coarse(&scene, &frame, 0.5e-3).unwrap();
     assert!(field.values.iter().all(|value| value.is_finite()));
     assert!(field.values.iter().any(|value| *value > 0.0));
+    // Nothing is left to see where all particles are far away along one axis.
+    let gone = Frame {
+        position: [vec![0.0; 2], vec![0.0; 2], vec![1e30; 2]],
+        ..frame
+    };
+    assert!(Field::coarse(&scene, &gone, 0.5e-3).is_none());
+    assert!(Field::new(&scene, &gone, &[]).is_none());
 }
 
 proptest! {

@@ -137,7 +137,7 @@ impl Field {
             })
         };
         let ranges = [0, 1, 2].map(range);
-        if ranges[0][0] > ranges[0][1] {
+        if ranges.iter().any(|[low, high]| low > high) {
             return None;
         }
         loop {

@@ -98,11 +98,10 @@ impl Raster {
         let half = 0.5 * particle_spacing;
         let periodic = [0, 1, 2]
             .map(|axis| domain.boundary[axis][0] == Side::Periodic && !(axis == 1 && flat));
-        let top = position[2]
-            .iter()
-            .copied()
-            .filter(|z| z.is_finite())
-            .fold(0.0f32, f32::max);
+        // What is farther above an open box than its height has long left it.
+        let highest = 2.0 * domain.size[2] as f32;
+        let heights = position[2].iter().copied().filter(|z| *z < highest);
+        let top = heights.fold(0.0f32, f32::max);
         let mut count = [1; 3];
         let mut spacing = [half; 3];
         for axis in 0..3 {

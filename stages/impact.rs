@@ -27,6 +27,7 @@ use crate::journal::{
 };
 use crate::live::Viewers;
 use crate::pace::Pace;
+use crate::ranks::{self, Part};
 use crate::settings::Forecast;
 use crate::stop::Stop;
 
@@ -102,7 +103,13 @@ impl Impact<'_> {
             context.resumed();
         }
         let resumed_from = start.resumed.then_some(start.state.time);
-        let built = method::build(&self.input.problem, start.state, Phase::Impact, strength);
+        let built = ranks::build(
+            Part::Impact,
+            &self.input.problem,
+            start.state,
+            Phase::Impact,
+            strength,
+        );
         let mut solver = built.map_err(StageError::failed)?;
         solver.meet(self.input.frames.interval);
         let mut frames = Frames {

@@ -197,6 +197,7 @@ fn relax(
     Ok(Box::new(Relax {
         identity: identity("relax", part, version::FLOW, settings),
         input,
+        body,
         checkpoint_every: scene.impact.checkpoint_every,
         pack,
         forecast: later(scene, Like::Relax(body), move |scene| {

@@ -18,6 +18,7 @@ mod pack;
 mod post;
 mod print;
 mod probe;
+mod ranks;
 mod relax;
 mod remote;
 mod runs;
@@ -49,7 +50,10 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return help(&error),
     };
-    let done = check(&arguments.command).and_then(|()| obey(&arguments.command));
+    let done = check(&arguments.command)
+        .and_then(|()| ranks::join())
+        .and_then(|()| obey(&arguments.command));
+    ranks::part();
     let code = match &done {
         Ok(()) => 0,
         Err(error) => {
@@ -78,6 +82,13 @@ fn help(error: &clap::Error) -> ExitCode {
 }
 
 fn obey(command: &Command) -> Result<()> {
+    let runs = matches!(command, Command::Run(_));
+    if ranks::world().is_some() && !runs {
+        return Err(fault::Usage(
+            "mpirun: several processes can only share `coronet run`".to_string(),
+        )
+        .into());
+    }
     match command {
         Command::Run(arguments) => command::run::run(arguments),
         Command::Push(arguments) => command::push::push(arguments),

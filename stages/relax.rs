@@ -14,6 +14,7 @@ use coronet::scene::input::RelaxInput;
 use crate::body::{BODY, read_body};
 use crate::flight::{self, Flight};
 use crate::pace::Pace;
+use crate::ranks::{self, Part};
 use crate::settings::Forecast;
 
 /// Time from which both limits are met, s, as a scalar of a checkpoint; NaN: they are not.
@@ -24,6 +25,8 @@ pub const UNREST: &str = "not at rest";
 
 pub struct Relax<'a> {
     pub input: RelaxInput,
+    /// Which body of the scene.
+    pub body: usize,
     /// Wall-clock seconds between checkpoints.
     pub checkpoint_every: f64,
     /// Job that packs the body.
@@ -61,7 +64,13 @@ impl Stage for Relax<'_> {
         let mut rest = Rest { calm_since };
         let particle_mass = state.particles.mean_mass();
         let damping = relax.damping;
-        let built = method::build(problem, state, Phase::Relax { damping }, None);
+        let built = ranks::build(
+            Part::Relax(self.body),
+            problem,
+            state,
+            Phase::Relax { damping },
+            None,
+        );
         let mut solver = built.map_err(StageError::failed)?;
         let mut flight = Flight::new(context, self.checkpoint_every)?;
         let mut pace = Pace::new(solver.as_ref());

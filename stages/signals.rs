@@ -17,6 +17,19 @@ pub fn stop_flag(words: &'static str) -> Result<Arc<AtomicBool>> {
     Ok(stop)
 }
 
+/// Leaves it to another process to stop this one.
+pub fn leave_to_another() -> Result<()> {
+    #[cfg(unix)]
+    for signal in [
+        signal_hook::consts::SIGINT,
+        signal_hook::consts::SIGTERM,
+        signal_hook::consts::SIGHUP,
+    ] {
+        signal_hook::flag::register(signal, Arc::new(AtomicBool::new(false)))?;
+    }
+    Ok(())
+}
+
 /// Sets the flag when standard input ends, which the starting process keeps open.
 pub fn stop_at_end_of_input(stop: &Arc<AtomicBool>) -> Result<()> {
     let stop = stop.clone();

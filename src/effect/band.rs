@@ -33,6 +33,11 @@ impl Band {
         });
     }
 
+    /// The marks, for what joins those of several ranks.
+    pub fn marks(&mut self) -> &mut [bool] {
+        &mut self.mark
+    }
+
     /// Marks the cells that hold anything; `start`: first of each cell, and the number of all.
     pub fn mark_filled(&mut self, start: &[u32]) {
         self.mark.clear();

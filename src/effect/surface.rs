@@ -2,6 +2,9 @@
 
 use crate::space::grid::Grid;
 use crate::space::mirror::Mirror;
+use crate::space::ranks::Ranks;
+use crate::space::ranks::halo::Halo;
+use crate::space::ranks::span::Span;
 use crate::space::sort::Cells;
 use crate::space::sweep::{Field, Source};
 
@@ -19,6 +22,8 @@ pub struct Surface<'a> {
     pub liquid_sources: usize,
     /// Images behind mirror planes; `at` holds them after the wall.
     pub mirror: Option<&'a Mirror>,
+    /// The processes that share the run, and what is near of theirs; `at` holds it likewise.
+    pub ranks: Option<(&'a Ranks, &'a Halo)>,
     /// Positions of the liquid particles, m.
     pub position: &'a [Vec<f64>; 3],
     /// Positions of the wall particles, m.
@@ -86,11 +91,15 @@ impl<'a> Surface<'a> {
             own: words,
             cutoff: 2.0 * length + self.slack,
             scale: self.grid.scale(length),
+            first: 0,
         }
     }
 
     /// Vectors of the images from those of the points.
     pub fn turn(&self, words: &mut [Vec<f32>; 3]) {
+        if let Some((ranks, halo)) = self.ranks {
+            words.iter_mut().for_each(|words| halo.fill(ranks, words));
+        }
         if let Some(mirror) = self.mirror {
             mirror.turn(words);
         }
@@ -98,8 +107,47 @@ impl<'a> Surface<'a> {
 
     /// The same for scalars.
     pub fn share(&self, words: &mut [f32]) {
+        if let Some((ranks, halo)) = self.ranks {
+            halo.fill(ranks, words);
+        }
         if let Some(mirror) = self.mirror {
             mirror.share(words);
+        }
+    }
+
+    /// A list of which this rank has `count` items.
+    pub fn list(&self, count: usize) -> Span {
+        match self.ranks {
+            None => count.into(),
+            Some((ranks, _)) => Span::of_list(&ranks.with, count),
+        }
+    }
+
+    /// Marks of the cells of all ranks from those of each.
+    pub fn join(&self, marks: &mut [bool]) {
+        if let Some((ranks, halo)) = self.ranks {
+            halo.join_cells(ranks, self.grid, marks);
+        }
+    }
+
+    /// Whether liquid was in a cell when it was sorted.
+    #[inline(always)]
+    pub fn is_filled(&self, cell: usize) -> bool {
+        let has = |start: &[u32]| start[cell + 1] > start[cell];
+        has(&self.liquid.start) || self.ranks.is_some_and(|(_, halo)| has(halo.source().start))
+    }
+
+    /// The walls of which this rank says what they carry.
+    pub fn own_walls(&self) -> std::ops::Range<usize> {
+        self.wall_span().own
+    }
+
+    /// All walls, for a sum over those of all ranks.
+    pub fn wall_span(&self) -> Span {
+        let cells = self.of_wall().first();
+        match (self.ranks, cells) {
+            (Some((ranks, _)), Some(cells)) => ranks.span(self.grid, cells.start),
+            _ => self.wall[0].len().into(),
         }
     }
 }

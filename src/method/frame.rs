@@ -4,6 +4,8 @@ use super::Diverged;
 use super::flow::Flow;
 use crate::particle::{Frame, Particles};
 use crate::space::parallel::{sum, sum_in};
+use crate::space::ranks::span::Span;
+use serde::{Deserialize, Serialize};
 
 /// Part of an interval below which two instants are the same.
 const SAME: f64 = 1e-9;
@@ -135,7 +137,7 @@ pub fn of(time: f64, p: &Particles, fields: &Fields, scalars: Vec<(String, f64)>
 pub fn budget(flow: &Flow, gravity: Option<[f64; 3]>) -> [f64; 5] {
     let (p, m) = (&flow.particles, flow.particles.mass);
     let g = gravity.unwrap_or([0.0; 3]);
-    sum(p.len(), |i| {
+    sum(flow.span(), |i| {
         let v = [p.velocity[0][i], p.velocity[1][i], p.velocity[2][i]];
         let x = flow.position(i);
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -157,24 +159,28 @@ pub fn gained(before: [f64; 3], after: [f64; 3]) -> f64 {
 }
 
 /// Power of accelerations, W, and its rate from what they do to velocities, W/s.
-pub fn power(p: &Particles, acceleration: &[[f32; 3]], parts: &mut Vec<[f64; 2]>) -> [f64; 2] {
+pub fn power(
+    (p, span): (&Particles, Span),
+    acceleration: &[[f32; 3]],
+    parts: &mut Vec<[f64; 2]>,
+) -> [f64; 2] {
     let of = |i: usize| {
         let pairs = [0, 1, 2].map(|a| [p.velocity[a][i], acceleration[i][a] as f64]);
         let sums = |f: fn(&[f64; 2]) -> f64| p.weight(i) * pairs.iter().map(f).sum::<f64>();
         [sums(|[v, a]| v * a), sums(|[_, a]| a * a)]
     };
-    sum_in(parts, p.len(), of).map(|sum| p.mass * sum)
+    sum_in(parts, span, of).map(|sum| p.mass * sum)
 }
 
 /// Energy of motion, of height, and `own` of each particle, J/kg, J.
 pub fn stored(
-    p: &Particles,
+    (p, span): (&Particles, Span),
     gravity: Option<[f64; 3]>,
     own: impl Fn(usize) -> f64 + Sync,
     parts: &mut Vec<[f64; 1]>,
 ) -> f64 {
     let g = gravity.unwrap_or_default();
-    let [energy] = sum_in(parts, p.len(), |i| {
+    let [energy] = sum_in(parts, span, |i| {
         let part = |a: usize| 0.5 * p.velocity[a][i].powi(2) - g[a] * p.position[a][i];
         [p.weight(i) * ((0..3).map(part).sum::<f64>() + own(i))]
     });
@@ -183,37 +189,53 @@ pub fn stored(
 
 /// Standard deviation of density from `density`, both kg/m^3, of the particles that `is` names.
 pub fn deviation(flow: &Flow, density: f64, is: impl Fn(usize) -> bool + Sync) -> f64 {
-    let [squares, count] = sum(flow.liquid(), |i| {
+    let [squares, count] = sum(flow.span(), |i| {
         let d = flow.particles.density[i] - density;
         if is(i) { [d * d, 1.0] } else { [0.0, 0.0] }
     });
     (squares / count.max(1.0)).sqrt()
 }
 
-/// The fastest particle, or one whose speed is not a number, and its speed, m/s (then infinity).
-pub fn fastest(flow: &Flow) -> (usize, f64) {
-    let speed = |i: usize| {
-        let v = flow.particles.speed(i);
-        if v.is_nan() { f64::INFINITY } else { v }
-    };
-    let worst = (0..flow.liquid()).max_by(|a, b| speed(*a).total_cmp(&speed(*b)));
-    let i = worst.unwrap_or(0);
-    (i, speed(i))
+/// A particle that moves.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Mover {
+    /// m/s; infinite if it is not a number.
+    pub speed: f64,
+    id: u32,
+    at: [f64; 3],
 }
 
-/// Physics gone wrong at particle `i`.
-pub fn fault(
-    flow: &Flow,
-    (time, step): (f64, u64),
-    i: usize,
-    what: String,
-    remedy: &str,
-) -> Diverged {
-    let [x, y, z] = flow.position(i);
+/// The fastest particle of all.
+pub fn fastest(flow: &Flow) -> Mover {
+    let mover = |i: usize| {
+        let speed = flow.particles.speed(i);
+        Mover {
+            speed: if speed.is_nan() { f64::INFINITY } else { speed },
+            id: flow.particles.id[i],
+            at: flow.position(i),
+        }
+    };
+    let order = |a: &Mover, b: &Mover| a.speed.total_cmp(&b.speed);
+    let own = (0..flow.liquid()).map(mover).max_by(order);
+    let all = match &flow.ranks {
+        None => vec![own],
+        Some(ranks) => ranks.gather(&own),
+    };
+    let nothing = Mover {
+        speed: 0.0,
+        id: 0,
+        at: [0.0; 3],
+    };
+    all.into_iter().flatten().max_by(order).unwrap_or(nothing)
+}
+
+/// Physics gone wrong, most likely where a particle is fastest.
+pub fn fault(mover: Mover, (time, step): (f64, u64), what: String, remedy: &str) -> Diverged {
+    let [x, y, z] = mover.at;
     Diverged {
         time,
         step,
-        particle: flow.particles.id[i],
+        particle: mover.id,
         x,
         y,
         z,

@@ -165,8 +165,7 @@ impl Liquid {
 
     /// Largest speed now, m/s.
     pub fn max_speed(&self) -> f64 {
-        let p = &self.flow.particles;
-        max(p.len(), |i| p.speed(i)).max(0.0)
+        max(self.flow.span(), |i| self.flow.particles.speed(i)).max(0.0)
     }
 
     /// Largest speed now of what is not spray, m/s; `kernel_sum` by particle: 1 inside.
@@ -176,7 +175,7 @@ impl Liquid {
             true => 0.0,
             false => p.speed(i),
         };
-        max(p.len(), speed).max(0.0)
+        max(self.flow.span(), speed).max(0.0)
     }
 
     /// Limits of a step now; `sound_speed` in m/s.
@@ -209,23 +208,22 @@ impl Liquid {
         let kept = self.flow.confine(doomed);
         own.visit(&mut Reflect(&self.flow.reflected));
         self.friction.clear();
-        let Some(kept) = kept else {
-            self.ledger.removes = false;
-            return;
-        };
-        let (gone, before) = (self.len() - kept.len(), self.flow.particles.total_mass());
-        self.flow.particles.visit(&mut Retain(&kept));
-        own.visit(&mut Retain(&kept));
-        self.now.removed_particles += gone as u64;
-        self.now.removed_mass += match self.flow.particles.weight.is_empty() {
-            true => gone as f64 * self.flow.particles.mass,
-            false => before - self.flow.particles.total_mass(),
-        };
+        let (gone, before) = (self.flow.gone(kept.as_deref()), self.flow.total_mass());
         self.ledger.removes = gone > 0;
+        if let Some(kept) = kept {
+            self.flow.particles.visit(&mut Retain(&kept));
+            own.visit(&mut Retain(&kept));
+        }
+        if gone > 0 {
+            self.flow.count();
+            self.now.removed_particles += gone;
+            self.now.removed_mass += self.flow.lost(gone, before);
+        }
     }
 
     /// Sorts particles along cells; every column follows.
     pub fn sort(&mut self, own: &mut impl Columns) {
+        self.flow.migrate(own, &mut self.friction);
         self.flow.sort();
         let mut sort = Sort {
             cells: &self.flow.liquid_cells,
@@ -274,10 +272,15 @@ impl Liquid {
 
     /// Lets friction act on contact lines for `dt` s.
     pub fn rub(&mut self, dt: f64) {
+        if self.friction.is_empty() {
+            return;
+        }
+        let span = self.flow.span();
         let (friction, p) = (&self.friction, &mut self.flow.particles);
         let weights = &p.weight;
         let [work] = sum_mut(
             &mut self.parts,
+            span,
             three(&mut p.velocity, friction.len()),
             |i, v| {
                 let [x, y, z] = v;
@@ -292,8 +295,8 @@ impl Liquid {
     /// Energy of motion, of height, and of compression, J; `compression`, J/kg, at a density.
     pub fn stored(&mut self, compression: impl Fn(f64) -> f64 + Sync) -> f64 {
         let p = &self.flow.particles;
-        let own = |i: usize| compression(p.density[i]);
-        frame::stored(p, self.body_force.constant, own, &mut self.parts)
+        let (own, span) = (|i: usize| compression(p.density[i]), self.flow.span());
+        frame::stored((p, span), self.body_force.constant, own, &mut self.parts)
     }
 
     /// Kinetic and potential energy, J, momentum, kg m/s.
@@ -303,7 +306,8 @@ impl Liquid {
 
     /// Takes the accelerations `held`, m/s^2, of viscosity.
     pub fn see_viscosity(&mut self, held: &[[f32; 3]]) {
-        self.ledger.viscous = frame::power(&self.flow.particles, held, &mut self.pairs);
+        let (p, span) = (&self.flow.particles, self.flow.span());
+        self.ledger.viscous = frame::power((p, span), held, &mut self.pairs);
     }
 
     /// A step begins: positions are those from which a driven body force does work until
@@ -323,7 +327,7 @@ impl Liquid {
             return 0.0;
         };
         let p = &self.flow.particles;
-        let [sum] = sum_in(&mut self.parts, p.len(), |i| {
+        let [sum] = sum_in(&mut self.parts, self.flow.span(), |i| {
             let along: f64 = (0..3).map(|a| driven[a] * p.position[a][i]).sum();
             [p.weight(i) * along]
         });
@@ -364,9 +368,9 @@ impl Liquid {
 
     /// What every frame has of mass, momentum, kg m/s, and the last step.
     pub fn progress(&self, [x, y, z]: [f64; 3]) -> [(&'static str, f64); 8] {
-        let (p, now) = (&self.flow.particles, &self.now);
+        let now = &self.now;
         [
-            ("mass_kg", p.total_mass()),
+            ("mass_kg", self.flow.total_mass()),
             ("mass_removed_kg", now.removed_mass),
             ("momentum_x_kg_m_s", x),
             ("momentum_y_kg_m_s", y),

@@ -16,6 +16,7 @@ pub mod pressure;
 pub mod projection;
 pub mod rest;
 pub mod ring;
+pub mod shared;
 pub mod shifting;
 pub mod start;
 pub mod wcsph;
@@ -30,7 +31,8 @@ use crate::effect::tension::{Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, State, Wall};
-use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
+use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionForm, TensionStrength};
+use crate::space::ranks::{Communicator, Ranks};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
 use liquid::Liquid;
@@ -38,6 +40,7 @@ use model::{Case, Model};
 use pressure::Equation;
 use pressure::multigrid::Domain;
 use projection::Projection;
+use std::sync::Arc;
 
 /// Physics gone wrong. The caller keeps the last good checkpoint.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -70,6 +73,9 @@ pub enum MethodError {
     /// A periodic side is shorter than a kernel support.
     #[error(transparent)]
     TooSmall(#[from] crate::space::grid::TooSmall),
+    /// Several processes cannot share the run; the reason.
+    #[error("{0}: several processes cannot share this run; start one process")]
+    Alone(&'static str),
     /// There is no particle.
     #[error("the state holds no particle; give body.NAME a shape larger than pack.spacing")]
     Empty,
@@ -85,7 +91,7 @@ pub enum MethodError {
 }
 
 /// A time-stepping method with its state.
-pub trait Solver: Send {
+pub trait Solver: Send + Sync {
     /// Simulated time, s.
     fn time(&self) -> f64;
     /// Steps taken.
@@ -148,8 +154,81 @@ pub fn build(
     }
     let case = Case::new(problem, phase);
     let strength = strength_of(problem, &case, &state, strength)?;
+    build_on(None, problem, state, phase, strength)
+}
+
+/// The same on several ranks, each of which calls it: on rank 0 the solver of all, on the others
+/// one to [`shared::serve`]. Only rank 0 has a `state`.
+///
+/// # Errors
+/// As [`build`], and a problem that several ranks cannot share.
+pub fn build_shared(
+    with: &Arc<dyn Communicator>,
+    problem: &Problem,
+    state: Option<State>,
+    phase: Phase,
+    strength: Option<f64>,
+) -> Result<Box<dyn Solver>, MethodError> {
+    if let Some(reason) = alone(problem) {
+        return Err(MethodError::Alone(reason));
+    }
+    let found = state.as_ref().map(|state| {
+        let case = Case::new(problem, phase);
+        strength_of(problem, &case, state, strength)
+    });
+    let strength = found.transpose()?;
+    let empty = state.as_ref().map(|state| State {
+        particles: crate::particle::Particles {
+            mass: state.particles.mass,
+            ..Default::default()
+        },
+        arrays: state
+            .arrays
+            .iter()
+            .map(|(name, _)| (name.clone(), Vec::new()))
+            .collect(),
+        ..state.clone()
+    });
+    let (empty, strength) = shared::broadcast(&**with, empty.zip(strength));
+    let own = build_on(Some(with), problem, state.unwrap_or(empty), phase, strength)?;
+    let count = shared::counted(&**with, own.len());
+    Ok(match with.rank() {
+        0 => Box::new(shared::Shared::new(own, with.clone(), count)),
+        _ => own,
+    })
+}
+
+/// Why several ranks cannot share a problem.
+pub fn alone(problem: &Problem) -> Option<&'static str> {
+    let tension = problem.effects.tension.map(|tension| tension.form);
+    match () {
+        () if !matches!(problem.method, Method::Wcsph(_)) => Some("method.name is not wcsph"),
+        () if problem.domain.is_axial() => Some("box.symmetry is axis"),
+        () if tension.is_some_and(|form| form != TensionForm::SurfaceEnergy) => {
+            Some("effects.tension.form is not surface-energy")
+        }
+        () if problem
+            .effects
+            .wetting
+            .is_some_and(|angle| angle.hysteresis.is_some()) =>
+        {
+            Some("effects.wetting has an advancing and a receding angle")
+        }
+        () => None,
+    }
+}
+
+fn build_on(
+    with: Option<&Arc<dyn Communicator>>,
+    problem: &Problem,
+    state: State,
+    phase: Phase,
+    strength: f64,
+) -> Result<Box<dyn Solver>, MethodError> {
+    let case = Case::new(problem, phase);
     let wall = crate::particle::wall::build(problem);
-    let flow = flow_of(&case, state.particles.clone(), wall)?;
+    let mut flow = flow_of(&case, state.particles.clone(), wall)?;
+    flow.ranks = with.map(|with| Ranks::new(with.clone(), &flow.grid, flow.liquid()));
     let layer = |b: &Body| matches!(b.shape, Shape::Layer { .. });
     let pool = problem.bodies.iter().any(layer);
     let tension = tension_of(&case, strength, problem.method.shifting() > 0.0)
@@ -290,6 +369,7 @@ pub fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> 
         sources,
         liquid_sources: flow.liquid_sources(),
         mirror: flow.mirror.as_ref(),
+        ranks: flow.ranks.as_ref().map(|ranks| (ranks, &flow.halo)),
         position: &flow.particles.position,
         wall: &flow.wall.position,
         density: &flow.particles.density,

@@ -7,6 +7,8 @@
 use super::State;
 pub use super::scalar::{Scalar, Scalars};
 use crate::space::sort::Cells;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::any::Any;
 use std::mem::size_of;
 
@@ -24,7 +26,7 @@ pub enum Role {
 }
 
 /// A value of a column.
-pub trait Entry: Copy + Default + Send + Sync + 'static {
+pub trait Entry: Copy + Default + Send + Sync + Serialize + DeserializeOwned + 'static {
     /// What its parts add to the name of a persistent column.
     const PARTS: &'static [&'static str] = &[];
     /// Part `k`, as checkpoints hold it.

@@ -6,7 +6,7 @@ use super::shape::{Face, Form, Region};
 use crate::scene::{Domain, Side};
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
-use crate::space::mirror::{Mirror, Planes};
+use crate::space::mirror::{Mirror, Planes, Points};
 use crate::space::parallel::{each_mut, three};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
@@ -173,7 +173,9 @@ impl Crowd {
         }
         let (n, cutoff) = (self.len(), self.support + SLACK);
         if let Some(mirror) = &mut self.mirror {
-            mirror.find(&self.grid, &self.position, &self.wall, cutoff + SLACK);
+            let count = n + self.wall[0].len();
+            let own = (Points::of(&self.position), n);
+            mirror.find(&self.grid, own, &self.wall, count, cutoff + SLACK);
         }
         let images = self.mirror.as_ref().map_or(0, Mirror::len);
         let count = n + self.wall[0].len() + images + WIDTH;

@@ -11,6 +11,7 @@ pub mod crowd;
 pub mod ellipsoid;
 mod fault;
 pub mod lattice;
+pub mod migrate;
 pub mod optimise;
 pub mod pack;
 pub mod poisson;
@@ -22,9 +23,10 @@ pub mod shape;
 pub mod wall;
 
 use column::{Columns, Role, Viewer, Visitor};
+use serde::{Deserialize, Serialize};
 
 /// Liquid particles, structure of arrays, SI units, length `len()` each.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Particles {
     /// Stable identity: index at packing, body after body.
     pub id: Vec<u32>,
@@ -133,7 +135,7 @@ pub fn weight_of(weights: &[f64], i: usize) -> f64 {
 }
 
 /// Complete state for a bit-identical restart of a solver.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Simulated time, s.
     pub time: f64,
@@ -147,8 +149,15 @@ pub struct State {
     pub arrays: Vec<(String, Vec<f64>)>,
 }
 
+impl State {
+    /// Whether there is an array of this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.arrays.iter().any(|array| array.0 == name)
+    }
+}
+
 /// One recorded frame of the liquid, SI units, f32 as in the log; particles sorted by `id`.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Simulated time, s.
     pub time: f64,

@@ -73,6 +73,25 @@ impl Planes {
     }
 }
 
+/// Where points are, m.
+#[derive(Clone, Copy)]
+pub struct Points<'a> {
+    /// x, y, z.
+    pub position: &'a [Vec<f64>; 3],
+    /// The record of each; none if they are the first ones.
+    pub index: &'a [u32],
+}
+
+impl<'a> Points<'a> {
+    /// The first records.
+    pub fn of(position: &'a [Vec<f64>; 3]) -> Self {
+        Points {
+            position,
+            index: &[],
+        }
+    }
+}
+
 /// Images of one kind of points, along cells.
 #[derive(Clone, Debug, Default)]
 pub struct Images {
@@ -88,8 +107,9 @@ pub struct Images {
 }
 
 impl Images {
-    /// Finds the images of the points at `position`, m, that are within `reach` m of a plane.
-    fn find(&mut self, planes: &Planes, grid: &Grid, position: &[Vec<f64>; 3], reach: f64) {
+    /// Finds the images of `points` that are within `reach` m of a plane.
+    fn find(&mut self, planes: &Planes, grid: &Grid, points: Points, reach: f64) {
+        let position = points.position;
         self.source.clear();
         self.code.clear();
         self.position.iter_mut().for_each(Vec::clear);
@@ -107,7 +127,8 @@ impl Images {
                 }
             }
             for &code in &codes[1..count] {
-                self.source.push(i as u32);
+                self.source
+                    .push(points.index.get(i).map_or(i as u32, |&index| index));
                 self.code.push(code);
                 for a in 0..3 {
                     let image = match code >> (2 * a) & 3 {
@@ -168,12 +189,20 @@ impl Mirror {
         }
     }
 
-    /// Finds all images of points within `reach` m of a plane; positions in m.
-    pub fn find(&mut self, grid: &Grid, liquid: &[Vec<f64>; 3], wall: &[Vec<f64>; 3], reach: f64) {
+    /// Finds all images of points within `reach` m of a plane, which come behind `first` records;
+    /// `liquid`: those of the first kind, `n` of which are this rank's own, `wall`: positions, m.
+    pub fn find(
+        &mut self,
+        grid: &Grid,
+        (liquid, n): (Points, usize),
+        wall: &[Vec<f64>; 3],
+        first: usize,
+        reach: f64,
+    ) {
         self.liquid.find(&self.planes, grid, liquid, reach);
-        self.wall.find(&self.planes, grid, wall, reach);
-        let n = liquid[0].len() as u32;
-        self.first = (n + wall[0].len() as u32) as usize;
+        self.wall.find(&self.planes, grid, Points::of(wall), reach);
+        let n = n as u32;
+        self.first = first;
         self.source.clear();
         self.source.extend_from_slice(&self.liquid.source);
         self.source.extend(self.wall.source.iter().map(|j| n + j));

@@ -1,5 +1,7 @@
 //! Parallel loops over particles with fixed chunks, so that results never depend on thread count.
 
+use super::larger::larger;
+use super::ranks::span::Span;
 use rayon::prelude::*;
 
 /// Particles per chunk.
@@ -78,6 +80,7 @@ pub fn three<T: Send>(
 /// [`sum_in`] of what `f` makes of every item, as in [`each_mut`].
 pub fn sum_mut<const K: usize, I>(
     parts: &mut Vec<[f64; K]>,
+    span: impl Into<Span>,
     items: I,
     f: impl Fn(usize, I::Item) -> [f64; K] + Sync + Send,
 ) -> [f64; K]
@@ -85,61 +88,66 @@ where
     I: IntoParallelIterator,
     I::Iter: IndexedParallelIterator,
 {
-    let add = |mut a: [f64; K], b: [f64; K]| {
-        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-        a
-    };
     let items = items.into_par_iter().enumerate();
+    let span = span.into();
+    debug_assert_eq!(span.len(), items.len());
+    if span.is_shared() {
+        let each = items.with_min_len(CHUNK).map(|(i, item)| f(i, item));
+        each.collect_into_vec(parts);
+        return span.sum(CHUNK, parts);
+    }
     parts.resize(items.len().div_ceil(CHUNK), [0.0; K]);
     items
-        .fold_chunks(CHUNK, || [0.0; K], |sum, (i, item)| add(sum, f(i, item)))
+        .fold_chunks(CHUNK, || [0.0; K], |sum, (i, item)| plus(sum, f(i, item)))
         .zip(parts.par_iter_mut())
         .for_each(|(sum, part)| *part = sum);
-    parts.iter().fold([0.0; K], |s, p| add(s, *p))
+    parts.iter().fold([0.0; K], |s, p| plus(s, *p))
 }
 
-/// The larger of two. NaN wins, so that it cannot hide.
 #[inline(always)]
-pub fn larger(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
+fn plus<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    a
 }
 
 /// Largest `f(i)`; negative infinity for none. NaN wins.
-pub fn max(n: usize, f: impl Fn(usize) -> f64 + Sync) -> f64 {
-    (0..n.div_ceil(CHUNK))
+pub fn max(span: impl Into<Span>, f: impl Fn(usize) -> f64 + Sync) -> f64 {
+    let span = span.into();
+    let (begin, end) = (span.own.start, span.own.end);
+    let own = (0..span.len().div_ceil(CHUNK))
         .into_par_iter()
         .map(|c| {
-            (c * CHUNK..((c + 1) * CHUNK).min(n)).fold(f64::NEG_INFINITY, |m, i| larger(f(i), m))
+            let chunk = begin + c * CHUNK..(begin + (c + 1) * CHUNK).min(end);
+            chunk.fold(f64::NEG_INFINITY, |m, i| larger(f(i), m))
         })
-        .reduce(|| f64::NEG_INFINITY, larger)
+        .reduce(|| f64::NEG_INFINITY, larger);
+    span.max(own)
 }
 
-/// Sums of `K` values over `i < n`: chunk by chunk, then in chunk order.
-pub fn sum<const K: usize>(n: usize, f: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
-    let add = |mut a: [f64; K], b: [f64; K]| {
-        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-        a
-    };
-    let parts: Vec<[f64; K]> = (0..n.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|c| (c * CHUNK..((c + 1) * CHUNK).min(n)).fold([0.0; K], |s, i| add(s, f(i))))
-        .collect();
-    parts.into_iter().fold([0.0; K], add)
+/// Sums of `K` values over the items of a span: chunk by chunk, then in chunk order.
+pub fn sum<const K: usize>(
+    span: impl Into<Span>,
+    f: impl Fn(usize) -> [f64; K] + Sync,
+) -> [f64; K] {
+    sum_in(&mut Vec::new(), span, f)
 }
 
 /// [`sum`] with room for the parts that the caller keeps, so that nothing is allocated.
 pub fn sum_in<const K: usize>(
     parts: &mut Vec<[f64; K]>,
-    n: usize,
+    span: impl Into<Span>,
     f: impl Fn(usize) -> [f64; K] + Sync,
 ) -> [f64; K] {
-    let add = |mut a: [f64; K], b: [f64; K]| {
-        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-        a
-    };
+    let span = span.into();
+    if span.is_shared() {
+        let each = span.own.clone().into_par_iter().with_min_len(CHUNK).map(&f);
+        each.collect_into_vec(parts);
+        return span.sum(CHUNK, parts);
+    }
+    let n = span.len();
     parts.resize(n.div_ceil(CHUNK), [0.0; K]);
     parts.par_iter_mut().enumerate().for_each(|(c, part)| {
-        *part = (c * CHUNK..((c + 1) * CHUNK).min(n)).fold([0.0; K], |s, i| add(s, f(i)));
+        *part = (c * CHUNK..((c + 1) * CHUNK).min(n)).fold([0.0; K], |s, i| plus(s, f(i)));
     });
-    parts.iter().fold([0.0; K], |s, p| add(s, *p))
+    parts.iter().fold([0.0; K], |s, p| plus(s, *p))
 }

@@ -74,11 +74,11 @@ pub(super) fn count_points(at: &[Vec<i32>; 3], sources: &[Source]) -> usize {
     count
 }
 
-/// One to four sources.
-pub struct Sources<'a>([Source<'a>; 4], usize);
+/// One to five sources.
+pub struct Sources<'a>([Source<'a>; 5], usize);
 
 impl<'a> Sources<'a> {
-    /// Those of `some`: one to four.
+    /// Those of `some`: one to five.
     pub fn of(some: &[Source<'a>]) -> Self {
         let all = std::array::from_fn(|k| some[k.min(some.len() - 1)]);
         Sources(all, some.len())

@@ -21,7 +21,7 @@ use crate::arguments::RunArguments;
 use crate::fault::Usage;
 use crate::print::{note, out};
 use crate::watch::Screen;
-use crate::{PROGRAM, impact, jobs, journal, live, post, remote, signals, stop};
+use crate::{PROGRAM, impact, jobs, journal, live, post, ranks, remote, signals, stop};
 
 /// Answer to a first signal.
 const STOPPING: &str = "stopping after the next checkpoint";
@@ -46,8 +46,19 @@ pub fn no_remote() -> Usage {
     Usage("which remote store? Name it with --remote URL or in CORONET_REMOTE".to_string())
 }
 
+/// What the other ranks do.
+fn help(arguments: &RunArguments, scene: &Scene) -> Result<()> {
+    signals::leave_to_another()?;
+    start_threads(arguments)?;
+    rayon::scope(|_| ranks::help(scene))
+}
+
 fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     let mut loaded = plan::load(&arguments.pipeline)?;
+    if ranks::is_helper() {
+        return help(arguments, &loaded.scene);
+    }
+    ranks::check(&loaded.scene)?;
     if let Some(name) = &arguments.name {
         loaded.scene.name = name.clone();
     }

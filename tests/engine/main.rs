@@ -42,6 +42,7 @@ mod method_mirror;
 mod method_model;
 mod method_operator;
 mod method_pair;
+mod method_ranks;
 mod method_scene;
 mod mps_operator;
 mod pack_completion;

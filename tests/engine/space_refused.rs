@@ -55,6 +55,7 @@ fn least_without(coordinates: usize, words: usize) -> f32 {
         own: &[],
         cutoff: 2.0 * cloud.h,
         scale: flow.grid.scale(cloud.h),
+        first: 0,
     };
     let targets: Vec<u32> = (0..flow.liquid() as u32).collect();
     let mut sums = vec![0.0; targets.len()];

@@ -180,18 +180,19 @@ impl Tension {
             density(self.dimension, s[3] as f64, n).energy
         };
         let near = &self.near;
-        let [own] = sum_in(&mut parts, sums.len(), |k| {
+        let [of_near, of_reached] = &self.spans;
+        let [own] = sum_in(&mut parts, of_near.clone(), |k| {
             [particles.weight(near[k] as usize) * of(&sums[k])]
         });
         let walls = match &self.energy.shore {
             None => 0.0,
             Some(shore) => {
                 let dry = |j: usize| shore.dry_energy[j] as f64;
-                let [near] = sum_in(&mut parts, shore.sums.len(), |k| {
+                let [near] = sum_in(&mut parts, shore.span.clone(), |k| {
                     let j = shore.near[k] as usize;
                     [weight_of(&shore.weights, j) * (of(&shore.sums[k]) - dry(j))]
                 });
-                let [under] = sum_in(&mut parts, shore.under.len(), |j| {
+                let [under] = sum_in(&mut parts, shore.walls.clone(), |j| {
                     [if shore.under[j] { dry(j) } else { 0.0 }]
                 });
                 self.energy.carried * shore.cosine * (near - under)
@@ -203,7 +204,7 @@ impl Tension {
             let part = |a: usize| particles.velocity[a][i] * force[a] as f64;
             [particles.weight(i) * (0..3).map(part).sum::<f64>()]
         };
-        let [power] = sum_in(&mut parts, reached.len(), |k| work(k, force[k]));
+        let [power] = sum_in(&mut parts, of_reached.clone(), |k| work(k, force[k]));
         let shore = self
             .energy
             .shore
@@ -212,7 +213,11 @@ impl Tension {
         let lines = shore.map_or(0.0, |shore| {
             let ([wet, line], mean) = (&shore.pulls, shore.cosine as f32);
             let beyond = |k: usize| [0, 1, 2].map(|a| line[k][a] - mean * wet[k][a]);
-            let [power] = sum_in(&mut parts, wet.len(), |k| work(k, beyond(k)));
+            let span = match wet.is_empty() && !of_reached.is_shared() {
+                true => 0.into(),
+                false => of_reached.clone(),
+            };
+            let [power] = sum_in(&mut parts, span, |k| work(k, beyond(k)));
             particles.mass * power
         });
         self.energy.parts = parts;
@@ -232,6 +237,7 @@ impl Tension {
         self.band.grow(flow.grid, DEEP * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.near);
         self.take_all_rings(flow);
+        self.spans[0] = flow.list(self.near.len());
         if let Some(mut wetting) = self.wetting.take() {
             self.find_lines::<K>(flow, is_surface, &mut wetting);
             self.clear(flow);
@@ -240,7 +246,10 @@ impl Tension {
         let mut sums = std::mem::take(&mut self.energy.sums);
         sums.resize(self.near.len(), [0.0; 4]);
         match flow.weights {
-            None => self.runs(flow, &[], (&self.near, &Look::<K>(PhantomData)), &mut sums),
+            None => {
+                let targets = (&self.near[..], &self.spans[0], &Look::<K>(PhantomData));
+                self.runs(flow, &[], targets, &mut sums);
+            }
             Some(weights) => self.look_at_rings(flow, weights, K::w(0.0), &mut sums),
         }
         self.derive::<K>(flow, &mut sums);
@@ -250,6 +259,7 @@ impl Tension {
         self.band.grow(flow.grid, 2.0 * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.reached);
         self.take_all_rings(flow);
+        self.spans[1] = flow.list(self.reached.len());
         let unit = self.strength * self.coefficient / self.length / self.density;
         let pass = Pull::<K> {
             factor: -unit * self.force_factor::<K>(flow.mass) / self.density,
@@ -262,7 +272,8 @@ impl Tension {
         match flow.weights {
             None => {
                 self.hold_lines(flow, (&mut words, &[0, 1, 2, 3]), (&pass, 1.0));
-                self.runs(flow, &words, (&self.reached, &pass), &mut force);
+                let targets = (&self.reached[..], &self.spans[1], &pass);
+                self.runs(flow, &words, targets, &mut force);
             }
             Some(weights) => self.pull_rings(flow, weights, &mut words, pass.factor, &mut force),
         }
@@ -291,10 +302,13 @@ impl Tension {
         match flow.weights {
             None => {
                 self.band.members_of(flow.grid, wall.start, &mut shore.near);
+                let own = flow.own_walls();
+                shore.near.retain(|&j| own.contains(&(j as usize)));
+                shore.span = flow.list(shore.near.len());
                 shore.sums.resize(shore.near.len(), [0.0; 4]);
                 let field = flow.about(flow.wall, flow.of_liquid(), &[], self.length);
                 let pass = Look::<K>(PhantomData);
-                sweep::runs(field, &shore.near, &pass, &mut shore.sums);
+                sweep::runs_shared(field, &shore.span, &shore.near, &pass, &mut shore.sums);
                 shore.see(flow);
                 shore.add_walls::<K>(flow.wall, self.length);
             }

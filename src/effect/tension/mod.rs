@@ -57,6 +57,7 @@ use super::wetting::Wetting;
 use super::wetting::typed::Typed;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
+use crate::space::ranks::span::Span;
 use crate::space::sweep::{self, Field, Kept, Pass};
 use counted::Counted;
 use energy::Energy;
@@ -103,6 +104,8 @@ pub struct Tension {
     band: Band,
     near: Vec<u32>,
     reached: Vec<u32>,
+    /// The same for sums over those of all ranks.
+    spans: [Span; 2],
     /// Rows of those that (1) to (3) are summed for, of this sort.
     kept: Kept,
     kept_of: u64,
@@ -153,6 +156,7 @@ impl Tension {
             band: Band::default(),
             near: Vec::new(),
             reached: Vec::new(),
+            spans: [0.into(), 0.into()],
             kept: Kept::default(),
             kept_of: 0,
             normals: Vec::new(),
@@ -212,6 +216,7 @@ impl Tension {
         let reach = self.support() + flow.slack;
         if self.form != TensionForm::NormalisedColour {
             self.band.mark(flow.liquid, &is_surface);
+            flow.join(self.band.marks());
         }
         match self.form {
             TensionForm::RawColour => {
@@ -299,12 +304,14 @@ impl Tension {
         &self,
         flow: &Surface,
         payload: &[Vec<f32>; W],
-        (targets, pass): (&[u32], &P),
+        (targets, span, pass): (&[u32], &Span, &P),
         out: &mut [P::Out],
-    ) {
+    ) where
+        P::Out: Copy + Default,
+    {
         let field = self.field(flow, self.length).owning(payload);
         let field = field.among(flow.at, payload, flow.sources);
-        sweep::runs(field, targets, pass, out);
+        sweep::runs_shared(field, span, targets, pass, out);
     }
 
     /// Fills `normals` by a pass over `near`.
@@ -314,9 +321,11 @@ impl Tension {
         payload: &[Vec<f32>; W],
         pass: &P,
     ) {
+        self.spans[0] = flow.list(self.near.len());
         let mut normals = std::mem::take(&mut self.normals);
         normals.resize(self.near.len(), Default::default());
-        self.runs(flow, payload, (&self.near, pass), &mut normals);
+        let targets = (&self.near[..], &self.spans[0], pass);
+        self.runs(flow, payload, targets, &mut normals);
         self.normals = normals;
     }
 

@@ -206,7 +206,7 @@ impl Tension {
         let radii = self.radii(flow);
         let wanted = |_| true;
         let pass = Look { radii, wanted };
-        self.runs(flow, &words, (&self.near, &pass), sums);
+        self.runs(flow, &words, (&self.near, &0.into(), &pass), sums);
         let near = &self.near;
         each_mut(&mut sums[..near.len()], |k, sums| {
             let i = near[k] as usize;
@@ -232,6 +232,7 @@ impl Tension {
             shore.weights = weights[1].to_vec();
             shore.near = (0..walls as u32).collect();
             shore.under = vec![false; walls];
+            (shore.span, shore.walls) = (walls.into(), walls.into());
         }
         let words = [self.masses(flow, weights)];
         let radii = Radii {
@@ -264,7 +265,12 @@ impl Tension {
         let empty = std::mem::replace(&mut words[2], masses);
         let radii = self.radii(flow);
         self.hold_lines(flow, (words, &[0, 1, 3]), (&Pull { radii }, factor));
-        self.runs(flow, words, (&self.reached, &Pull { radii }), force);
+        self.runs(
+            flow,
+            words,
+            (&self.reached, &0.into(), &Pull { radii }),
+            force,
+        );
         let reached = &self.reached;
         each_mut(&mut force[..reached.len()], |k, force| {
             let i = reached[k] as usize;

@@ -27,11 +27,12 @@ use crate::particle::wall::is_wall;
 use crate::scene::{Dimension, Domain};
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
+use crate::space::ranks::span::Span;
 use crate::space::sweep::{self, Pair, Pass};
 use std::collections::HashMap;
 
 /// Walls with a contact angle, and scratch memory.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Shore {
     /// Cosine of the contact angle; with hysteresis the mean one.
     pub cosine: f64,
@@ -50,6 +51,10 @@ pub struct Shore {
     pub weights: Vec<f64>,
     /// Wall particles near a surface; of rings all.
     pub near: Vec<u32>,
+    /// The same, and all walls, for sums over those of all ranks.
+    pub span: Span,
+    /// See `span`.
+    pub walls: Span,
     /// Whether each of the others is under liquid.
     pub under: Vec<bool>,
     /// Of those near: H n, then phi.
@@ -70,6 +75,8 @@ impl Shore {
             dry_energy: Vec::new(),
             weights: Vec::new(),
             near: Vec::new(),
+            span: 0.into(),
+            walls: 0.into(),
             under: Vec::new(),
             sums: Vec::new(),
             pulls: Default::default(),
@@ -87,7 +94,7 @@ impl Shore {
     /// Finds the wall particles under liquid: one that is not near a surface is under liquid if the
     /// cell of the box before it is filled.
     pub fn see(&mut self, flow: &Surface) {
-        let (size, start) = (self.domain.size, &flow.liquid.start);
+        let size = self.domain.size;
         let inside = |a: usize, x: f64| {
             let edge = 0.5 * self.spacing.min(size[a]);
             x.clamp(edge, size[a] - edge)
@@ -95,9 +102,9 @@ impl Shore {
         self.under.resize(flow.wall[0].len(), false);
         each_mut(&mut self.under[..flow.wall[0].len()], |j, under| {
             let x = [0, 1, 2].map(|a| inside(a, flow.wall[a][j]));
-            let cell = flow.grid.index(flow.grid.cell(x));
-            *under = start[cell + 1] > start[cell];
+            *under = flow.is_filled(flow.grid.index(flow.grid.cell(x)));
         });
+        self.walls = flow.wall_span();
         self.near
             .iter()
             .for_each(|&j| self.under[j as usize] = false);

@@ -24,9 +24,10 @@ use super::mean::Means;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
 use crate::particle::column::Entry;
+use serde::{Deserialize, Serialize};
 
 /// What holds a particle at a contact line, m/s^2.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hold {
     /// f y along each axis of its wall, 0 across it.
     pub most: [f32; 3],

@@ -25,9 +25,10 @@ pub mod ring;
 use super::projection::surface::Share;
 use crate::effect::tension::pass::Energetic;
 use crate::particle::column::Entry;
+use serde::{Deserialize, Serialize};
 
 /// n and its derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Completed {
     /// n; zero away from a surface.
     pub value: f32,

@@ -2,11 +2,13 @@
 
 use super::{Flow, HASTE, LEAST};
 use crate::space::dilate::dilate;
+use crate::space::mirror::Points;
 use crate::space::parallel::each_mut;
 use crate::space::row::{Search, Source, Sources};
 
 impl Flow {
-    /// Where neighbours are: liquid, its images, then walls if there are any, and their images.
+    /// Where neighbours are: liquid, its images or ghosts, then walls if there are any, and their
+    /// images.
     pub fn sources(&self) -> Sources<'_> {
         let liquid = Source {
             start: &self.liquid_cells.start,
@@ -17,18 +19,23 @@ impl Flow {
             offset: self.liquid(),
         };
         let kinds = 1 + usize::from(self.walls() > 0);
-        match &self.mirror {
-            None => Sources::of(&[liquid, wall][..kinds]),
-            Some(mirror) => {
+        let ghosts = self.halo.source();
+        match (&self.mirror, &self.ranks) {
+            (None, None) => Sources::of(&[liquid, wall][..kinds]),
+            (None, Some(_)) => Sources::of(&[liquid, ghosts, wall][..1 + kinds]),
+            (Some(mirror), ranks) => {
                 let [images, walls] = mirror.sources();
-                Sources::of(&[liquid, images, wall, walls][..2 * kinds])
+                match ranks {
+                    None => Sources::of(&[liquid, images, wall, walls][..2 * kinds]),
+                    Some(_) => Sources::of(&[liquid, ghosts, images, wall, walls][..1 + 2 * kinds]),
+                }
             }
         }
     }
 
-    /// How many of them are liquid and its images: the first.
+    /// How many of them are liquid, its images and ghosts: the first.
     pub fn liquid_sources(&self) -> usize {
-        1 + usize::from(self.mirror.is_some())
+        1 + usize::from(self.mirror.is_some()) + usize::from(self.ranks.is_some())
     }
 
     /// Sets what each particle may move, and its reach: the support, that, and the most about it.
@@ -54,6 +61,9 @@ impl Flow {
             let most = self.allowed[run].iter().fold(0.0, |m: f32, a| m.max(*a));
             *peak = most;
         });
+        if let Some(ranks) = &self.ranks {
+            self.halo.join_cells(ranks, &self.grid, peaks);
+        }
         let longest = support - late + 2.0 * most;
         dilate(peaks, scratch, &self.grid, longest);
         self.reach.resize(n + self.wall.position[0].len(), 0.0);
@@ -75,6 +85,7 @@ impl Flow {
 
     /// Finds all neighbour rows. Call after [`Flow::sort`].
     pub fn find(&mut self) {
+        self.find_ghosts();
         let cutoff = self.allow();
         self.longest = cutoff;
         self.sorted += 1;
@@ -113,12 +124,24 @@ impl Flow {
     /// Images for rows of `cutoff` m and for what asks farther, with room for what particles move
     /// until the next search.
     fn find_images(&mut self, cutoff: f64) {
+        let most = self.allowed.iter().fold(0.0, |m: f32, a| m.max(*a)) as f64;
+        let most = self.largest(most);
+        let (all, index) = self.with_ghosts();
+        let (n, first) = (
+            self.liquid(),
+            self.liquid() + self.walls() + self.halo.len(),
+        );
         let Some(mirror) = &mut self.mirror else {
             return;
         };
-        let most = self.allowed.iter().fold(0.0, |m: f32, a| m.max(*a)) as f64;
         let reach = cutoff.max(self.lengths.longest + 2.0 * most) + 2.0 * most;
-        let (liquid, wall) = (&self.particles.position, &self.wall.position);
-        mirror.find(&self.grid, liquid, wall, reach);
+        let liquid = match self.ranks {
+            None => Points::of(&self.particles.position),
+            Some(_) => Points {
+                position: &all,
+                index: &index,
+            },
+        };
+        mirror.find(&self.grid, (liquid, n), &self.wall.position, first, reach);
     }
 }

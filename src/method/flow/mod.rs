@@ -1,13 +1,14 @@
 //! The moving arrays that every method shares: liquid and wall particles along cells, records for
 //! the pair loops, neighbour rows, and the rule that says when rows must be found again.
 //!
-//! Records: liquid `0 .. liquid`, then wall `liquid .. liquid + walls`, then the images of both
-//! behind mirror planes, if there are any, then eight spare ones, so that eight lanes can be loaded
-//! anywhere.
+//! Records: liquid `0 .. liquid`, then wall `liquid .. liquid + walls`, then ghosts of other ranks,
+//! then the images of all behind mirror planes, as far as there are any, then eight spare ones, so
+//! that eight lanes can be loaded anywhere.
 
 mod ahead;
 mod find;
 mod pack;
+mod ranks;
 mod rings;
 mod wall;
 
@@ -18,8 +19,11 @@ use crate::scene::{Dimension, Domain, Pairs, Side};
 use crate::space::column;
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::WIDTH;
+use crate::space::larger::larger;
 use crate::space::mirror::{Mirror, Planes};
-use crate::space::parallel::{each_mut, larger, three};
+use crate::space::parallel::{each_mut, three};
+use crate::space::ranks::Ranks;
+use crate::space::ranks::halo::Halo;
 use crate::space::row::Rows;
 use crate::space::sort::Cells;
 use crate::space::sweep::Records;
@@ -88,6 +92,10 @@ pub struct Flow {
     pub wall_cells: Cells,
     /// Images behind mirror planes, of a box that has them.
     pub mirror: Option<Mirror>,
+    /// The processes that share the run, where there are several.
+    pub ranks: Option<Ranks>,
+    /// What is near of theirs.
+    pub halo: Halo,
     /// For how long rows should last at the speeds of their making, s; 0: equal reach for all.
     pub lasting: f64,
     /// Fixed-point coordinates of the liquid when the rows were made.
@@ -164,6 +172,8 @@ impl Flow {
             liquid_cells: Cells::default(),
             wall_cells,
             mirror,
+            ranks: None,
+            halo: Halo::default(),
             lasting: 0.0,
             home: Default::default(),
             allowed: Vec::new(),
@@ -246,7 +256,7 @@ impl Flow {
             })
         };
         let parts = (0..n.div_ceil(PART)).into_par_iter();
-        parts.map(of_part).reduce(|| f64::NEG_INFINITY, larger)
+        self.largest(parts.map(of_part).reduce(|| f64::NEG_INFINITY, larger))
     }
 
     #[inline(always)]
@@ -267,7 +277,8 @@ impl Flow {
 
     /// Whether any particle is elsewhere than where the rows were made.
     pub fn has_moved(&self) -> bool {
-        (0..self.home[0].len()).any(|i| self.away_squared(i) > 0.0)
+        let has = (0..self.home[0].len()).any(|i| self.away_squared(i) > 0.0);
+        self.largest(f64::from(u8::from(has))) > 0.0
     }
 
     /// Search radius of cell columns that covers `support` in spite of what moved since the sort,
@@ -336,15 +347,18 @@ impl Flow {
 
     /// Brings `at` to the current positions.
     pub fn place(&mut self) {
-        let (n, m, images) = (self.liquid(), self.walls(), self.images());
+        let (n, m, others) = (self.liquid(), self.walls(), self.others());
         for a in 0..3 {
-            self.at[a].resize(n + m + images + WIDTH, 0);
+            self.at[a].resize(n + m + others + WIDTH, 0);
             let (liquid, wall) = (&self.particles.position[a], &self.wall.position[a]);
             let (own, rest) = self.at[a].split_at_mut(n);
             for (x, at) in [(liquid, own), (wall, &mut rest[..m])] {
                 let parts = at.par_chunks_mut(PART).zip(x.par_chunks(PART));
                 parts.for_each(|(at, x)| self.grid.fix_all(a, x, at));
             }
+        }
+        if let Some(ranks) = &self.ranks {
+            self.at.iter_mut().for_each(|at| self.halo.fill(ranks, at));
         }
         if let Some(mirror) = &self.mirror {
             mirror.place(&mut self.at);
@@ -364,7 +378,8 @@ impl Flow {
         let scratch = self.spare.memory() as f64 / n;
         let building = self.rows.scratch()
             + self.wall_rows.scratch()
-            + self.mirror.as_ref().map_or(0, Mirror::memory);
+            + self.mirror.as_ref().map_or(0, Mirror::memory)
+            + self.halo.memory();
         let bare = p + records + cells + scratch + building as f64 / n;
         let rows = (self.rows.entries() + self.wall_rows.entries()) as f64 * 4.0 / n;
         (bare, bare + rows + 4.0)

@@ -16,13 +16,14 @@ impl Flow {
         wall: impl Fn(&Wall, usize) -> P + Sync,
     ) {
         let (n, m) = (self.liquid(), self.walls());
-        let count = n + m + self.images() + WIDTH;
+        let count = n + m + self.others() + WIDTH;
         let records = self.records.carry::<P>();
         records.resize(count, Record::default());
         let (p, w) = (&self.particles, &self.wall);
         let (own, rest) = records.split_at_mut(n);
         write(&self.grid, &p.position, own, |i| liquid(p, i));
         write(&self.grid, &w.position, &mut rest[..m], |i| wall(w, i));
+        self.fill_ghosts();
         if let Some(mirror) = &self.mirror {
             mirror.copy(&mut self.records);
         }
@@ -39,6 +40,7 @@ impl Flow {
         let of_wall = &mut others[..w.position[0].len()];
         each_mut(of_liquid, |i, record| record.carry(words_of(liquid(p, i))));
         each_mut(of_wall, |i, record| record.carry(words_of(wall(w, i))));
+        self.fill_ghosts();
         if let Some(mirror) = &self.mirror {
             mirror.copy(&mut self.records);
         }
@@ -53,6 +55,7 @@ impl Flow {
         let of_wall = n..n + self.wall.position[0].len();
         let records = &mut self.records.carrying::<P>()[of_wall];
         each_mut(records, |i, record| record.carry(words_of(wall(i))));
+        self.fill_ghosts();
         if let Some(mirror) = &self.mirror {
             mirror.copy_wall(&mut self.records);
         }

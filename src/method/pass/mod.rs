@@ -10,6 +10,7 @@ use crate::kernel::Kernel;
 use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
+use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
 payload! {
@@ -287,7 +288,7 @@ pub struct Neighbourhood<K, V> {
 }
 
 /// Sums of [`Neighbourhood`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Surroundings {
     /// Viscous acceleration, m/s^2; once that is held, a normal of the surface of any length.
     pub vector: [f32; 3],

@@ -4,6 +4,7 @@ use super::Moving;
 use crate::kernel::Kernel;
 use crate::space::lane::{Real, dot};
 use crate::space::sweep::{Pair, Pass};
+use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
 /// Extrapolation of pressure and velocity from the liquid to a wall particle (Adami, Hu & Adams
@@ -14,7 +15,7 @@ pub struct Extrapolation<K> {
 }
 
 /// Sums of [`Extrapolation`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct WallSums {
     /// SUM w.
     pub weight: f32,

@@ -174,7 +174,7 @@ impl Solver {
         }
         self.product(equation, matrix, x);
         let image = &self.image;
-        let [mut rr] = sum_mut(&mut self.one, &mut self.residual[..n], |i, slots| {
+        let [mut rr] = sum_mut(&mut self.one, n, &mut self.residual[..n], |i, slots| {
             let r = right[i] - image[i];
             *slots = r;
             [r * r]
@@ -212,6 +212,7 @@ impl Solver {
             }
             [rr] = sum_mut(
                 &mut self.one,
+                n,
                 (&mut self.residual[..n], &mut x[..n]),
                 |i, (r, x)| {
                     *x += alpha * p[i];

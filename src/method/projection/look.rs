@@ -1,9 +1,10 @@
 //! What a particle knows of its neighbourhood, whatever the method.
 
 use super::correction::Tensor;
+use serde::{Deserialize, Serialize};
 
 /// Sums at r^n. `T`: the method's own.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Sums<T> {
     /// What the method sums beside the kernel.
     pub own: T,
@@ -14,7 +15,7 @@ pub struct Sums<T> {
 }
 
 /// The neighbourhood at r*.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Local {
     /// Density as the method sums it, over rho0.
     pub number: f32,

@@ -10,14 +10,8 @@ const STRIDE: f64 = 2.0;
 
 impl<S: Scheme> Projection<S> {
     fn fault(&self, what: String, remedy: &str) -> Diverged {
-        let (i, _) = frame::fastest(&self.liquid.flow);
-        frame::fault(
-            &self.liquid.flow,
-            (self.liquid.now.time, self.liquid.now.step),
-            i,
-            what,
-            remedy,
-        )
+        let now = (self.liquid.now.time, self.liquid.now.step);
+        frame::fault(frame::fastest(&self.liquid.flow), now, what, remedy)
     }
 
     /// An error if anything is not a number or ran away in a step of `dt` s.

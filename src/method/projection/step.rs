@@ -308,6 +308,7 @@ impl<S: Scheme> Projection<S> {
         let weights = &p.weight;
         let [work] = sum_mut(
             &mut self.liquid.parts,
+            n,
             (three(&mut p.position, n), three(&mut p.velocity, n)),
             |i, (x, mut v)| {
                 for a in 0..3 {

@@ -33,7 +33,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Energy of compression, J.
     pub(super) fn compression(&self) -> f64 {
         let (model, p) = (&self.model, &self.liquid.flow.particles);
-        let [energy] = sum(p.len(), |i| [p.weight(i) * model.compression(p.density[i])]);
+        let [energy] = sum(self.liquid.flow.span(), |i| {
+            [p.weight(i) * model.compression(p.density[i])]
+        });
         p.mass * energy
     }
 
@@ -44,7 +46,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         let (model, walls, wall) = (&self.model, &self.walls, &self.liquid.flow.wall);
         let factor = self.gradient_factor();
-        let [power] = sum_in(&mut self.liquid.parts, walls.density.len(), |j| {
+        let [power] = sum_in(&mut self.liquid.parts, self.liquid.flow.wall_span(), |j| {
             let rho = walls.density[j];
             let closing = wall.weight(j) * walls.sums[j].closing as f64;
             [model.pressure(rho) / (rho * rho) * closing]
@@ -77,6 +79,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let (model, p, found) = (&self.model, &self.liquid.flow.particles, &self.own.force);
         let [power] = sum_mut(
             &mut self.liquid.parts,
+            self.liquid.flow.span(),
             &mut self.own.rate[..p.len()],
             |i, rate| {
                 let rho = p.density[i] + 0.5 * dt * found[i][0] as f64;

@@ -130,7 +130,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let speed = 2.0 * self.liquid.now.max_speed
             + 0.1 * model.sound_speed
             + self.liquid.now.max_acceleration * dt;
-        let [energy] = sum_in(&mut self.liquid.parts, p.len(), |i| {
+        let [energy] = sum_in(&mut self.liquid.parts, self.liquid.flow.span(), |i| {
             let mut square = 0.0;
             for (v, held) in p.velocity.iter().zip(&held[i]) {
                 square += (v[i] + *held as f64 * dt).powi(2);
@@ -149,7 +149,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         if self.liquid.now.max_speed <= sound.min(bound) {
             return Ok(());
         }
-        let (_, speed) = frame::fastest(&self.liquid.flow);
+        let speed = frame::fastest(&self.liquid.flow).speed;
         Err(self.fault(if bound < sound {
             format!("speed {speed:.4e} m/s above {bound:.4e} m/s, more than a step can give")
         } else {
@@ -164,7 +164,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             Some(_) => model.sound_speed,
             None => 0.0,
         };
-        let [energy] = sum_in(&mut self.liquid.parts, p.len(), |i| {
+        let [energy] = sum_in(&mut self.liquid.parts, self.liquid.flow.span(), |i| {
             let compressed = (p.density[i] / model.density - 1.0).max(0.0);
             let mass = p.mass * p.weight(i);
             [0.5 * mass * (p.speed(i).powi(2) + (sound * compressed).powi(2))]
@@ -181,11 +181,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     fn fault(&self, what: String) -> Diverged {
         let remedy = "a larger method.wcsph.sound_speed_factor or a smaller time step";
-        let (now, (i, _)) = (
-            (self.liquid.now.time, self.liquid.now.step),
-            frame::fastest(&self.liquid.flow),
-        );
-        frame::fault(&self.liquid.flow, now, i, what, remedy)
+        let now = (self.liquid.now.time, self.liquid.now.step);
+        frame::fault(frame::fastest(&self.liquid.flow), now, what, remedy)
     }
 
     fn remember(&mut self) {
@@ -209,5 +206,6 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         (self.liquid.now, self.liquid.ledger) = (control.now, control.ledger);
         self.model.sound_speed = control.sound_speed;
         self.tension_age = f64::INFINITY;
+        self.liquid.flow.count();
     }
 }

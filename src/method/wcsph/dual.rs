@@ -223,11 +223,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             (0..3).for_each(|a| self.own.driven[i].1[a] -= dry[a]);
         }
         let (around, driven) = (&self.own.around, &self.own.driven);
+        let span = self.liquid.flow.span();
         let p = &mut self.liquid.flow.particles;
         let twice = 2.0 * model.density * gradient;
         let g = self.liquid.body_force.constant.unwrap_or_default();
         let [work] = sum_mut(
             &mut self.liquid.parts,
+            span,
             (
                 &mut p.density[..around.len()],
                 three(&mut p.position, around.len()),

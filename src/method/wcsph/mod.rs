@@ -115,7 +115,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             },
         };
         Liquid::load(state, &mut own);
-        let is_new = own.held.is_empty();
+        let is_new = !state.has("acceleration_x");
         own.held.resize(n, [0.0; 3]);
         model.load(state);
         let mut steps = control::Steps::default();
@@ -164,7 +164,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// Largest acceleration held now, m/s^2.
     fn acceleration(&self) -> f64 {
         let square = |i: usize| self.own.held[i].iter().map(|a| (*a as f64).powi(2)).sum();
-        max(self.own.held.len(), square).max(0.0).sqrt()
+        max(self.liquid.flow.span(), square).max(0.0).sqrt()
     }
 
     fn limits_now(&self) -> Limits<'_> {
@@ -178,6 +178,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.liquid.confine(&mut self.own);
         self.liquid.ledger.removal += self.stored() - before;
         self.tension_age = f64::INFINITY;
+        self.liquid.flow.balance();
         self.sort();
         self.look();
         if self.adapt() {

@@ -119,10 +119,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         // Pressure works by the mean of its values now and in the step before, and goes on to do so
         // where density no longer follows.
         let (model, rate, dt) = (&self.model, &self.own.rate, self.liquid.now.last_step);
+        let span = self.liquid.flow.span();
         let p = &mut self.liquid.flow.particles;
         let (torn, mass, weights) = (model.pressure(least), p.mass, &p.weight);
         let [given] = sum_mut(
             &mut self.liquid.parts,
+            span,
             &mut p.density[..around.len()],
             |i, rho| {
                 if around[i].kernel_sum(sums) >= SURFACE || *rho >= least {

@@ -7,6 +7,7 @@ mod block;
 mod kept;
 mod near;
 mod payload;
+mod shared;
 mod stage;
 
 use super::grid::Scale;
@@ -19,6 +20,7 @@ pub use kept::Kept;
 pub use near::{Field, runs};
 pub use payload::{Fields, Payload, PayloadField, Records, WORDS, words_of};
 use rayon::prelude::*;
+pub use shared::runs_shared;
 pub(super) use stage::{STAGED, Stage};
 
 /// Rows name records that are not there.

@@ -33,6 +33,8 @@ pub struct Field<'a, const W: usize = 3, const O: usize = 3> {
     pub cutoff: f64,
     /// Fixed-point units to multiples of the smoothing length.
     pub scale: Scale,
+    /// Place of the first target in the order of all ranks' targets.
+    pub first: usize,
 }
 
 impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
@@ -52,6 +54,7 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
             own: self.own,
             cutoff: self.cutoff,
             scale: self.scale,
+            first: self.first,
         }
     }
 
@@ -84,6 +87,7 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
             own,
             cutoff: self.cutoff,
             scale: self.scale,
+            first: self.first,
         }
     }
 }
@@ -108,17 +112,24 @@ pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     let all = field.at[0].len();
     let carried = field.payload.iter().all(|words| words.len() >= all);
     assert!(carried, "points without a payload");
-    out.par_chunks_mut(CHUNK)
-        .zip(targets.par_chunks(CHUNK))
-        .for_each(|(out, targets)| {
-            let job = InRuns {
-                field,
-                targets,
-                pass,
-                out,
-            };
-            lane::run(field.scale.precision, job);
-        });
+    let sum = |(out, targets)| {
+        let job = InRuns {
+            field,
+            targets,
+            pass,
+            out,
+        };
+        lane::run(field.scale.precision, job);
+    };
+    // Chunks begin where those of all targets do: targets of a chunk look together.
+    let head = (CHUNK - field.first % CHUNK) % CHUNK;
+    let (out, others) = out.split_at_mut(head.min(targets.len()));
+    let (targets, more) = targets.split_at(out.len());
+    let chunks = others.par_chunks_mut(CHUNK).zip(more.par_chunks(CHUNK));
+    rayon::join(
+        || (!targets.is_empty()).then(|| sum((out, targets))),
+        || chunks.for_each(sum),
+    );
 }
 
 /// Some targets of [`runs`].

@@ -188,6 +188,11 @@ impl Records {
         &mut self.all
     }
 
+    /// The records, for a caller that takes some from where the same was packed.
+    pub(in crate::space) fn all(&mut self) -> &mut [Record] {
+        &mut self.all
+    }
+
     /// The records, for a caller that moves them, or changes the payload of some.
     ///
     /// # Panics

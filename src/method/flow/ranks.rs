@@ -1,0 +1,150 @@
+//! What a flow shares with other ranks: ghosts, particles that change rank, counts and extremes.
+
+use super::Flow;
+use crate::particle::column::{Columns, Entry, Role, Visitor};
+use crate::particle::migrate::{Emigrate, Immigrate};
+use crate::space::ranks::span::Span;
+use crate::space::ranks::{decoded, encoded};
+
+impl Flow {
+    /// Records beside those of this rank's particles and of walls: images or ghosts.
+    pub(super) fn others(&self) -> usize {
+        self.images() + self.halo.len()
+    }
+
+    /// The particles, for a sum over those of all ranks.
+    pub fn span(&self) -> Span {
+        match &self.ranks {
+            None => self.liquid().into(),
+            Some(ranks) => Span::shared(&ranks.with, &ranks.first, 0),
+        }
+    }
+
+    /// The walls, likewise.
+    pub fn wall_span(&self) -> Span {
+        match &self.ranks {
+            None => self.walls().into(),
+            Some(ranks) => ranks.span(&self.grid, &self.wall_cells.start),
+        }
+    }
+
+    /// Particles of all ranks.
+    pub fn total(&self) -> usize {
+        self.ranks
+            .as_ref()
+            .map_or(self.liquid(), |ranks| ranks.total())
+    }
+
+    /// Mass of the particles of all ranks, kg.
+    pub fn total_mass(&self) -> f64 {
+        match self.is_axial() {
+            true => self.particles.total_mass(),
+            false => self.particles.mass * self.total() as f64,
+        }
+    }
+
+    /// Mass of as many particles as are `gone`, kg; `before`: that of all before they went.
+    pub fn lost(&self, gone: u64, before: f64) -> f64 {
+        match self.is_axial() {
+            true => before - self.total_mass(),
+            false => gone as f64 * self.particles.mass,
+        }
+    }
+
+    /// The largest of a number of each rank; NaN wins.
+    pub fn largest(&self, own: f64) -> f64 {
+        self.ranks.as_ref().map_or(own, |ranks| ranks.max(own))
+    }
+
+    /// Particles of all ranks that are not among the `kept`, the indices of what stays; `None`: all
+    /// of this rank stay.
+    pub fn gone(&self, kept: Option<&[u32]>) -> u64 {
+        let own = kept.map_or(0, |kept| self.liquid() - kept.len()) as u64;
+        self.ranks.as_ref().map_or(own, |ranks| ranks.sum(own))
+    }
+
+    /// Takes over how many particles each rank has now.
+    pub fn count(&mut self) {
+        let count = self.liquid();
+        if let Some(ranks) = &mut self.ranks {
+            ranks.count(count);
+        }
+    }
+
+    /// Gives every rank about the same number of particles from the next sort on.
+    pub fn balance(&mut self) {
+        let Some(ranks) = &mut self.ranks else {
+            return;
+        };
+        let (grid, x) = (&self.grid, &self.particles.position);
+        let mut counts = vec![0; grid.count[0]];
+        for i in 0..x[0].len() {
+            counts[grid.cell([x[0][i], x[1][i], x[2][i]])[0]] += 1;
+        }
+        ranks.balance(&counts);
+    }
+
+    /// Gives particles to the ranks that own their slabs, with `own` columns and what is `held`
+    /// beside. They come in the order of all.
+    pub fn migrate(&mut self, own: &mut impl Columns, held: &mut Vec<impl Entry>) {
+        let Some(ranks) = &self.ranks else {
+            return;
+        };
+        let (grid, x) = (&self.grid, &self.particles.position);
+        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); ranks.size()];
+        for i in 0..x[0].len() {
+            let slab = grid.cell([x[0][i], x[1][i], x[2][i]])[0];
+            lists[ranks.owner(slab)].push(i as u32);
+        }
+        let mut leaving = Emigrate::new(lists, ranks.rank());
+        self.particles.visit(&mut leaving);
+        own.visit(&mut leaving);
+        leaving.visit(Role::Held, held);
+        let (kept, out) = leaving.into_parts();
+        let all = ranks.trade(out.iter().map(encoded).collect());
+        let all = all.into_iter().map(|bytes| decoded(&bytes)).collect();
+        let mut coming = Immigrate::new(kept, all, ranks.rank());
+        self.particles.visit(&mut coming);
+        own.visit(&mut coming);
+        coming.visit(Role::Held, held);
+        self.count();
+    }
+
+    /// Positions of particles and ghosts in the order of all, m, and their records; nothing on one
+    /// rank or without mirror planes.
+    pub(super) fn with_ghosts(&self) -> ([Vec<f64>; 3], Vec<u32>) {
+        let (Some(ranks), Some(_)) = (&self.ranks, &self.mirror) else {
+            return Default::default();
+        };
+        let n = self.liquid();
+        let index = self
+            .halo
+            .in_order(n, ranks.slabs(ranks.rank()).start, &self.grid);
+        let all = self.particles.position.each_ref().map(|own| {
+            let mut points = own.clone();
+            points.resize(self.halo.first + self.halo.len(), 0.0);
+            self.halo.fill_liquid(ranks, &mut points);
+            index.iter().map(|&i| points[i as usize]).collect()
+        });
+        (all, index)
+    }
+
+    /// Finds which particles and walls of other ranks are near.
+    pub(super) fn find_ghosts(&mut self) {
+        let Some(ranks) = &self.ranks else {
+            return;
+        };
+        let most = self.lengths.most(self.slack);
+        let reach = (self.lengths.support + 2.0 * most).max(self.lengths.longest + 2.0 * most);
+        let (liquid, wall) = (&self.liquid_cells, &self.wall_cells);
+        self.halo
+            .find(ranks, &self.grid, liquid, wall, reach + most);
+    }
+
+    /// Records of ghosts, and of walls of other ranks, from theirs.
+    pub(super) fn fill_ghosts(&mut self) {
+        if let Some(ranks) = &self.ranks {
+            self.halo.fill_records(ranks, &mut self.records);
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! A solver on several ranks: rank 0 has the pipeline, and says what the others do.
+
+use super::pressure::Equation;
+use super::pressure::multigrid::Domain;
+use super::{Diverged, Solver};
+use crate::particle::{Frame, Particles, State};
+use crate::space::ranks::{Communicator, decoded, encoded, gather};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What rank 0 tells the others.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+enum Order {
+    Meet(f64),
+    Advance,
+    /// A step is over, and has been seen.
+    GoOn,
+    State,
+    Frame,
+    Unrest,
+    End,
+}
+
+/// Gives all ranks what rank 0 has.
+pub fn broadcast<T: Serialize + DeserializeOwned>(with: &dyn Communicator, value: Option<T>) -> T {
+    match value {
+        Some(value) if with.rank() == 0 => {
+            let bytes = encoded(&value);
+            let to: Vec<(usize, Vec<u8>)> =
+                (1..with.size()).map(|rank| (rank, bytes.clone())).collect();
+            with.exchange(&to, &[]);
+            value
+        }
+        _ => decoded(&with.exchange(&[], &[0])[0]),
+    }
+}
+
+/// On rank 0: the solver of all.
+pub struct Shared {
+    /// That of this rank.
+    own: Box<dyn Solver>,
+    with: Arc<dyn Communicator>,
+    count: usize,
+}
+
+impl Shared {
+    /// `own`: the part of rank 0; the others [`serve`] theirs. `count`: particles of all.
+    pub fn new(own: Box<dyn Solver>, with: Arc<dyn Communicator>, count: usize) -> Self {
+        Shared { own, with, count }
+    }
+
+    fn tell(&self, order: Order) {
+        broadcast(&*self.with, Some(order));
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        self.tell(Order::End);
+    }
+}
+
+impl Solver for Shared {
+    fn time(&self) -> f64 {
+        self.own.time()
+    }
+
+    fn step_count(&self) -> u64 {
+        self.own.step_count()
+    }
+
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn meet(&mut self, interval: f64) {
+        self.tell(Order::Meet(interval));
+        self.own.meet(interval);
+    }
+
+    fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
+        self.tell(Order::Advance);
+        let (with, count) = (&*self.with, self.count);
+        let result = self.own.advance(&mut |own| {
+            on_step(&Seen { own, with, count });
+            broadcast(with, Some(Order::GoOn));
+        });
+        self.count = counted(with, self.own.len());
+        result
+    }
+
+    fn state(&self) -> State {
+        seen(self).state()
+    }
+
+    fn frame(&self) -> Frame {
+        seen(self).frame()
+    }
+
+    fn unrest(&self) -> (f64, f64) {
+        seen(self).unrest()
+    }
+
+    fn limits(&self) -> Vec<(&'static str, f64)> {
+        self.own.limits()
+    }
+
+    fn memory(&self) -> (f64, f64) {
+        self.own.memory()
+    }
+
+    fn equation(&mut self) -> Option<(&mut Equation, Domain)> {
+        None
+    }
+}
+
+/// The solver of all between two steps.
+struct Seen<'a> {
+    own: &'a dyn Solver,
+    with: &'a dyn Communicator,
+    count: usize,
+}
+
+fn seen(shared: &Shared) -> Seen<'_> {
+    Seen {
+        own: &*shared.own,
+        with: &*shared.with,
+        count: shared.count,
+    }
+}
+
+impl Seen<'_> {
+    fn tell(&self, order: Order) {
+        broadcast(self.with, Some(order));
+    }
+}
+
+impl Solver for Seen<'_> {
+    fn time(&self) -> f64 {
+        self.own.time()
+    }
+
+    fn step_count(&self) -> u64 {
+        self.own.step_count()
+    }
+
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn meet(&mut self, _: f64) {
+        unreachable!("only looked at");
+    }
+
+    fn advance(&mut self, _: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
+        unreachable!("only looked at");
+    }
+
+    fn state(&self) -> State {
+        self.tell(Order::State);
+        whole_state(gather(self.with, &self.own.state()))
+    }
+
+    fn frame(&self) -> Frame {
+        self.tell(Order::Frame);
+        whole_frame(gather(self.with, &self.own.frame()))
+    }
+
+    fn unrest(&self) -> (f64, f64) {
+        self.tell(Order::Unrest);
+        self.own.unrest()
+    }
+
+    fn limits(&self) -> Vec<(&'static str, f64)> {
+        self.own.limits()
+    }
+
+    fn memory(&self) -> (f64, f64) {
+        self.own.memory()
+    }
+}
+
+/// On the other ranks: does what rank 0 says, until it drops its solver.
+pub fn serve(mut own: Box<dyn Solver>, with: &dyn Communicator) {
+    loop {
+        match broadcast(with, None) {
+            Order::Meet(interval) => own.meet(interval),
+            Order::Advance => {
+                // Rank 0 has the same error.
+                let _ = own.advance(&mut |own| {
+                    while let Some(order) = going_on(broadcast(with, None)) {
+                        answer(own, with, order);
+                    }
+                });
+                counted(with, own.len());
+            }
+            Order::End => return,
+            order => answer(&*own, with, order),
+        }
+    }
+}
+
+fn going_on(order: Order) -> Option<Order> {
+    match order {
+        Order::GoOn => None,
+        order => Some(order),
+    }
+}
+
+fn answer(own: &dyn Solver, with: &dyn Communicator, order: Order) {
+    match order {
+        Order::State => {
+            gather(with, &own.state());
+        }
+        Order::Frame => {
+            gather(with, &own.frame());
+        }
+        Order::Unrest => {
+            own.unrest();
+        }
+        other => unreachable!("{other:?} between steps"),
+    }
+}
+
+/// Particles of all ranks.
+pub fn counted(with: &dyn Communicator, own: usize) -> usize {
+    gather(with, &(own as u64)).iter().sum::<u64>() as usize
+}
+
+/// The state of all: particles in the order of the ranks.
+fn whole_state(parts: Vec<State>) -> State {
+    let mut parts = parts.into_iter();
+    let mut whole = parts.next().expect("at least one rank");
+    for part in parts {
+        append(&mut whole.particles, &part.particles);
+        for (array, (_, more)) in whole.arrays.iter_mut().zip(part.arrays) {
+            array.1.extend(more);
+        }
+    }
+    whole
+}
+
+fn append(whole: &mut Particles, part: &Particles) {
+    whole.id.extend(&part.id);
+    whole.body.extend(&part.body);
+    for a in 0..3 {
+        whole.position[a].extend(&part.position[a]);
+        whole.velocity[a].extend(&part.velocity[a]);
+    }
+    whole.density.extend(&part.density);
+    whole.weight.extend(&part.weight);
+}
+
+/// The frame of all, sorted by id.
+fn whole_frame(parts: Vec<Frame>) -> Frame {
+    let ids: Vec<u32> = parts
+        .iter()
+        .flat_map(|part| part.id.iter().copied())
+        .collect();
+    let mut order: Vec<u32> = (0..ids.len() as u32).collect();
+    order.sort_unstable_by_key(|&k| ids[k as usize]);
+    fn merged<T: Copy>(parts: &[Frame], order: &[u32], of: impl Fn(&Frame) -> &Vec<T>) -> Vec<T> {
+        let all: Vec<T> = parts
+            .iter()
+            .flat_map(|part| of(part).iter().copied())
+            .collect();
+        match all.is_empty() {
+            true => all,
+            false => order.iter().map(|&k| all[k as usize]).collect(),
+        }
+    }
+    let (parts, order) = (&parts[..], &order[..]);
+    Frame {
+        time: parts[0].time,
+        id: merged(parts, order, |f| &f.id),
+        body: merged(parts, order, |f| &f.body),
+        position: [0, 1, 2].map(|a| merged(parts, order, |f| &f.position[a])),
+        velocity: [0, 1, 2].map(|a| merged(parts, order, |f| &f.velocity[a])),
+        pressure: merged(parts, order, |f| &f.pressure),
+        density: merged(parts, order, |f| &f.density),
+        surface: merged(parts, order, |f| &f.surface),
+        mass: merged(parts, order, |f| &f.mass),
+        scalars: parts[0].scalars.clone(),
+    }
+}

@@ -1,0 +1,247 @@
+//! Ghosts: copies of what lies in the slabs beside those of a rank.
+//!
+//! Points of a rank: its own, all walls, then its ghosts, which are in the order of all. Walls are
+//! the same everywhere, but a rank finds what only its own slabs' walls carry.
+
+use super::Ranks;
+use crate::space::grid::Grid;
+use crate::space::lane::Record;
+use crate::space::row::Source;
+use crate::space::sort::Cells;
+use crate::space::sweep::Records;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::ops::Range;
+
+/// What a point carries from rank to rank.
+pub trait Carried: Copy + Serialize + DeserializeOwned {}
+
+impl<T: Copy + Serialize + DeserializeOwned> Carried for T {}
+
+/// See the [module](self).
+#[derive(Clone, Default)]
+pub struct Halo {
+    /// First ghost of each cell, and the number of all.
+    start: Vec<u32>,
+    /// First ghost among the points.
+    pub first: usize,
+    /// By rank: what it gets from here, and what here comes from it.
+    to: Vec<Share>,
+    from: Vec<Share>,
+}
+
+/// Points that one rank has and another needs.
+#[derive(Clone, Debug, Default)]
+struct Share {
+    liquid: Vec<Range<usize>>,
+    wall: Vec<Range<usize>>,
+}
+
+impl Share {
+    fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.liquid.iter().chain(&self.wall).cloned()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.ranges().all(|range| range.is_empty())
+    }
+}
+
+/// The slabs within `reach` cells of those of a rank, its own left out.
+fn beside(ranks: &Ranks, grid: &Grid, rank: usize, reach: usize) -> Vec<usize> {
+    let (own, count) = (ranks.slabs(rank), grid.count[0]);
+    if own.is_empty() {
+        return Vec::new();
+    }
+    let near = |slab: &usize| {
+        let ahead = (own.start + count - slab) % count;
+        let behind = (slab + count - (own.end - 1)) % count;
+        let within = |away: usize| away <= reach;
+        match grid.periodic[0] {
+            true => within(ahead) || within(behind),
+            false => *slab + reach >= own.start && *slab < own.end + reach,
+        }
+    };
+    (0..count)
+        .filter(|slab| !own.contains(slab))
+        .filter(near)
+        .collect()
+}
+
+/// Cells of slabs.
+fn cells_of<'a>(grid: &Grid, slabs: &'a [usize]) -> impl Iterator<Item = usize> + use<'a> {
+    let cells = grid.count[1] * grid.count[2];
+    slabs
+        .iter()
+        .flat_map(move |slab| slab * cells..(slab + 1) * cells)
+}
+
+/// Points of slabs, where `start` has the first of each cell.
+fn points(grid: &Grid, start: &[u32], slabs: &[usize]) -> Vec<Range<usize>> {
+    let cells = grid.count[1] * grid.count[2];
+    let at = |slab: usize| start[slab * cells] as usize;
+    let mut found: Vec<Range<usize>> = Vec::new();
+    for &slab in slabs {
+        let range = at(slab)..at(slab + 1);
+        match found.last_mut() {
+            Some(last) if last.end == range.start => last.end = range.end,
+            _ => found.push(range),
+        }
+    }
+    found
+}
+
+impl Halo {
+    /// Finds the ghosts within `reach` m of the slabs of each rank. `liquid` and `wall`: cells of
+    /// this rank's particles, and of all walls.
+    pub fn find(&mut self, ranks: &Ranks, grid: &Grid, liquid: &Cells, wall: &Cells, reach: f64) {
+        let far = (reach / grid.edge[0]).ceil() as usize;
+        let own = ranks.rank();
+        let n = liquid.order.len();
+        self.first = n + wall.order.len();
+        let needs = |rank: usize| beside(ranks, grid, rank, far);
+        let shared = |of: usize, needed: &[usize]| -> Vec<usize> {
+            let range = ranks.slabs(of);
+            let is = |slab: &usize| range.contains(slab);
+            needed.iter().copied().filter(is).collect()
+        };
+        let of_wall = |slabs: &[usize]| {
+            let ranges = points(grid, &wall.start, slabs).into_iter();
+            ranges.map(|range| n + range.start..n + range.end).collect()
+        };
+        self.to.clear();
+        let mut out = Vec::new();
+        for rank in 0..ranks.size() {
+            // Its own slabs are none that it needs.
+            let mine = shared(own, &needs(rank));
+            self.to.push(Share {
+                liquid: points(grid, &liquid.start, &mine),
+                wall: of_wall(&mine),
+            });
+            let count = |cell: usize| liquid.start[cell + 1] - liquid.start[cell];
+            let counts: Vec<u32> = cells_of(grid, &mine).map(count).collect();
+            out.push(super::encoded(&counts));
+        }
+        let counted = ranks.trade(out);
+        let needed = needs(own);
+        self.start.clear();
+        self.start.resize(grid.cells() + 1, 0);
+        self.from.clear();
+        let mut next = self.first;
+        for (rank, bytes) in counted.iter().enumerate() {
+            let theirs = shared(rank, &needed);
+            let counts: Vec<u32> = super::decoded(bytes);
+            let first = next;
+            for (cell, count) in cells_of(grid, &theirs).zip(counts) {
+                self.start[cell + 1] = count;
+                next += count as usize;
+            }
+            let ghosts = first..next;
+            self.from.push(Share {
+                liquid: vec![ghosts],
+                wall: of_wall(&theirs),
+            });
+        }
+        for cell in 1..self.start.len() {
+            self.start[cell] += self.start[cell - 1];
+        }
+    }
+
+    /// How many ghosts there are.
+    pub fn len(&self) -> usize {
+        self.start.last().map_or(0, |&last| last as usize)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The ghosts as a source.
+    pub fn source(&self) -> Source<'_> {
+        Source {
+            start: &self.start,
+            offset: self.first,
+        }
+    }
+
+    /// Ghosts and walls of other ranks get what those have; `points` of this rank.
+    pub fn fill<T: Carried>(&self, ranks: &Ranks, points: &mut [T]) {
+        self.fill_as(ranks, points, |point| *point, |point| point);
+    }
+
+    /// Records of `n` own particles and of the ghosts in the order of all; `slab`: the first own
+    /// one.
+    pub fn in_order(&self, n: usize, slab: usize, grid: &Grid) -> Vec<u32> {
+        let before = self.start[slab * grid.count[1] * grid.count[2]];
+        let first = self.first as u32;
+        let ghosts = first..first + self.len() as u32;
+        (first..first + before)
+            .chain(0..n as u32)
+            .chain(first + before..ghosts.end)
+            .collect()
+    }
+
+    /// [`Halo::fill`] of the liquid alone.
+    pub fn fill_liquid<T: Carried>(&self, ranks: &Ranks, points: &mut [T]) {
+        let mut halo = self.clone();
+        let shares = halo.to.iter_mut().chain(&mut halo.from);
+        shares.for_each(|share| share.wall.clear());
+        halo.fill(ranks, points);
+    }
+
+    /// The same for records.
+    pub fn fill_records(&self, ranks: &Ranks, records: &mut Records) {
+        self.fill_as(ranks, records.all(), |record| record.0, Record);
+    }
+
+    fn fill_as<T, W: Carried>(
+        &self,
+        ranks: &Ranks,
+        points: &mut [T],
+        take: impl Fn(&T) -> W,
+        give: impl Fn(W) -> T,
+    ) {
+        let collect = |share: &Share| -> Vec<W> {
+            let ranges = share.ranges();
+            ranges
+                .flat_map(|range| points[range].iter().map(&take))
+                .collect()
+        };
+        let filled = |(rank, share)| -> Option<(usize, &Share)> {
+            let share: &Share = share;
+            (!share.is_empty()).then_some((rank, share))
+        };
+        let to = self.to.iter().enumerate().filter_map(filled);
+        let to: Vec<(usize, Vec<u8>)> = to
+            .map(|(rank, share)| (rank, super::encoded(&collect(share))))
+            .collect();
+        let from = self.from.iter().enumerate().filter_map(filled);
+        let (others, shares): (Vec<usize>, Vec<&Share>) = from.unzip();
+        let all = ranks.with.exchange(&to, &others);
+        for (bytes, share) in all.iter().zip(shares) {
+            let mut values = super::decoded::<Vec<W>>(bytes).into_iter();
+            for point in share.ranges().flatten() {
+                points[point] = give(values.next().expect("a value of every point"));
+            }
+        }
+    }
+
+    /// What every rank says of the cells in its slabs.
+    pub fn join_cells<T: Carried>(&self, ranks: &Ranks, grid: &Grid, cells: &mut [T]) {
+        let slab = grid.count[1] * grid.count[2];
+        let of = |rank: usize| {
+            let slabs = ranks.slabs(rank);
+            slabs.start * slab..slabs.end * slab
+        };
+        let all = ranks.gather(&cells[of(ranks.rank())].to_vec());
+        for (rank, values) in all.into_iter().enumerate() {
+            cells[of(rank)].copy_from_slice(&values);
+        }
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        4 * self.start.capacity()
+    }
+}

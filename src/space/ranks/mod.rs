@@ -1,0 +1,188 @@
+//! One run on several processes ("ranks"), with the bits of one process.
+//!
+//! Cells are sorted by x first, so that a slab of cells is a contiguous part of the sort order.
+//! Each rank owns consecutive slabs with all particles in them, and has copies ("ghosts") of what
+//! lies in the slabs beside its own. Every sum over neighbours then has the terms of one process in
+//! its order. A sum over all particles goes on from rank to rank inside a chunk, and adds up the
+//! chunks in their order ([`span`]).
+//!
+//! [`Communicator`] is what a transport offers: [`local`] connects threads of one process.
+//! Tests: tests/engine/method_ranks.rs.
+
+pub mod halo;
+pub mod local;
+pub mod span;
+
+use super::grid::{Grid, WIDE};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use span::Span;
+use std::sync::Arc;
+
+/// What connects the ranks of a run. All ranks make the same calls in the same order.
+pub trait Communicator: Send + Sync {
+    /// Which rank this is, from 0.
+    fn rank(&self) -> usize;
+    /// How many ranks there are.
+    fn size(&self) -> usize;
+    /// Sends bytes to other ranks, and returns what the ranks `from` have sent to this one, in
+    /// this order. No rank twice, and not this one.
+    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>>;
+}
+
+const CODING: bincode::config::Configuration<
+    bincode::config::LittleEndian,
+    bincode::config::Fixint,
+> = bincode::config::standard().with_fixed_int_encoding();
+
+/// Bytes of a value.
+///
+/// # Panics
+/// If the value cannot be written, which those of this crate can.
+pub fn encoded(value: &impl Serialize) -> Vec<u8> {
+    bincode::serde::encode_to_vec(value, CODING).expect("a value of plain numbers")
+}
+
+/// The value of bytes from [`encoded`].
+///
+/// # Panics
+/// If they are not the bytes of such a value: then the ranks run different programs.
+pub fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> T {
+    let (value, _) =
+        bincode::serde::decode_from_slice(bytes, CODING).expect("all ranks run the same program");
+    value
+}
+
+/// How the ranks of a run share its cells.
+#[derive(Clone)]
+pub struct Ranks {
+    /// The other ranks.
+    pub with: Arc<dyn Communicator>,
+    /// First slab of each rank, and the number of slabs.
+    pub cuts: Vec<usize>,
+    /// First particle of each rank in the order of all, and their number.
+    pub first: Arc<[usize]>,
+}
+
+impl Ranks {
+    /// All slabs of `grid` belong to rank 0, which has all `count` particles.
+    pub fn new(with: Arc<dyn Communicator>, grid: &Grid, count: usize) -> Self {
+        let mut cuts = vec![grid.count[0]; with.size() + 1];
+        cuts[0] = 0;
+        let mut ranks = Ranks {
+            with,
+            cuts,
+            first: Arc::new([]),
+        };
+        ranks.count(count);
+        ranks
+    }
+
+    /// This rank.
+    pub fn rank(&self) -> usize {
+        self.with.rank()
+    }
+
+    /// How many there are.
+    pub fn size(&self) -> usize {
+        self.with.size()
+    }
+
+    /// Particles of all ranks.
+    pub fn total(&self) -> usize {
+        self.first[self.size()]
+    }
+
+    /// Takes over that this rank has `count` particles.
+    pub fn count(&mut self, count: usize) {
+        self.first = span::starts(&*self.with, count);
+    }
+
+    /// The rank that owns a slab.
+    pub fn owner(&self, slab: usize) -> usize {
+        self.cuts[1..self.size()].partition_point(|&cut| cut <= slab)
+    }
+
+    /// Slabs of a rank.
+    pub fn slabs(&self, rank: usize) -> std::ops::Range<usize> {
+        self.cuts[rank]..self.cuts[rank + 1]
+    }
+
+    /// Points that every rank has, of which each counts those in its own slabs; `start`: first of
+    /// each cell, and the number of all.
+    pub fn span(&self, grid: &Grid, start: &[u32]) -> Span {
+        let slab = grid.count[1] * grid.count[2];
+        let starts = self.cuts.iter().map(|cut| start[cut * slab] as usize);
+        let starts: Arc<[usize]> = starts.collect();
+        Span::shared(&self.with, &starts, starts[self.rank()])
+    }
+
+    /// Gives every rank slabs with about the same number of particles: `counts` are those of this
+    /// rank in each slab. Slabs that sums look at together stay together.
+    pub fn balance(&mut self, counts: &[u32]) {
+        let all = self.gather(&counts.to_vec());
+        let mut counts = vec![0u64; counts.len()];
+        for of_rank in all {
+            counts
+                .iter_mut()
+                .zip(of_rank)
+                .for_each(|(sum, c)| *sum += c as u64);
+        }
+        let total: u64 = counts.iter().sum();
+        let (mut slab, mut before) = (0, 0);
+        for rank in 1..self.size() {
+            let wanted = total * rank as u64 / self.size() as u64;
+            while slab < counts.len() {
+                let end = (slab + WIDE).min(counts.len());
+                let here: u64 = counts[slab..end].iter().sum();
+                // The nearer of the two sides of a block.
+                if before + here / 2 >= wanted {
+                    break;
+                }
+                (slab, before) = (end, before + here);
+            }
+            self.cuts[rank] = slab;
+        }
+    }
+
+    /// What every rank has, in their order.
+    pub fn gather<T: Serialize + DeserializeOwned>(&self, own: &T) -> Vec<T> {
+        gather(&*self.with, own)
+    }
+
+    /// The largest of a number that each rank has; NaN wins.
+    pub fn max(&self, own: f64) -> f64 {
+        let all = self.gather(&own);
+        all.into_iter()
+            .fold(f64::NEG_INFINITY, super::larger::larger)
+    }
+
+    /// The sum of a number that each rank has.
+    pub fn sum(&self, own: u64) -> u64 {
+        self.gather(&own).into_iter().sum()
+    }
+
+    /// Gives every rank what the others have for it, in the order of the ranks; `out`: by rank.
+    pub fn trade(&self, mut out: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        let own = std::mem::take(&mut out[self.rank()]);
+        let others: Vec<usize> = (0..self.size()).filter(|&r| r != self.rank()).collect();
+        let to: Vec<(usize, Vec<u8>)> = out
+            .into_iter()
+            .enumerate()
+            .filter(|(rank, _)| *rank != self.rank())
+            .collect();
+        let mut all = self.with.exchange(&to, &others);
+        all.insert(self.rank(), own);
+        all
+    }
+}
+
+/// What every rank has, in their order.
+pub fn gather<T: Serialize + DeserializeOwned>(with: &dyn Communicator, own: &T) -> Vec<T> {
+    let bytes = encoded(own);
+    let others: Vec<usize> = (0..with.size()).filter(|&r| r != with.rank()).collect();
+    let to: Vec<(usize, Vec<u8>)> = others.iter().map(|&r| (r, bytes.clone())).collect();
+    let mut all = with.exchange(&to, &others);
+    all.insert(with.rank(), bytes);
+    all.iter().map(|bytes| decoded(bytes)).collect()
+}

@@ -1,0 +1,123 @@
+//! [`runs`] over targets of which other ranks have more, with the sums of one process.
+//!
+//! Targets that lie together look at the same candidates, and what is rounded depends on who looks
+//! together. Where a block of targets goes on from one rank to the next, both sum over all of it,
+//! and each keeps the sums of its own.
+
+use super::block::{Block, MEMBERS};
+use super::{Field, Pass, runs};
+use crate::space::column::Columns;
+use crate::space::grid::WIDE;
+use crate::space::ranks::span::Span;
+use crate::space::ranks::{decoded, encoded, gather};
+use crate::space::row::CHUNK;
+use serde::{Deserialize, Serialize};
+
+/// A target of another rank.
+#[derive(Clone, Serialize, Deserialize)]
+struct Guest {
+    /// m.
+    at: [f64; 3],
+    /// What it carries.
+    own: Vec<f32>,
+}
+
+impl Guest {
+    fn of<const O: usize>(position: &[Vec<f64>; 3], own: &[Vec<f32>; O], i: u32) -> Self {
+        let i = i as usize;
+        Guest {
+            at: [0, 1, 2].map(|a| position[a][i]),
+            own: own.iter().map(|words| words[i]).collect(),
+        }
+    }
+}
+
+/// [`runs`]; `span`: `targets` in the list of all ranks. A pass must ask for nothing of a target
+/// but what it carries.
+pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+    field: Field<W, O>,
+    span: &Span,
+    targets: &[u32],
+    pass: &P,
+    out: &mut [P::Out],
+) where
+    P::Out: Copy + Default,
+{
+    let Some(with) = span.ranks() else {
+        return runs(field, targets, pass, out);
+    };
+    // What may go on in the last block of this rank.
+    let heads = targets.iter().take(MEMBERS - 1);
+    let heads: Vec<Guest> = heads
+        .map(|&i| Guest::of(field.position, field.own, i))
+        .collect();
+    let heads = gather(with, &heads).into_iter().skip(with.rank() + 1);
+    let after: Vec<Guest> = heads.flatten().take(MEMBERS - 1).collect();
+    let columns = Columns::new(field.grid, field.cutoff, WIDE);
+    // The block that lower ranks have begun.
+    let before: Vec<Guest> = match with.rank() {
+        0 => Vec::new(),
+        rank => decoded(&with.exchange(&[], &[rank - 1])[0]),
+    };
+    let mut position = field.position.clone();
+    let mut own = field.own.clone();
+    let mut add = |guests: &[Guest]| -> Vec<u32> {
+        let mut index = Vec::new();
+        for guest in guests {
+            // Words may be longer than positions: they are of all points.
+            let place = position[0].len().max(own.first().map_or(0, Vec::len));
+            for a in 0..3 {
+                position[a].resize(place, 0.0);
+                position[a].push(guest.at[a]);
+            }
+            for (words, word) in own.iter_mut().zip(&guest.own) {
+                words.resize(place, 0.0);
+                words.push(*word);
+            }
+            index.push(place as u32);
+        }
+        index
+    };
+    let mut all = add(&before);
+    all.extend_from_slice(targets);
+    let first = span.first() - before.len();
+    let last = add(&after);
+    if with.rank() + 1 < with.size() {
+        let count = begun(&position, &columns, &all, first);
+        let open = all[all.len() - count..].iter();
+        let guests: Vec<Guest> = open.map(|&i| Guest::of(&position, &own, i)).collect();
+        with.exchange(&[(with.rank() + 1, encoded(&guests))], &[]);
+    }
+    all.extend(last);
+    let mut sums = vec![P::Out::default(); all.len()];
+    let field = Field {
+        position: &position,
+        own: &own,
+        first,
+        ..field
+    };
+    runs(field, &all, pass, &mut sums);
+    let kept = &sums[before.len()..];
+    out.copy_from_slice(&kept[..targets.len()]);
+}
+
+/// How many of the last targets are in a block to which others may be added; `first`: place of the
+/// first target in the list of all.
+fn begun(position: &[Vec<f64>; 3], columns: &Columns, all: &[u32], first: usize) -> usize {
+    let end = first + all.len();
+    if end.is_multiple_of(CHUNK) {
+        return 0;
+    }
+    let mut begin = (end / CHUNK * CHUNK).max(first) - first;
+    while begin < all.len() {
+        let (block, _) = Block::of(position, columns, &all[begin..]);
+        if begin + block.count == all.len() {
+            return match block.count < MEMBERS {
+                true => block.count,
+                false => 0,
+            };
+        }
+        begin += block.count;
+    }
+    0
+}

@@ -1,0 +1,137 @@
+//! One run on several processes that `mpirun` has started: rank 0 runs the pipeline, the others
+//! share its solvers.
+
+#[cfg(feature = "mpi")]
+mod mpi;
+
+use std::sync::{Arc, OnceLock};
+
+use anyhow::{Context as _, Result, bail};
+use coronet::method::{self, MethodError, Phase, Solver, shared};
+use coronet::particle::State;
+use coronet::scene::{Problem, Scene};
+use coronet::space::ranks::Communicator;
+use serde::{Deserialize, Serialize};
+
+use crate::fault::Usage;
+
+static WORLD: OnceLock<Arc<dyn Communicator>> = OnceLock::new();
+
+/// Which solver of a scene.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub enum Part {
+    /// Of the relaxation of a body.
+    Relax(usize),
+    /// Of the impact.
+    Impact,
+}
+
+/// How many processes a launcher of MPI has started with this one.
+fn launched() -> usize {
+    let names = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
+    let mut sizes = names
+        .iter()
+        .filter_map(|name| std::env::var(name).ok()?.parse().ok());
+    sizes.next().unwrap_or(1)
+}
+
+/// Joins the other processes, if there are any.
+///
+/// # Errors
+/// A program without MPI.
+pub fn join() -> Result<()> {
+    if launched() < 2 {
+        return Ok(());
+    }
+    #[cfg(feature = "mpi")]
+    let _ = WORLD.set(Arc::new(mpi::World::join()?));
+    if WORLD.get().is_none() {
+        bail!(Usage(
+            "this program was built without MPI, so that several processes cannot share a run; \
+             build it with --features mpi"
+                .to_string()
+        ));
+    }
+    Ok(())
+}
+
+/// The other processes.
+pub fn world() -> Option<&'static Arc<dyn Communicator>> {
+    WORLD.get()
+}
+
+/// Whether this process only helps another.
+pub fn is_helper() -> bool {
+    world().is_some_and(|world| world.rank() > 0)
+}
+
+/// An error if there are several processes, and they cannot share a scene.
+///
+/// # Errors
+/// As it says.
+pub fn check(scene: &Scene) -> Result<()> {
+    let reason = world().and_then(|_| method::alone(scene));
+    match reason {
+        None => Ok(()),
+        Some(reason) => bail!(Usage(MethodError::Alone(reason).to_string())),
+    }
+}
+
+/// Builds the solver of `part` of a scene, on all ranks if there are several.
+///
+/// # Errors
+/// As [`method::build`] and [`method::build_shared`].
+pub fn build(
+    part: Part,
+    problem: &Problem,
+    state: State,
+    phase: Phase,
+    strength: Option<f64>,
+) -> Result<Box<dyn Solver>, MethodError> {
+    let Some(world) = world() else {
+        return method::build(problem, state, phase, strength);
+    };
+    shared::broadcast(&**world, Some(Some(part)));
+    method::build_shared(world, problem, Some(state), phase, strength)
+}
+
+/// Helps rank 0 with a scene until it has ended.
+///
+/// # Errors
+/// As [`build`].
+pub fn help(scene: &Scene) -> Result<()> {
+    let Some(world) = world() else {
+        return Ok(());
+    };
+    while let Some(part) = shared::broadcast::<Option<Part>>(&**world, None) {
+        let (problem, phase) = match part {
+            Part::Relax(body) => {
+                let input = scene
+                    .relax_input(body)
+                    .context("a body that does not relax")?;
+                let damping = input.relax.damping;
+                (input.problem, Phase::Relax { damping })
+            }
+            Part::Impact => (scene.impact_input().problem, Phase::Impact),
+        };
+        let solver = method::build_shared(world, &problem, None, phase, None);
+        // Rank 0 has the same error, and says so.
+        if let Ok(solver) = solver {
+            shared::serve(solver, &**world);
+        }
+    }
+    Ok(())
+}
+
+/// Lets the others go, at the end of rank 0.
+pub fn part() {
+    if let Some(world) = world()
+        && world.rank() == 0
+    {
+        shared::broadcast::<Option<Part>>(&**world, Some(None));
+    }
+    #[cfg(feature = "mpi")]
+    if world().is_some() {
+        mpi::World::part();
+    }
+}

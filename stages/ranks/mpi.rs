@@ -1,0 +1,84 @@
+//! Ranks that are processes of MPI.
+
+use std::sync::Mutex;
+
+use anyhow::{Context as _, Result, ensure};
+use coronet::space::ranks::Communicator;
+use mpi::Threading;
+use mpi::environment::Universe;
+use mpi::request::multiple_scope;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{Communicator as _, Destination as _, Source as _};
+
+/// Most bytes of a message: their number must be an `int` of C. What is longer goes in pieces, of
+/// which only the last is shorter than this.
+const PIECE: usize = 1 << 30;
+
+static UNIVERSE: Mutex<Option<Universe>> = Mutex::new(None);
+
+/// All processes of the launch.
+pub struct World {
+    rank: usize,
+    size: usize,
+}
+
+impl World {
+    /// Joins the others.
+    pub fn join() -> Result<Self> {
+        let joined = mpi::initialize_with_threading(Threading::Serialized);
+        let (universe, found) = joined.context("MPI has started twice")?;
+        ensure!(
+            found >= Threading::Serialized,
+            "this MPI library lets only the main thread of a program communicate; use one with \
+             MPI_THREAD_SERIALIZED"
+        );
+        let world = universe.world();
+        let (rank, size) = (world.rank() as usize, world.size() as usize);
+        *UNIVERSE.lock().expect("only held for a moment") = Some(universe);
+        Ok(World { rank, size })
+    }
+
+    /// Leaves the others.
+    pub fn part() {
+        UNIVERSE.lock().expect("only held for a moment").take();
+    }
+}
+
+impl Communicator for World {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.size
+    }
+
+    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
+        let world = SimpleCommunicator::world();
+        let pieces = |bytes: &Vec<u8>| bytes.len() / PIECE + 1;
+        let count = to.iter().map(|(_, bytes)| pieces(bytes)).sum();
+        multiple_scope(count, |scope, sending| {
+            for (rank, bytes) in to {
+                let other = world.process_at_rank(*rank as i32);
+                for k in 0..pieces(bytes) {
+                    let piece = &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)];
+                    sending.add(other.immediate_send(scope, piece));
+                }
+            }
+            let receive = |&rank: &usize| {
+                let other = world.process_at_rank(rank as i32);
+                let mut all = other.receive_vec::<u8>().0;
+                let mut last = all.len();
+                while last == PIECE {
+                    let more = other.receive_vec::<u8>().0;
+                    last = more.len();
+                    all.extend(more);
+                }
+                all
+            };
+            let received = from.iter().map(receive).collect();
+            sending.wait_all(&mut Vec::new());
+            received
+        })
+    }
+}

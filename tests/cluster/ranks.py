@@ -1,0 +1,110 @@
+"""One run on several processes of MPI: the digests of one process, also after kills."""
+
+import json
+import pathlib
+import random
+import subprocess
+import tempfile
+import time
+
+from place import PROGRAM, Place, say
+
+SCENES = {
+    "drop on a pool": [],
+    "walls": ["--set", "box.x=wall", "--set", "box.y=wall"],
+    "open sides, mist": ["--set", "box.x=open", "--set", "body.drop.velocity=4 m/s"],
+    "quarter": ["--set", "box.symmetry=quarter"],
+    "two dimensions": [
+        "--set", "dimension=2", "--set", "box.size=['8 mm', '9 mm']",
+        "--set", "body.drop={disc={diameter='2.4 mm', gap='0.4 mm', above='pool'}, velocity='1.5 m/s'}",
+    ],
+    "as printed": [
+        "--set", "method.preset=paper", "--set", "impact.end=2 ms",
+        "--set", "method.wcsph.time_stepping={adaptive={safety=1}}",
+        "--set", "effects.tension=none",
+    ],
+}
+KILLS = 20
+ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+
+
+def launch(place, ranks, words):
+    start = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), PROGRAM]
+    return subprocess.Popen(
+        [*start, "run", "tiny.toml", "--json", *words],
+        cwd=place.folder,
+        env={**place.environment, **ROOT},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def digests(text):
+    lines = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+    stages = [line for line in lines if "status" in line]
+    return {(s["stage"], s["body"]): s["digest"] for s in stages}
+
+
+def finished(place, ranks, words):
+    process = launch(place, ranks, words)
+    out, err = process.communicate()
+    assert process.returncode == 0, f"{ranks} ranks: {process.returncode}\n{out}{err}"
+    return digests(out)
+
+
+def same_digests(folder):
+    for name, sets in SCENES.items():
+        place = Place(folder / name.replace(" ", "-"))
+        _, alone, _ = place.run("--threads", "1", "--artifacts", "alone", *sets)
+        for ranks in [2, 3, 4, 7]:
+            for threads in ["1", "2"]:
+                words = ["--threads", threads, "--artifacts", f"with-{ranks}-{threads}", *sets]
+                assert finished(place, ranks, words) == alone, f"{name}: {ranks} ranks"
+        say(f"{name}: 2, 3, 4 and 7 ranks with 1 and 2 threads have the digests of one process")
+
+
+def children(process):
+    found = subprocess.run(
+        ["pgrep", "--parent", str(process.pid)], capture_output=True, text=True
+    ).stdout
+    return [int(number) for number in found.split()]
+
+
+def kills(folder):
+    place, random_numbers = Place(folder / "kills"), random.Random(1)
+    words = ["--threads", "1", "--set", "impact.checkpoint_every=0.2 s"]
+    _, alone, _ = place.run(*words, "--artifacts", "alone")
+    done = 0
+    while done < KILLS:
+        folder = f"killed-{done}"
+        while True:
+            ranks = random_numbers.choice([2, 3, 4])
+            process = launch(place, ranks, [*words, "--artifacts", folder])
+            time.sleep(random_numbers.uniform(0.5, 4))
+            victims = children(process)
+            if process.poll() is None and victims and done < KILLS:
+                subprocess.run(["kill", "-KILL", str(random_numbers.choice(victims))])
+                done += 1
+            out, err = process.communicate()
+            if process.returncode == 0:
+                break
+        assert digests(out) == alone, f"after kills: {err}"
+    say(f"{KILLS} kills of a rank: the same digests, with other numbers of ranks")
+
+
+def refused(folder):
+    place = Place(folder / "refused")
+    process = launch(place, 2, ["--set", "method.name=isph"])
+    _, err = process.communicate()
+    assert process.returncode != 0 and "several processes cannot share" in err, err
+    say("a method that ranks cannot share is refused in words")
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        same_digests(folder)
+        kills(folder)
+        refused(folder)

@@ -1,0 +1,192 @@
+//! Several ranks give the bits of one process: frames, states, and what goes on from a state.
+
+use super::method_scene::disturbed;
+use coronet::method::{self, MethodError, Phase, Solver, shared};
+use coronet::particle::{Frame, State};
+use coronet::scene::{Scene, file};
+use coronet::space::ranks::{Communicator, local};
+use std::path::Path;
+use std::sync::Arc;
+
+const GRAVITY: &str = "[effects.gravity]\nacceleration = '9.81 m/s^2'\n";
+const VISCOSITY: &str = "[effects.viscosity]\ndynamic = '20 mPa s'\n";
+const TENSION: &str = "[effects.tension]\ncoefficient = '50 mN/m'\n";
+const MODERN: &str = "name = 'wcsph'\n";
+
+/// A drop above a pool that is 24 spacings wide, or 48 in two dimensions without a mirror plane.
+fn scene(dimension: usize, sides: &str, effects: &str, method: &str) -> Scene {
+    let (round, middle, lateral) = match (dimension, sides.contains("symmetry")) {
+        (3, _) => ("sphere", "'4.8 mm', '4.8 mm'", "'9.6 mm', '9.6 mm'"),
+        (_, true) => ("disc", "'4.8 mm'", "'9.6 mm'"),
+        _ => ("disc", "'4.8 mm'", "'19.2 mm'"),
+    };
+    let text = format!(
+        "dimension = {dimension}\n[box]\nsize = [{lateral}, '9.6 mm']\n{sides}\n[liquid]\n\
+         density = '1100 kg/m^3'\n{effects}[body.pool]\nlayer = {{ depth = '1.6 mm' }}\n\
+         [body.drop]\n{round} = {{ diameter = '3.2 mm', centre = [{middle}, '3.6 mm'] }}\n\
+         velocity = '2 m/s'\n[pack]\nspacing = '0.4 mm'\narrangement = 'lattice'\n\
+         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\n{method}"
+    );
+    let loaded = file::read(&text, Path::new("ranks.toml"), &[]);
+    loaded
+        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+        .scene
+}
+
+/// The frames after each advance, and the state at the end.
+type Seen = (Vec<Frame>, State);
+
+fn run(solver: &mut dyn Solver, advances: usize) -> Seen {
+    solver.meet(1e-4);
+    let mut frames = vec![solver.frame()];
+    for _ in 0..advances {
+        let mut last = None;
+        solver.advance(&mut |s| last = Some(s.frame())).unwrap();
+        frames.extend(last);
+    }
+    (frames, solver.state())
+}
+
+fn alone(scene: &Scene, state: &State, advances: usize) -> Seen {
+    let mut solver = method::build(scene, state.clone(), Phase::Impact, None).unwrap();
+    run(&mut *solver, advances)
+}
+
+/// Calls `f` on so many ranks, with so many threads each; what rank 0 returns.
+fn on_ranks<T: Send>(
+    [size, threads]: [usize; 2],
+    f: impl Fn(&Arc<dyn Communicator>) -> T + Sync,
+) -> T {
+    std::thread::scope(|scope| {
+        let ranks: Vec<_> = local::ranks(size)
+            .into_iter()
+            .map(|with| {
+                let with: Arc<dyn Communicator> = with;
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                let f = &f;
+                scope.spawn(move || pool.unwrap().install(|| f(&with)))
+            })
+            .collect();
+        let mut all = ranks.into_iter().map(|rank| rank.join().unwrap());
+        let first = all.next().unwrap();
+        all.for_each(drop);
+        first
+    })
+}
+
+fn together(scene: &Scene, state: &State, ranks: [usize; 2], advances: usize) -> Seen {
+    let seen = on_ranks(ranks, |with| {
+        let state = (with.rank() == 0).then(|| state.clone());
+        let built = method::build_shared(with, scene, state, Phase::Impact, None);
+        let mut solver = built.unwrap();
+        if with.rank() > 0 {
+            shared::serve(solver, &**with);
+            return None;
+        }
+        Some(run(&mut *solver, advances))
+    });
+    seen.unwrap()
+}
+
+fn same(about: &str, (frames, end): &Seen, (found, state): &Seen) {
+    for (k, (frame, found)) in frames.iter().zip(found).enumerate() {
+        for (wanted, scalar) in frame.scalars.iter().zip(&found.scalars) {
+            assert_eq!(wanted, scalar, "{about}, frame {k}");
+        }
+        assert!(frame == found, "{about}, frame {k}");
+    }
+    assert!(end == state, "{about}, the state at the end");
+}
+
+fn check(scene: &Scene, advances: usize) {
+    let start = disturbed(scene, 0.1);
+    let whole = alone(scene, &start, advances);
+    for ranks in [[1, 1], [2, 1], [3, 2], [7, 1]] {
+        let parts = together(scene, &start, ranks, advances);
+        same(&format!("{ranks:?} ranks and threads"), &whole, &parts);
+    }
+}
+
+#[test]
+fn walls_and_periodic_sides() {
+    let effects = format!("{GRAVITY}{VISCOSITY}");
+    for sides in ["", "x = 'wall'\n"] {
+        check(&scene(2, sides, &effects, MODERN), 30);
+        check(&scene(3, sides, &effects, MODERN), 4);
+    }
+}
+
+#[test]
+fn what_leaves() {
+    let effects = format!("{GRAVITY}{VISCOSITY}");
+    let open = scene(2, "x = 'open'\n", &effects, MODERN);
+    check(&open, 120);
+    let start = disturbed(&open, 0.1);
+    let (frames, _) = alone(&open, &start, 120);
+    let gone = frames.last().unwrap().scalars.iter();
+    let gone = gone.clone().find(|scalar| scalar.0 == "mass_removed_kg");
+    assert!(gone.unwrap().1 > 0.0, "nothing leaves the box");
+}
+
+#[test]
+fn tension() {
+    let effects = format!("{GRAVITY}{VISCOSITY}{TENSION}");
+    for sides in ["", "x = 'wall'\n"] {
+        check(&scene(2, sides, &effects, MODERN), 30);
+        check(&scene(3, sides, &effects, MODERN), 4);
+    }
+}
+
+#[test]
+fn a_contact_angle() {
+    let wetting = "[effects.wetting]\nangle = '60 deg'\n";
+    let effects = format!("{GRAVITY}{VISCOSITY}{TENSION}{wetting}");
+    check(&scene(2, "x = 'wall'\n", &effects, MODERN), 30);
+    check(&scene(3, "", &effects, MODERN), 4);
+}
+
+#[test]
+fn mirror_planes() {
+    let effects = format!("{GRAVITY}{VISCOSITY}{TENSION}");
+    check(&scene(2, "symmetry = 'half'\n", &effects, MODERN), 30);
+    check(&scene(3, "symmetry = 'quarter'\n", &effects, MODERN), 4);
+    check(
+        &scene(
+            3,
+            "symmetry = 'quarter'\ny = 'wall'\nx = 'wall'\n",
+            &effects,
+            MODERN,
+        ),
+        4,
+    );
+}
+
+#[test]
+fn steps_of_one_rate() {
+    let paper = "name = 'wcsph'\npreset = 'paper'\n\
+                 wcsph = { time_stepping = { adaptive = { safety = 1 } } }\n";
+    let effects = format!("{GRAVITY}{VISCOSITY}");
+    check(&scene(2, "x = 'wall'\n", &effects, paper), 5);
+}
+
+#[test]
+fn a_state_goes_on_with_other_ranks() {
+    let effects = format!("{GRAVITY}{VISCOSITY}{TENSION}");
+    let scene = scene(2, "", &effects, MODERN);
+    let start = disturbed(&scene, 0.1);
+    let whole = alone(&scene, &start, 20);
+    let (_, middle) = together(&scene, &start, [4, 1], 10);
+    let (_, end) = together(&scene, &middle, [3, 1], 10);
+    assert!(whole.1 == end);
+}
+
+#[test]
+fn what_ranks_cannot_share_is_refused() {
+    let scene = scene(2, "", GRAVITY, "name = 'isph'\n");
+    let state = disturbed(&scene, 0.1);
+    let error = on_ranks([2, 1], |with| {
+        let state = (with.rank() == 0).then(|| state.clone());
+        method::build_shared(with, &scene, state, Phase::Impact, None).err()
+    });
+    assert!(matches!(error, Some(MethodError::Alone(_))), "{error:?}");
+}

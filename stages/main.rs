@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     let done = check(&arguments.command)
         .and_then(|()| ranks::join())
         .and_then(|()| obey(&arguments.command));
-    ranks::part();
+    ranks::leave();
     let code = match &done {
         Ok(()) => 0,
         Err(error) => {

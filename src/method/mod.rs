@@ -30,7 +30,7 @@ use crate::effect::surface::Surface;
 use crate::effect::tension::{Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::particle::{Frame, State, Wall};
+use crate::particle::{Frame, Particles, State, Wall};
 use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionForm, TensionStrength};
 use crate::space::ranks::{Communicator, Ranks};
 use crate::space::row::Source;
@@ -154,7 +154,7 @@ pub fn build(
     }
     let case = Case::new(problem, phase);
     let strength = strength_of(problem, &case, &state, strength)?;
-    build_on(None, problem, state, phase, strength)
+    build_on(None, problem, case, state, strength, phase)
 }
 
 /// The same on several ranks, each of which calls it: on rank 0 the solver of all, on the others
@@ -172,30 +172,41 @@ pub fn build_shared(
     if let Some(reason) = alone(problem) {
         return Err(MethodError::Alone(reason));
     }
-    let found = state.as_ref().map(|state| {
-        let case = Case::new(problem, phase);
-        strength_of(problem, &case, state, strength)
+    let case = Case::new(problem, phase);
+    let found = state.map(|state| match state.particles.is_empty() {
+        true => Err(MethodError::Empty),
+        false => strength_of(problem, &case, &state, strength).map(|strength| (state, strength)),
     });
-    let strength = found.transpose()?;
-    let empty = state.as_ref().map(|state| State {
-        particles: crate::particle::Particles {
-            mass: state.particles.mass,
-            ..Default::default()
-        },
-        arrays: state
-            .arrays
-            .iter()
-            .map(|(name, _)| (name.clone(), Vec::new()))
-            .collect(),
-        ..state.clone()
+    let begun = found.as_ref().map(|found| {
+        let (state, strength) = found.as_ref().ok()?;
+        Some((without_particles(state), *strength))
     });
-    let (empty, strength) = shared::broadcast(&**with, empty.zip(strength));
-    let own = build_on(Some(with), problem, state.unwrap_or(empty), phase, strength)?;
+    // Where rank 0 cannot begin, the others get nothing.
+    let begun = shared::broadcast(&**with, begun);
+    let (state, strength) = match found {
+        Some(found) => found?,
+        None => begun.ok_or(MethodError::Empty)?,
+    };
+    let own = build_on(Some(with), problem, case, state, strength, phase)?;
     let count = shared::counted(&**with, own.len());
     Ok(match with.rank() {
         0 => Box::new(shared::Shared::new(own, with.clone(), count)),
         _ => own,
     })
+}
+
+/// What a rank without particles has of a state.
+fn without_particles(state: &State) -> State {
+    let names = state.arrays.iter().map(|(name, _)| name.clone());
+    State {
+        particles: Particles {
+            mass: state.particles.mass,
+            ..Particles::default()
+        },
+        arrays: names.map(|name| (name, Vec::new())).collect(),
+        scalars: state.scalars.clone(),
+        ..*state
+    }
 }
 
 /// Why several ranks cannot share a problem.
@@ -221,11 +232,11 @@ pub fn alone(problem: &Problem) -> Option<&'static str> {
 fn build_on(
     with: Option<&Arc<dyn Communicator>>,
     problem: &Problem,
+    case: Case,
     state: State,
-    phase: Phase,
     strength: f64,
+    phase: Phase,
 ) -> Result<Box<dyn Solver>, MethodError> {
-    let case = Case::new(problem, phase);
     let wall = crate::particle::wall::build(problem);
     let mut flow = flow_of(&case, state.particles.clone(), wall)?;
     flow.ranks = with.map(|with| Ranks::new(with.clone(), &flow.grid, flow.liquid()));
@@ -330,11 +341,7 @@ impl select::Visitor for Parts<'_> {
 }
 
 /// Cells and rows for a case's lengths.
-fn flow_of(
-    case: &Case,
-    particles: crate::particle::Particles,
-    wall: Wall,
-) -> Result<Flow, MethodError> {
+fn flow_of(case: &Case, particles: Particles, wall: Wall) -> Result<Flow, MethodError> {
     let support = 2.0 * case.h;
     // Wendland C2: slope (1 - q/2)^3 is below 1.3e-4 of its peak within 0.1 h of the support's
     // edge. A pressure equation must have both halves of a pair or none.

@@ -1,7 +1,5 @@
 //! A solver on several ranks: rank 0 has the pipeline, and says what the others do.
 
-use super::pressure::Equation;
-use super::pressure::multigrid::Domain;
 use super::{Diverged, Solver};
 use crate::particle::{Frame, Particles, State};
 use crate::space::ranks::{Communicator, decoded, encoded, gather};
@@ -36,18 +34,39 @@ pub fn broadcast<T: Serialize + DeserializeOwned>(with: &dyn Communicator, value
     }
 }
 
+/// The part of rank 0.
+enum Own<'a> {
+    Held(Box<dyn Solver>),
+    /// Between two steps it is only looked at.
+    Seen(&'a dyn Solver),
+}
+
 /// On rank 0: the solver of all.
-pub struct Shared {
-    /// That of this rank.
-    own: Box<dyn Solver>,
+pub struct Shared<'a> {
+    own: Own<'a>,
     with: Arc<dyn Communicator>,
     count: usize,
 }
 
-impl Shared {
+impl Shared<'_> {
     /// `own`: the part of rank 0; the others [`serve`] theirs. `count`: particles of all.
     pub fn new(own: Box<dyn Solver>, with: Arc<dyn Communicator>, count: usize) -> Self {
+        let own = Own::Held(own);
         Shared { own, with, count }
+    }
+
+    fn own(&self) -> &dyn Solver {
+        match &self.own {
+            Own::Held(own) => &**own,
+            Own::Seen(own) => *own,
+        }
+    }
+
+    fn held(&mut self) -> &mut dyn Solver {
+        match &mut self.own {
+            Own::Held(own) => &mut **own,
+            Own::Seen(_) => unreachable!("only looked at"),
+        }
     }
 
     fn tell(&self, order: Order) {
@@ -55,19 +74,21 @@ impl Shared {
     }
 }
 
-impl Drop for Shared {
+impl Drop for Shared<'_> {
     fn drop(&mut self) {
-        self.tell(Order::End);
+        if let Own::Held(_) = self.own {
+            self.tell(Order::End);
+        }
     }
 }
 
-impl Solver for Shared {
+impl Solver for Shared<'_> {
     fn time(&self) -> f64 {
-        self.own.time()
+        self.own().time()
     }
 
     fn step_count(&self) -> u64 {
-        self.own.step_count()
+        self.own().step_count()
     }
 
     fn len(&self) -> usize {
@@ -76,108 +97,43 @@ impl Solver for Shared {
 
     fn meet(&mut self, interval: f64) {
         self.tell(Order::Meet(interval));
-        self.own.meet(interval);
+        self.held().meet(interval);
     }
 
     fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
         self.tell(Order::Advance);
-        let (with, count) = (&*self.with, self.count);
-        let result = self.own.advance(&mut |own| {
-            on_step(&Seen { own, with, count });
-            broadcast(with, Some(Order::GoOn));
+        let (with, count) = (self.with.clone(), self.count);
+        let result = self.held().advance(&mut |own| {
+            let (own, with) = (Own::Seen(own), with.clone());
+            let seen = Shared { own, with, count };
+            on_step(&seen);
+            seen.tell(Order::GoOn);
         });
-        self.count = counted(with, self.own.len());
+        self.count = counted(&*with, self.own().len());
         result
     }
 
     fn state(&self) -> State {
-        seen(self).state()
-    }
-
-    fn frame(&self) -> Frame {
-        seen(self).frame()
-    }
-
-    fn unrest(&self) -> (f64, f64) {
-        seen(self).unrest()
-    }
-
-    fn limits(&self) -> Vec<(&'static str, f64)> {
-        self.own.limits()
-    }
-
-    fn memory(&self) -> (f64, f64) {
-        self.own.memory()
-    }
-
-    fn equation(&mut self) -> Option<(&mut Equation, Domain)> {
-        None
-    }
-}
-
-/// The solver of all between two steps.
-struct Seen<'a> {
-    own: &'a dyn Solver,
-    with: &'a dyn Communicator,
-    count: usize,
-}
-
-fn seen(shared: &Shared) -> Seen<'_> {
-    Seen {
-        own: &*shared.own,
-        with: &*shared.with,
-        count: shared.count,
-    }
-}
-
-impl Seen<'_> {
-    fn tell(&self, order: Order) {
-        broadcast(self.with, Some(order));
-    }
-}
-
-impl Solver for Seen<'_> {
-    fn time(&self) -> f64 {
-        self.own.time()
-    }
-
-    fn step_count(&self) -> u64 {
-        self.own.step_count()
-    }
-
-    fn len(&self) -> usize {
-        self.count
-    }
-
-    fn meet(&mut self, _: f64) {
-        unreachable!("only looked at");
-    }
-
-    fn advance(&mut self, _: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged> {
-        unreachable!("only looked at");
-    }
-
-    fn state(&self) -> State {
         self.tell(Order::State);
-        whole_state(gather(self.with, &self.own.state()))
+        whole_state(gather(&*self.with, &self.own().state()))
     }
 
     fn frame(&self) -> Frame {
         self.tell(Order::Frame);
-        whole_frame(gather(self.with, &self.own.frame()))
+        whole_frame(gather(&*self.with, &self.own().frame()))
     }
 
     fn unrest(&self) -> (f64, f64) {
         self.tell(Order::Unrest);
-        self.own.unrest()
+        self.own().unrest()
     }
 
     fn limits(&self) -> Vec<(&'static str, f64)> {
-        self.own.limits()
+        self.own().limits()
     }
 
     fn memory(&self) -> (f64, f64) {
-        self.own.memory()
+        self.own().memory()
     }
 }
 

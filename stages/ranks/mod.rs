@@ -124,7 +124,7 @@ pub fn help(scene: &Scene) -> Result<()> {
 }
 
 /// Lets the others go, at the end of rank 0.
-pub fn part() {
+pub fn leave() {
     if let Some(world) = world()
         && world.rank() == 0
     {
@@ -132,6 +132,6 @@ pub fn part() {
     }
     #[cfg(feature = "mpi")]
     if world().is_some() {
-        mpi::World::part();
+        mpi::World::leave();
     }
 }

@@ -39,7 +39,7 @@ impl World {
     }
 
     /// Leaves the others.
-    pub fn part() {
+    pub fn leave() {
         UNIVERSE.lock().expect("only held for a moment").take();
     }
 }

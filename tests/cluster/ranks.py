@@ -80,7 +80,7 @@ def children(process):
 
 def kills(folder):
     place, random_numbers = Place(folder / "kills"), random.Random(1)
-    words = ["--threads", "1", "--set", "impact.checkpoint_every=20 ms", "--set", "impact.end=20 ms"]
+    words = ["--threads", "1", "--set", "impact.checkpoint_every=200 ms", "--set", "impact.end=20 ms"]
     _, alone, _ = place.run(*words, "--artifacts", "alone")
     done = 0
     while done < KILLS:

@@ -4,7 +4,7 @@ use super::Flow;
 use crate::particle::column::{Columns, Entry, Role, Visitor};
 use crate::particle::migrate::{Emigrate, Immigrate};
 use crate::space::ranks::span::Span;
-use crate::space::ranks::{decoded, encoded};
+use crate::space::ranks::{decoded, encoded, largest};
 
 impl Flow {
     /// Records beside those of this rank's particles and of walls: images or ghosts.
@@ -53,7 +53,10 @@ impl Flow {
 
     /// The largest of a number of each rank; NaN wins.
     pub fn largest(&self, own: f64) -> f64 {
-        self.ranks.as_ref().map_or(own, |ranks| ranks.max(own))
+        match &self.ranks {
+            None => own,
+            Some(ranks) => largest(&*ranks.with, own),
+        }
     }
 
     /// Particles of all ranks that are not among the `kept`, the indices of what stays; `None`: all
@@ -123,7 +126,7 @@ impl Flow {
         let all = self.particles.position.each_ref().map(|own| {
             let mut points = own.clone();
             points.resize(self.halo.first + self.halo.len(), 0.0);
-            self.halo.fill_liquid(ranks, &mut points);
+            self.halo.fill(ranks, &mut points);
             index.iter().map(|&i| points[i as usize]).collect()
         });
         (all, index)

@@ -182,15 +182,7 @@ impl Halo {
             .collect()
     }
 
-    /// [`Halo::fill`] of the liquid alone.
-    pub fn fill_liquid<T: Carried>(&self, ranks: &Ranks, points: &mut [T]) {
-        let mut halo = self.clone();
-        let shares = halo.to.iter_mut().chain(&mut halo.from);
-        shares.for_each(|share| share.wall.clear());
-        halo.fill(ranks, points);
-    }
-
-    /// The same for records.
+    /// [`Halo::fill`] of records.
     pub fn fill_records(&self, ranks: &Ranks, records: &mut Records) {
         self.fill_as(ranks, records.all(), |record| record.0, Record);
     }

@@ -150,39 +150,35 @@ impl Ranks {
         gather(&*self.with, own)
     }
 
-    /// The largest of a number that each rank has; NaN wins.
-    pub fn max(&self, own: f64) -> f64 {
-        let all = self.gather(&own);
-        all.into_iter()
-            .fold(f64::NEG_INFINITY, super::larger::larger)
-    }
-
     /// The sum of a number that each rank has.
     pub fn sum(&self, own: u64) -> u64 {
         self.gather(&own).into_iter().sum()
     }
 
-    /// Gives every rank what the others have for it, in the order of the ranks; `out`: by rank.
-    pub fn trade(&self, mut out: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
-        let own = std::mem::take(&mut out[self.rank()]);
-        let others: Vec<usize> = (0..self.size()).filter(|&r| r != self.rank()).collect();
-        let to: Vec<(usize, Vec<u8>)> = out
-            .into_iter()
-            .enumerate()
-            .filter(|(rank, _)| *rank != self.rank())
-            .collect();
-        let mut all = self.with.exchange(&to, &others);
-        all.insert(self.rank(), own);
-        all
+    /// [`trade`] with the other ranks.
+    pub fn trade(&self, out: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        trade(&*self.with, out)
     }
+}
+
+/// Gives every rank what the others have for it, in the order of the ranks; `out`: by rank.
+pub fn trade(with: &dyn Communicator, out: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+    let mut to: Vec<(usize, Vec<u8>)> = out.into_iter().enumerate().collect();
+    let (rank, own) = to.remove(with.rank());
+    let others: Vec<usize> = to.iter().map(|(rank, _)| *rank).collect();
+    let mut all = with.exchange(&to, &others);
+    all.insert(rank, own);
+    all
 }
 
 /// What every rank has, in their order.
 pub fn gather<T: Serialize + DeserializeOwned>(with: &dyn Communicator, own: &T) -> Vec<T> {
-    let bytes = encoded(own);
-    let others: Vec<usize> = (0..with.size()).filter(|&r| r != with.rank()).collect();
-    let to: Vec<(usize, Vec<u8>)> = others.iter().map(|&r| (r, bytes.clone())).collect();
-    let mut all = with.exchange(&to, &others);
-    all.insert(with.rank(), bytes);
+    let all = trade(with, vec![encoded(own); with.size()]);
     all.iter().map(|bytes| decoded(bytes)).collect()
+}
+
+/// The largest of a number that each rank has; NaN wins.
+pub fn largest(with: &dyn Communicator, own: f64) -> f64 {
+    let all = gather(with, &own).into_iter();
+    all.fold(f64::NEG_INFINITY, super::larger::larger)
 }

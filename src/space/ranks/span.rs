@@ -1,6 +1,6 @@
 //! Items of which other ranks have more, and sums over all of them.
 
-use super::{Communicator, decoded, encoded, gather};
+use super::{Communicator, decoded, encoded, gather, largest};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -97,10 +97,7 @@ impl Span {
     pub fn max(&self, own: f64) -> f64 {
         match &self.shared {
             None => own,
-            Some((with, _)) => {
-                let all = gather(&**with, &own).into_iter();
-                all.fold(f64::NEG_INFINITY, crate::space::larger::larger)
-            }
+            Some((with, _)) => largest(&**with, own),
         }
     }
 

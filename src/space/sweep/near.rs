@@ -126,10 +126,10 @@ pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     let (out, others) = out.split_at_mut(head.min(targets.len()));
     let (targets, more) = targets.split_at(out.len());
     let chunks = others.par_chunks_mut(CHUNK).zip(more.par_chunks(CHUNK));
-    rayon::join(
-        || (!targets.is_empty()).then(|| sum((out, targets))),
-        || chunks.for_each(sum),
-    );
+    if !targets.is_empty() {
+        sum((out, targets));
+    }
+    chunks.for_each(sum);
 }
 
 /// Some targets of [`runs`].

@@ -31,7 +31,7 @@ use crate::effect::tension::{Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
 use crate::particle::{Frame, Particles, State, Wall};
-use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionForm, TensionStrength};
+use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
 use crate::space::ranks::{Communicator, Ranks};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
@@ -39,6 +39,7 @@ use liquid::Liquid;
 use model::{Case, Model};
 use pressure::Equation;
 use pressure::multigrid::Domain;
+use pressure::multigrid::{WIDEST, pitch};
 use projection::Projection;
 use std::sync::Arc;
 
@@ -169,7 +170,7 @@ pub fn build_shared(
     phase: Phase,
     strength: Option<f64>,
 ) -> Result<Box<dyn Solver>, MethodError> {
-    if let Some(reason) = alone(problem) {
+    if let Some(reason) = shared::alone(problem) {
         return Err(MethodError::Alone(reason));
     }
     let case = Case::new(problem, phase);
@@ -209,26 +210,6 @@ fn without_particles(state: &State) -> State {
     }
 }
 
-/// Why several ranks cannot share a problem.
-pub fn alone(problem: &Problem) -> Option<&'static str> {
-    let tension = problem.effects.tension.map(|tension| tension.form);
-    match () {
-        () if !matches!(problem.method, Method::Wcsph(_)) => Some("method.name is not wcsph"),
-        () if problem.domain.is_axial() => Some("box.symmetry is axis"),
-        () if tension.is_some_and(|form| form != TensionForm::SurfaceEnergy) => {
-            Some("effects.tension.form is not surface-energy")
-        }
-        () if problem
-            .effects
-            .wetting
-            .is_some_and(|angle| angle.hysteresis.is_some()) =>
-        {
-            Some("effects.wetting has an advancing and a receding angle")
-        }
-        () => None,
-    }
-}
-
 fn build_on(
     with: Option<&Arc<dyn Communicator>>,
     problem: &Problem,
@@ -240,6 +221,9 @@ fn build_on(
     let wall = crate::particle::wall::build(problem);
     let mut flow = flow_of(&case, state.particles.clone(), wall)?;
     flow.ranks = with.map(|with| Ranks::new(with.clone(), &flow.grid, flow.liquid()));
+    if case.is_implicit {
+        flow.far = WIDEST * pitch(&case) + case.spacing;
+    }
     let layer = |b: &Body| matches!(b.shape, Shape::Layer { .. });
     let pool = problem.bodies.iter().any(layer);
     let tension = tension_of(&case, strength, problem.method.shifting() > 0.0)

@@ -2,10 +2,49 @@
 
 use super::{Diverged, Solver};
 use crate::particle::{Frame, Particles, State};
+use crate::scene::{Closure, Gradient, Method, MpsClosure, MpsGradient, PoissonSource};
+use crate::scene::{Preconditioner, Problem, TensionForm};
 use crate::space::ranks::{Communicator, decoded, encoded, gather};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// Why several ranks cannot share a problem.
+pub fn alone(problem: &Problem) -> Option<&'static str> {
+    let tension = problem.effects.tension.map(|tension| tension.form);
+    let wetting = &problem.effects.wetting;
+    if problem.domain.is_axial() {
+        return Some("box.symmetry is axis");
+    }
+    if tension.is_some_and(|form| form != TensionForm::SurfaceEnergy) {
+        return Some("effects.tension.form is not surface-energy");
+    }
+    if wetting.is_some_and(|angle| angle.hysteresis.is_some()) {
+        return Some("effects.wetting has an advancing and a receding angle");
+    }
+    let settings = match &problem.method {
+        Method::Wcsph(_) => return None,
+        Method::Isph(isph) if isph.gradient != Gradient::Transposed => {
+            return Some("method.isph.gradient is not transposed");
+        }
+        Method::Mps(mps) if mps.gradient != MpsGradient::Transposed => {
+            return Some("method.mps.gradient is not transposed");
+        }
+        Method::Isph(isph) if isph.closure != Closure::Completed => {
+            return Some("method.isph.closure is not completed");
+        }
+        Method::Mps(mps) if mps.closure != MpsClosure::Completed => {
+            return Some("method.mps.closure is not completed");
+        }
+        Method::Isph(isph) => &isph.projection,
+        Method::Mps(mps) => &mps.projection,
+    };
+    match (settings.source, settings.preconditioner) {
+        (PoissonSource::Density, _) => Some("the source of the pressure equation is density"),
+        (_, Preconditioner::Ssor) => Some("the preconditioner is ssor"),
+        _ => None,
+    }
+}
 
 /// What rank 0 tells the others.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

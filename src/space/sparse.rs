@@ -46,10 +46,10 @@ pub struct Sparse {
 }
 
 /// Where rows come from: unknown i < `liquid.len()` is a liquid particle; each group of wall
-/// particles is one more unknown, whose row is that of all its members.
+/// particles is one more unknown, whose row is that of all its members. Those of ghosts follow.
 #[derive(Clone, Copy)]
 pub struct Layout<'a> {
-    /// All records: liquid, wall, images.
+    /// All records: liquid, wall, ghosts, images.
     pub records: &'a Records,
     /// Rows of the liquid particles.
     pub liquid: &'a Rows,
@@ -59,8 +59,10 @@ pub struct Layout<'a> {
     pub start: &'a [u32],
     /// See `start`.
     pub member: &'a [u32],
-    /// Unknown of each wall particle.
+    /// Unknown of each wall particle, then of each ghost.
     pub unknown: &'a [u32],
+    /// Unknowns with those of ghosts, which have no row.
+    pub columns: usize,
     /// First image record, and the record that each is an image of: it has no unknown of its own.
     pub images: (usize, &'a [u32]),
     /// Fixed-point units to multiples of the smoothing length.
@@ -174,11 +176,14 @@ impl Sparse {
         let bound = layout.liquid.bound().max(layout.wall.bound());
         assert!(bound <= records, "{TOO_FEW}");
         layout.records.check::<P::Payload>();
-        let known = layout.unknown.iter().all(|&i| (i as usize) < count);
+        let known = layout
+            .unknown
+            .iter()
+            .all(|&i| (i as usize) < layout.columns);
         assert!(known, "walls of unknowns that there are not");
         self.count = count;
         // Should this panic on the way, some rows are still those of the last time.
-        self.bound = self.bound.max(count);
+        self.bound = self.bound.max(layout.columns);
         self.chunks
             .resize_with(self.count.div_ceil(CHUNK), Chunk::default);
         degree.resize(self.count, 0.0);
@@ -199,7 +204,7 @@ impl Sparse {
             };
             lane::run(layout.scale.precision, job);
         });
-        self.bound = count;
+        self.bound = layout.columns;
     }
 }
 
@@ -280,6 +285,7 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     chunk: &mut Chunk,
 ) -> f64 {
     let n = layout.liquid.len();
+    let walls = n..n + layout.wall.len();
     let record = &layout.records[target];
     let at = [record.at(0), record.at(1), record.at(2)];
     let scale = layout.scale.lanes(lanes);
@@ -300,7 +306,10 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
             // All are written, and those that count are passed: no branch that cannot be foretold.
             for (w, &j) in weight.into_iter().zip(group) {
                 let j = layout.original(j as usize);
-                let w = if j >= n && target >= n { 0.0 } else { w };
+                let w = match target >= n && walls.contains(&j) {
+                    true => 0.0,
+                    false => w,
+                };
                 let unknown = match j < n {
                     true => j as u32,
                     false => layout.unknown[j - n],

@@ -70,7 +70,7 @@ pub fn is_helper() -> bool {
 /// # Errors
 /// As it says.
 pub fn check(scene: &Scene) -> Result<()> {
-    let reason = world().and_then(|_| method::alone(scene));
+    let reason = world().and_then(|_| method::shared::alone(scene));
     match reason {
         None => Ok(()),
         Some(reason) => bail!(Usage(MethodError::Alone(reason).to_string())),

@@ -19,6 +19,34 @@ SCENES = {
     "walls of 60 degrees": ["--set", "box.x=wall", "--set", "effects.wetting.angle=60 deg", *FAST],
     "open sides": ["--set", "box.x=open", "--set", "body.drop.velocity=4 m/s"],
     "half": ["--set", "box.symmetry=half", *FAST],
+    "ISPH": ["--set", "method.name=isph", *FAST],
+    "ISPH, walls of 60 degrees": [
+        "--set",
+        "method.name=isph",
+        "--set",
+        "box.x=wall",
+        "--set",
+        "effects.wetting.angle=60 deg",
+        *FAST,
+    ],
+    "MPS, half, walls": [
+        "--set",
+        "method.name=mps",
+        "--set",
+        "box.symmetry=half",
+        "--set",
+        "box.x=wall",
+        *FAST,
+    ],
+    "MPS, open sides": [
+        "--set",
+        "method.name=mps",
+        "--set",
+        "box.x=open",
+        "--set",
+        "body.drop.velocity=4 m/s",
+        *FAST,
+    ],
     "steps of one rate": [
         "--set",
         "method.wcsph.time_stepping={adaptive={safety=1}}",
@@ -102,10 +130,10 @@ def kills(folder):
 
 def refused(folder):
     place = Place(folder / "refused")
-    process = launch(place, 2, ["--set", "method.name=isph"])
+    process = launch(place, 2, ["--set", "method.name=isph", "--set", "method.preset=paper"])
     _, err = process.communicate()
     assert process.returncode != 0 and "several processes cannot share" in err, err
-    say("a method that ranks cannot share is refused in words")
+    say("a preset that ranks cannot share is refused in words")
 
 
 if __name__ == "__main__":

@@ -63,6 +63,7 @@ impl Cloud {
             start: &[],
             member: &[],
             unknown: &[],
+            columns: self.flow.rows.len(),
             images: self.flow.image_sources(),
             scale: self.flow.grid.scale(self.h),
         }

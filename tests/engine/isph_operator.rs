@@ -254,6 +254,7 @@ fn the_completed_closure_is_exact_for_the_depth_below_a_lattice() {
             start: &[],
             member: &[],
             unknown: &[],
+            columns: flow.rows.len(),
             scale: flow.grid.scale(h),
             images: (usize::MAX, &[]),
         };

@@ -161,6 +161,56 @@ fn mirror_planes() {
     );
 }
 
+/// All of the above by a projection: walls, periodic sides, mirror planes, what leaves.
+fn by_projection(name: &str) {
+    let method = format!("name = '{name}'\n");
+    let tension = format!("{GRAVITY}{VISCOSITY}{TENSION}");
+    let wetting = format!("{tension}[effects.wetting]\nangle = '60 deg'\n");
+    for (dimension, sides, effects, advances) in [
+        (2, "", &tension, 12),
+        (2, "x = 'wall'\n", &tension, 12),
+        (2, "x = 'wall'\n", &wetting, 12),
+        (2, "x = 'open'\n", &tension, 60),
+        (2, "symmetry = 'half'\n", &tension, 12),
+        (3, "", &wetting, 3),
+        (3, "x = 'wall'\n", &tension, 3),
+        (3, "symmetry = 'quarter'\n", &tension, 3),
+    ] {
+        check(&scene(dimension, sides, effects, &method), advances);
+    }
+    let transposed = format!("{method}{name} = {{ gradient = 'transposed' }}\n");
+    let plain = format!("{GRAVITY}{VISCOSITY}");
+    check(&scene(2, "x = 'wall'\n", &plain, &transposed), 6);
+    for sides in ["x = 'periodic'\nz = 'periodic'\n", "z = 'wall'\n"] {
+        check(&full(sides, &transposed), 6);
+    }
+}
+
+/// Liquid that fills its box.
+fn full(sides: &str, method: &str) -> Scene {
+    let text = format!(
+        "dimension = 2\n[box]\nsize = ['19.2 mm', '9.6 mm']\n{sides}\n[liquid]\n\
+         density = '1100 kg/m^3'\n{GRAVITY}{VISCOSITY}[body.all]\n\
+         rectangle = {{ low = [0, 0], high = ['19.2 mm', '9.6 mm'] }}\n\
+         [pack]\nspacing = '0.4 mm'\narrangement = 'lattice'\n\
+         [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\n{method}"
+    );
+    let loaded = file::read(&text, Path::new("full.toml"), &[]);
+    loaded
+        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+        .scene
+}
+
+#[test]
+fn isph() {
+    by_projection("isph");
+}
+
+#[test]
+fn mps() {
+    by_projection("mps");
+}
+
 #[test]
 fn steps_of_one_rate() {
     let paper = "name = 'wcsph'\npreset = 'paper'\n\
@@ -182,7 +232,7 @@ fn a_state_goes_on_with_other_ranks() {
 
 #[test]
 fn what_ranks_cannot_share_is_refused() {
-    let scene = scene(2, "", GRAVITY, "name = 'isph'\n");
+    let scene = scene(2, "", GRAVITY, "name = 'isph'\npreset = 'paper'\n");
     let state = disturbed(&scene, 0.1);
     let error = on_ranks([2, 1], |with| {
         let state = (with.rank() == 0).then(|| state.clone());

@@ -96,6 +96,8 @@ pub struct Flow {
     pub ranks: Option<Ranks>,
     /// What is near of theirs.
     pub halo: Halo,
+    /// How far they must see each other at least, m.
+    pub far: f64,
     /// For how long rows should last at the speeds of their making, s; 0: equal reach for all.
     pub lasting: f64,
     /// Fixed-point coordinates of the liquid when the rows were made.
@@ -173,6 +175,7 @@ impl Flow {
             wall_cells,
             mirror,
             ranks: None,
+            far: 0.0,
             halo: Halo::default(),
             lasting: 0.0,
             home: Default::default(),
@@ -277,8 +280,7 @@ impl Flow {
 
     /// Whether any particle is elsewhere than where the rows were made.
     pub fn has_moved(&self) -> bool {
-        let has = (0..self.home[0].len()).any(|i| self.away_squared(i) > 0.0);
-        self.largest(f64::from(u8::from(has))) > 0.0
+        self.any((0..self.home[0].len()).any(|i| self.away_squared(i) > 0.0))
     }
 
     /// Search radius of cell columns that covers `support` in spite of what moved since the sort,

@@ -3,6 +3,7 @@
 use super::Flow;
 use crate::particle::column::{Columns, Entry, Role, Visitor};
 use crate::particle::migrate::{Emigrate, Immigrate};
+use crate::space::ranks::halo::Carried;
 use crate::space::ranks::span::Span;
 use crate::space::ranks::{decoded, encoded, largest};
 
@@ -59,11 +60,23 @@ impl Flow {
         }
     }
 
+    /// Whether something holds on any rank.
+    pub fn any(&self, own: bool) -> bool {
+        self.largest(f64::from(u8::from(own))) > 0.0
+    }
+
     /// Particles of all ranks that are not among the `kept`, the indices of what stays; `None`: all
     /// of this rank stay.
     pub fn gone(&self, kept: Option<&[u32]>) -> u64 {
         let own = kept.map_or(0, |kept| self.liquid() - kept.len()) as u64;
         self.ranks.as_ref().map_or(own, |ranks| ranks.sum(own))
+    }
+
+    /// Gives all ranks what each says of the cells in its slabs.
+    pub fn join<T: Carried>(&self, cells: &mut [T]) {
+        if let Some(ranks) = &self.ranks {
+            self.halo.join_cells(ranks, &self.grid, cells);
+        }
     }
 
     /// Takes over how many particles each rank has now.
@@ -84,7 +97,14 @@ impl Flow {
         for i in 0..x[0].len() {
             counts[grid.cell([x[0][i], x[1][i], x[2][i]])[0]] += 1;
         }
-        ranks.balance(&counts);
+        // A group of wall particles behind each other belongs to one rank.
+        let (low, edge) = (grid.low[0], grid.edge[0]);
+        let slab = |x: f64| (x - low) / edge;
+        let within = match grid.periodic[0] {
+            true => 0..=grid.count[0],
+            false => slab(0.0).ceil() as usize..=slab(self.domain.size[0]).floor() as usize,
+        };
+        ranks.balance(&counts, within);
     }
 
     /// Gives particles to the ranks that own their slabs, with `own` columns and what is `held`
@@ -141,7 +161,7 @@ impl Flow {
         let reach = (self.lengths.support + 2.0 * most).max(self.lengths.longest + 2.0 * most);
         let (liquid, wall) = (&self.liquid_cells, &self.wall_cells);
         self.halo
-            .find(ranks, &self.grid, liquid, wall, reach + most);
+            .find(ranks, &self.grid, liquid, wall, reach.max(self.far) + most);
     }
 
     /// Records of ghosts, and of walls of other ranks, from theirs.

@@ -204,7 +204,7 @@ impl<K: Kernel> Scheme for Isph<K> {
                 offset: walls.offset[j],
             },
         );
-        p.walls.number(p.liquid.len());
+        p.walls.number(&p.liquid.flow);
         let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
         let e = &mut p.equation;
         let (sparse, degree, sums) = (&mut e.coupling, &mut e.diagonal, &mut p.sums);

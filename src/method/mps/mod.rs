@@ -312,7 +312,7 @@ impl Scheme for Mps {
                 offset: walls.offset[j],
             },
         );
-        p.walls.number(n);
+        p.walls.number(&p.liquid.flow);
         let layout = p.walls.layout(&p.liquid.flow, p.liquid.case.h);
         let reach = p.scheme.laplacian_reach(&p.liquid.case);
         let e = &mut p.equation;

@@ -12,11 +12,14 @@
 
 pub mod multigrid;
 pub mod precondition;
+pub mod shared;
 
 use crate::scene::Preconditioner;
 use crate::space::parallel::{each_mut, sum_in, sum_mut};
+use crate::space::ranks::span::Span;
 use crate::space::sparse::Sparse;
 use multigrid::{Domain, Multigrid};
+use shared::Shared;
 
 /// (1), with where its unknowns are.
 #[derive(Default)]
@@ -33,6 +36,8 @@ pub struct Equation {
     pub place: [Vec<f64>; 3],
     /// SUM w r^2 / (2 d) of every unknown, m^2: its share in the energy of a unit gradient.
     pub share: Vec<f64>,
+    /// The other ranks that have rows, if there are any.
+    pub shared: Option<Shared>,
 }
 
 impl Equation {
@@ -52,9 +57,37 @@ impl Equation {
         self.diagonal[i] * x[i] - self.coupling.dot(i, x)
     }
 
+    /// Unknowns with those of other ranks in the rows.
+    pub fn columns(&self) -> usize {
+        self.shared.as_ref().map_or(self.len(), Shared::columns)
+    }
+
     /// Whether constants are in the null space.
     pub fn is_enclosed(&self) -> bool {
-        self.surface.iter().all(|s| *s == 0.0)
+        match &self.shared {
+            Some(shared) => shared.is_enclosed,
+            None => self.surface.iter().all(|s| *s == 0.0),
+        }
+    }
+
+    /// Gives unknowns of other ranks their values.
+    pub fn fill(&self, x: &mut [f64]) {
+        if let Some(shared) = &self.shared {
+            shared.fill(x);
+        }
+    }
+
+    /// The first `count` unknowns, for a sum over those of all ranks.
+    fn span(&self, count: usize) -> Span {
+        self.shared.as_ref().map_or(count.into(), Shared::span)
+    }
+
+    /// Of a matrix: unknowns that vectors are summed over.
+    fn summed(&self, matrix: &impl Matrix) -> usize {
+        match &self.shared {
+            Some(_) => matrix.varying(self.len()),
+            None => self.len(),
+        }
     }
 
     /// Bytes held.
@@ -133,11 +166,14 @@ impl Solver {
         (tolerance, most): (f64, usize),
         x: &mut [f64],
     ) -> Outcome {
-        let n = equation.len();
-        assert!(x.len() == n && equation.coupling.len() == n);
+        let n = equation.columns();
+        assert!(x.len() == n && equation.coupling.len() == equation.len());
         let enclosed = equation.is_enclosed();
+        let varying = matrix.varying(equation.len());
         if enclosed {
-            self.centre(&mut equation.right[..matrix.varying(n)]);
+            let mut right = std::mem::take(&mut equation.right);
+            self.centre(equation, &mut right[..varying]);
+            equation.right = right;
         }
         for v in [
             &mut self.residual,
@@ -147,9 +183,10 @@ impl Solver {
         ] {
             v.resize(n, 0.0);
         }
+        self.residual.fill(0.0);
         let outcome = self.iterate(equation, matrix, preconditioner, (tolerance, most), x);
         if enclosed {
-            self.centre(&mut x[..matrix.varying(n)]);
+            self.centre(equation, &mut x[..varying]);
         }
         outcome
     }
@@ -162,9 +199,10 @@ impl Solver {
         (tolerance, most): (f64, usize),
         x: &mut [f64],
     ) -> Outcome {
-        let n = equation.len();
+        let n = equation.summed(matrix);
+        let span = equation.span(n);
         let right = &equation.right;
-        let [scale] = sum_in(&mut self.one, n, |i| [right[i] * right[i]]);
+        let [scale] = sum_in(&mut self.one, span.clone(), |i| [right[i] * right[i]]);
         if scale == 0.0 {
             x.fill(0.0);
             return Outcome {
@@ -174,7 +212,8 @@ impl Solver {
         }
         self.product(equation, matrix, x);
         let image = &self.image;
-        let [mut rr] = sum_mut(&mut self.one, n, &mut self.residual[..n], |i, slots| {
+        let residual = &mut self.residual[..n];
+        let [mut rr] = sum_mut(&mut self.one, span.clone(), residual, |i, slots| {
             let r = right[i] - image[i];
             *slots = r;
             [r * r]
@@ -192,16 +231,16 @@ impl Solver {
             self.improve(equation, matrix, preconditioner);
             let (r, z) = (&self.residual, &self.better);
             let last = rz;
-            [rz] = sum_in(&mut self.one, n, |i| [r[i] * z[i]]);
+            [rz] = sum_in(&mut self.one, span.clone(), |i| [r[i] * z[i]]);
             let beta = (iterations > 0).then_some(rz / last);
             each_mut(&mut self.direction[..n], |i, p| {
                 *p = z[i] + beta.map_or(0.0, |beta| beta * *p);
             });
             let direction = std::mem::take(&mut self.direction);
-            self.product(equation, matrix, &direction[..n]);
+            self.product(equation, matrix, &direction);
             self.direction = direction;
             let (p, q) = (&self.direction, &self.image);
-            let [pq] = sum_in(&mut self.one, n, |i| [p[i] * q[i]]);
+            let [pq] = sum_in(&mut self.one, span.clone(), |i| [p[i] * q[i]]);
             let alpha = rz / pq;
             if !(alpha > 0.0 && alpha.is_finite()) {
                 return Outcome {
@@ -212,7 +251,7 @@ impl Solver {
             }
             [rr] = sum_mut(
                 &mut self.one,
-                n,
+                span.clone(),
                 (&mut self.residual[..n], &mut x[..n]),
                 |i, (r, x)| {
                     *x += alpha * p[i];
@@ -226,11 +265,11 @@ impl Solver {
 
     /// `image` = A x, free of constants where they are in the null space of the equation.
     fn product(&mut self, equation: &Equation, matrix: &mut impl Matrix, x: &[f64]) {
-        let mut image = std::mem::take(&mut self.image);
-        matrix.apply(equation, x, &mut image[..x.len()]);
-        matrix.clear_given(&mut image[..x.len()]);
+        let (mut image, n) = (std::mem::take(&mut self.image), equation.len());
+        matrix.apply(equation, x, &mut image[..n]);
+        matrix.clear_given(&mut image[..n]);
         if equation.is_enclosed() {
-            self.centre(&mut image[..matrix.varying(x.len())]);
+            self.centre(equation, &mut image[..matrix.varying(n)]);
         }
         self.image = image;
     }
@@ -253,27 +292,28 @@ impl Solver {
         }
         matrix.clear_given(&mut z[..n]);
         if rough > 0.0 && equation.is_enclosed() {
-            self.centre(&mut z[..matrix.varying(n)]);
+            self.centre(equation, &mut z[..matrix.varying(n)]);
         }
         self.better = z;
     }
 
     /// `better` = M^-1 `residual`.
     fn precondition(&mut self, equation: &Equation, preconditioner: Preconditioner) {
-        let (r, z) = (&self.residual, &mut self.better);
+        let (n, r, z) = (equation.len(), &self.residual, &mut self.better);
         match preconditioner {
             Preconditioner::None => z.copy_from_slice(r),
-            Preconditioner::Diagonal => precondition::diagonal(equation, r, z),
-            Preconditioner::Ssor => precondition::ssor(equation, r, z),
+            Preconditioner::Diagonal => precondition::diagonal(equation, &r[..n], &mut z[..n]),
+            Preconditioner::Ssor => precondition::ssor(equation, &r[..n], &mut z[..n]),
             Preconditioner::Multigrid => self.multigrid.apply(equation, r, z),
         }
     }
 
     /// Takes the mean away.
-    fn centre(&mut self, x: &mut [f64]) {
-        let n = x.len();
-        let [total] = sum_in(&mut self.one, n, |i| [x[i]]);
-        let mean = total / n.max(1) as f64;
+    fn centre(&mut self, equation: &Equation, x: &mut [f64]) {
+        let (n, span) = (x.len(), equation.span(x.len()));
+        let all = span.total();
+        let [total] = sum_in(&mut self.one, span, |i| [x[i]]);
+        let mean = total / all.max(1) as f64;
         each_mut(&mut x[..n], |_, x| *x -= mean);
     }
 }

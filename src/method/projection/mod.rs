@@ -34,6 +34,7 @@ pub mod correction;
 mod links;
 pub mod look;
 mod product;
+mod ranks;
 mod report;
 mod rings;
 mod shift;

@@ -29,6 +29,8 @@ impl<S: Scheme> Projection<S> {
         wide.clear();
         wide.resize(n, 0.0);
         wide.extend_from_slice(&right[n..]);
+        wide.resize(self.equation.columns(), 0.0);
+        self.equation.fill(&mut wide);
         let coupling = &self.equation.coupling;
         each_mut(&mut right[..n], |i, right| {
             *right += coupling.dot(i, &wide);
@@ -61,11 +63,16 @@ impl<S: Scheme> Matrix for Product<'_, S> {
 
     fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]) {
         let this = &mut *self.0;
-        let n = this.liquid.len();
+        let (n, count) = (this.liquid.len(), equation.len());
         let mut wide = std::mem::take(&mut this.transposed.wide);
         wide.clear();
         wide.extend_from_slice(x);
-        extend(equation, &this.walls.share, x, &mut wide[n..]);
+        equation.fill(&mut wide);
+        let mut walls = std::mem::take(&mut this.transposed.at_groups);
+        walls.resize(count - n, 0.0);
+        extend(equation, &this.walls.share, (n, &wide), &mut walls);
+        wide[n..count].copy_from_slice(&walls);
+        this.transposed.at_groups = walls;
         match this.liquid.flow.is_axial() {
             true => this.multiply_rings(&wide, out),
             false => {
@@ -75,13 +82,14 @@ impl<S: Scheme> Matrix for Product<'_, S> {
         }
         let beta = share(this.settings.theta);
         let scale = (1.0 - beta) / S::unit(this);
-        let (liquid, walls) = wide.split_at_mut(n);
+        let (liquid, walls) = wide[..count].split_at_mut(n);
         each_mut(liquid, |_, x| *x *= beta);
         let (flux, share_of) = (&out[n..], &this.walls.share);
         each_mut(walls, |g, x| {
             let f = share_of[g];
             *x = beta * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
         });
+        equation.fill(&mut wide);
         each_mut(&mut out[..n], |i, out| {
             *out = scale * *out + equation.row(i, &wide)
         });
@@ -90,9 +98,13 @@ impl<S: Scheme> Matrix for Product<'_, S> {
     }
 }
 
-/// Gives `walls` the pressure E of (1) of the liquid in `x`; `share`: f.
-pub(super) fn extend(equation: &Equation, share: &[f64], x: &[f64], walls: &mut [f64]) {
-    let n = x.len() - walls.len();
+/// Gives `walls` the pressure E of (1) of the liquid in `x`, `n` particles; `share`: f.
+pub(super) fn extend(
+    equation: &Equation,
+    share: &[f64],
+    (n, x): (usize, &[f64]),
+    walls: &mut [f64],
+) {
     each_mut(walls, |g, p| {
         *p = share[g] * equation.coupling.dot(n + g, x) / equation.diagonal[n + g];
     });

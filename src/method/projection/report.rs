@@ -55,7 +55,7 @@ impl<S: Scheme> Projection<S> {
 
     /// Largest pressure now, Pa, or zero.
     pub(super) fn peak(&self) -> f64 {
-        max(self.own.pressure.len(), |i| self.own.pressure[i]).max(0.0)
+        max(self.liquid.flow.span(), |i| self.own.pressure[i]).max(0.0)
     }
 
     /// Energy of motion and height, J.

@@ -123,7 +123,7 @@ impl<S: Scheme> Projection<S> {
                 offset: walls.offset[j],
             },
         );
-        self.walls.number(self.liquid.len());
+        self.walls.number(&self.liquid.flow);
         let layout = self.walls.layout(&self.liquid.flow, self.liquid.case.h);
         let [_, rings] = self.scheme.of_rings();
         let radii = self.liquid.flow.radii_of(rings, self.liquid.case.h);

@@ -4,7 +4,7 @@ use super::product::Product;
 use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
 use crate::method::pass::Moving;
-use crate::method::pressure::multigrid::Domain;
+use crate::method::pressure::multigrid::{Domain, pitch};
 use crate::method::pressure::{Outcome, Rows};
 use crate::method::shifting::LOOSE;
 use crate::scene::{PoissonSource, Preconditioner};
@@ -155,6 +155,7 @@ impl<S: Scheme> Projection<S> {
                 *x = wall[self.walls.contact[g] as usize];
             }
         }
+        self.share(&mut e);
         self.equation = e;
     }
 
@@ -263,9 +264,10 @@ impl<S: Scheme> Projection<S> {
     /// First guess: the last pressure, and before walls that of the liquid.
     pub(super) fn guess(&mut self) {
         let n = self.liquid.len();
-        self.unknown.resize(self.equation.len(), 0.0);
+        let count = self.equation.len();
+        self.unknown.resize(self.equation.columns(), 0.0);
         self.unknown[..n].copy_from_slice(&self.own.pressure);
-        self.unknown[n..].copy_from_slice(&self.walls.guess);
+        self.unknown[n..count].copy_from_slice(&self.walls.guess);
     }
 
     /// Where multigrid lays its grids.
@@ -274,7 +276,7 @@ impl<S: Scheme> Projection<S> {
             active: self.active(),
             periodic: self.liquid.flow.grid.periodic,
             size: self.liquid.case.domain.size,
-            pitch: 2.0 * self.liquid.case.h,
+            pitch: pitch(&self.liquid.case),
         }
     }
 

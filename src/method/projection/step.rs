@@ -180,7 +180,8 @@ impl<S: Scheme> Projection<S> {
             .add_effects(ahead, &is_surface, &mut self.own.held);
         let held = &self.own.held;
         let square = |i: usize| held[i].iter().map(|a| (*a as f64).powi(2)).sum();
-        self.liquid.now.max_acceleration = max(held.len(), square).max(0.0).sqrt();
+        let span = self.liquid.flow.span();
+        self.liquid.now.max_acceleration = max(span, square).max(0.0).sqrt();
     }
 
     /// Records for viscosity.
@@ -241,6 +242,7 @@ impl<S: Scheme> Projection<S> {
         flow.pack(|_, i| Mark { mark: mark(i) }, |_, _| Mark { mark: 0.0 });
         let (cells, support) = (&flow.liquid_cells, 2.0 * self.liquid.case.h);
         self.band.mark(cells, |i| is_surface[i]);
+        flow.join(self.band.marks());
         self.band.grow(&flow.grid, support);
         self.band.flags(cells, &mut self.own.near);
         self.own.is_surface = is_surface;
@@ -303,12 +305,13 @@ impl<S: Scheme> Projection<S> {
         let n = self.liquid.len();
         let damp = 1.0 / (1.0 + self.damping(dt) * dt);
         let trapezoidal = S::TRAPEZOIDAL || theta < 1.0;
+        let span = self.liquid.flow.span();
         let (push, before, friction) = (&self.own.push, &self.before, &self.liquid.friction);
         let p = &mut self.liquid.flow.particles;
         let weights = &p.weight;
         let [work] = sum_mut(
             &mut self.liquid.parts,
-            n,
+            span,
             (three(&mut p.position, n), three(&mut p.velocity, n)),
             |i, (x, mut v)| {
                 for a in 0..3 {

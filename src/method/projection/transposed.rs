@@ -144,8 +144,9 @@ pub(super) struct Transposed {
     pub beyond: Vec<f64>,
     /// Room for the values of products.
     pub wide: Vec<f64>,
-    /// By wall particle.
+    /// By wall particle, and by group.
     at_walls: Vec<f64>,
+    pub at_groups: Vec<f64>,
     /// Of rings: kernel sums and rates of density.
     pub around: Vec<[f32; 4]>,
     pub rates: Vec<[f32; 3]>,
@@ -156,7 +157,8 @@ pub(super) struct Transposed {
 
 impl Transposed {
     pub fn memory(&self) -> usize {
-        8 * (self.flux.capacity() + self.at_walls.capacity())
+        let walls = self.at_walls.capacity() + self.at_groups.capacity();
+        8 * (self.flux.capacity() + walls)
             + 8 * (self.beyond.capacity() + self.wide.capacity())
             + self.given.capacity()
             + 16 * self.around.capacity()
@@ -293,6 +295,7 @@ impl<S: Scheme> Projection<S> {
         self.guess();
         let (tolerance, held) = (self.settings.tolerance, self.cohesion());
         let has_torn = self.own.pressure.iter().any(|p| *p <= -held);
+        let has_torn = self.liquid.flow.any(has_torn);
         let first = self.go_on(match has_torn {
             true => (ROUGH * tolerance).min(ROUGHEST),
             false => tolerance,
@@ -311,7 +314,8 @@ impl<S: Scheme> Projection<S> {
                 }
             },
         );
-        if !has_torn && !self.transposed.given.contains(&true) {
+        let tears = self.liquid.flow.any(self.transposed.given.contains(&true));
+        if !has_torn && !tears {
             return first;
         }
         let second = self.go_on(tolerance);
@@ -333,12 +337,13 @@ impl<S: Scheme> Projection<S> {
 
     /// `push` = G of the solution.
     pub(super) fn press_all(&mut self) {
-        let mut x = std::mem::take(&mut self.unknown);
+        let (mut x, n) = (std::mem::take(&mut self.unknown), self.liquid.len());
+        self.equation.fill(&mut x);
         let Transposed { wide, beyond, .. } = &mut self.transposed;
         wide.clear();
         wide.resize(beyond.len(), 0.0);
-        extend(&self.equation, &self.walls.share, &x, wide);
-        let walls = x[self.liquid.len()..].iter_mut().zip(&*wide);
+        extend(&self.equation, &self.walls.share, (n, &x), wide);
+        let walls = x[n..].iter_mut().zip(&*wide);
         walls.zip(&*beyond).for_each(|((p, e), o)| *p = e + o);
         self.press(&x, true);
         self.unknown = x;

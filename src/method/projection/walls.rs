@@ -45,8 +45,9 @@ pub struct Walls {
     /// Members of group g: `member[start[g] .. start[g + 1]]`.
     pub start: Vec<u32>,
     pub member: Vec<u32>,
-    /// Group of each wall particle; as an unknown after the liquid in `unknown`.
+    /// Group of each wall particle.
     pub group: Vec<u32>,
+    /// Unknown of each wall particle, a group after the liquid, and of each ghost, after those.
     pub unknown: Vec<u32>,
     /// The particle in contact of each group.
     pub contact: Vec<u32>,
@@ -75,7 +76,6 @@ impl Walls {
         let n = wall.position[0].len();
         let mut walls = Walls {
             group: vec![0; n],
-            unknown: vec![0; n],
             sums: vec![WallSums::default(); n],
             density: vec![1.0; n],
             offset: vec![0.0; n],
@@ -153,11 +153,14 @@ impl Walls {
         &self.member[self.start[group] as usize..self.start[group + 1] as usize]
     }
 
-    /// Numbers the groups after `liquid` particles.
-    pub fn number(&mut self, liquid: usize) {
-        for (unknown, group) in self.unknown.iter_mut().zip(&self.group) {
-            *unknown = liquid as u32 + group;
-        }
+    /// Numbers the groups after the liquid, then the ghosts.
+    pub fn number(&mut self, flow: &Flow) {
+        let liquid = flow.liquid() as u32;
+        let ghosts = liquid + self.len() as u32;
+        self.unknown.clear();
+        self.unknown
+            .extend(self.group.iter().map(|group| liquid + group));
+        self.unknown.extend(ghosts..ghosts + flow.halo.len() as u32);
     }
 
     /// Where the rows of the equation come from; groups are numbered after the liquid. `h` in m.
@@ -169,6 +172,7 @@ impl Walls {
             start: &self.start,
             member: &self.member,
             unknown: &self.unknown,
+            columns: flow.liquid() + self.len() + flow.halo.len(),
             images: flow.image_sources(),
             scale: flow.grid.scale(h),
         }

@@ -17,6 +17,7 @@ use super::grid::{Grid, WIDE};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use span::Span;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// What connects the ranks of a run. All ranks make the same calls in the same order.
@@ -118,8 +119,9 @@ impl Ranks {
     }
 
     /// Gives every rank slabs with about the same number of particles: `counts` are those of this
-    /// rank in each slab. Slabs that sums look at together stay together.
-    pub fn balance(&mut self, counts: &[u32]) {
+    /// rank in each slab. Slabs that sums look at together stay together, and no rank begins
+    /// outside of those `within`.
+    pub fn balance(&mut self, counts: &[u32], within: RangeInclusive<usize>) {
         let all = self.gather(&counts.to_vec());
         let mut counts = vec![0u64; counts.len()];
         for of_rank in all {
@@ -136,7 +138,7 @@ impl Ranks {
                 let end = (slab + WIDE).min(counts.len());
                 let here: u64 = counts[slab..end].iter().sum();
                 // The nearer of the two sides of a block.
-                if before + here / 2 >= wanted {
+                if before + here / 2 >= wanted && within.contains(&slab) {
                     break;
                 }
                 (slab, before) = (end, before + here);

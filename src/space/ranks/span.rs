@@ -56,6 +56,12 @@ impl Span {
         self.own.len()
     }
 
+    /// How many items all ranks have.
+    pub fn total(&self) -> usize {
+        let all = |(_, starts): &Shared| starts.last().copied().unwrap_or(0);
+        self.shared.as_ref().map_or(self.len(), all)
+    }
+
     /// Whether it has none.
     pub fn is_empty(&self) -> bool {
         self.own.is_empty()

@@ -3,6 +3,7 @@
 use super::super::Equation;
 use super::level::Level;
 use crate::space::parallel::{each_mut, max};
+use crate::space::ranks::halo::Carried;
 use rayon::prelude::*;
 
 /// Where grids are laid.
@@ -33,6 +34,9 @@ pub struct Elements {
 
 /// Fewest nodes of a periodic axis: each then has two different neighbours on each grid.
 const LEAST: usize = 4;
+
+/// Nodes lie at most so many times as far apart as is wanted: of [`halvable`].
+pub const WIDEST: f64 = (LEAST + 1) as f64 / LEAST as f64;
 
 /// m 2^k nodes, LEAST <= m < 2 LEAST, that lie at least `pitch` apart.
 fn halvable(size: f64, pitch: f64) -> usize {
@@ -72,7 +76,11 @@ impl Elements {
                 count[a] = halvable(domain.size[a], domain.pitch);
                 (self.low[a], self.pitch[a]) = (0.0, domain.size[a] / count[a] as f64);
             } else {
-                let (low, high) = (-max(n, |i| -x[i]), max(n, |i| x[i]));
+                let largest = |own: f64| match &equation.shared {
+                    None => own,
+                    Some(shared) => shared.largest(own),
+                };
+                let (low, high) = (-largest(max(n, |i| -x[i])), largest(max(n, |i| x[i])));
                 count[a] = ((high - low) / domain.pitch) as usize + 2;
                 (self.low[a], self.pitch[a]) = (low, domain.pitch);
             }
@@ -82,11 +90,20 @@ impl Elements {
         self.integrate(equation, domain, level);
         let matrix = &self.matrix;
         level.assemble(|cell, i, j| matrix[cell][triangle(i, j)]);
+        self.join(equation, level.count, &mut level.stencil);
+        level.set_inverse();
+    }
+
+    /// Gives all ranks what each has found of the nodes in its slabs.
+    pub fn join<T: Carried>(&self, equation: &Equation, count: [usize; 3], nodes: &mut [T]) {
+        if let Some(shared) = &equation.shared {
+            shared.join(count, (self.low[0], self.pitch[0]), nodes);
+        }
     }
 
     /// Finds the cell of every unknown and sorts along cells.
     fn sort(&mut self, equation: &Equation, domain: &Domain, level: &Level) {
-        let n = equation.len();
+        let n = equation.columns();
         self.cell.resize(n, 0);
         self.part.resize(n, [0.0; 3]);
         let (low, pitch, count) = (self.low, self.pitch, level.count);
@@ -114,10 +131,14 @@ impl Elements {
             self.start[c] += self.start[c - 1];
         }
         // As in `space::sort`: `start[c]` moves to the end of its cell while filling.
-        for i in 0..n {
+        let mut place = |i: usize| {
             let slot = &mut self.start[self.cell[i] as usize];
             self.order[*slot as usize] = i as u32;
             *slot += 1;
+        };
+        match &equation.shared {
+            None => (0..n).for_each(place),
+            Some(shared) => shared.order.iter().for_each(|&i| place(i as usize)),
         }
         for c in (1..self.start.len()).rev() {
             self.start[c] = self.start[c - 1];

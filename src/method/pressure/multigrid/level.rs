@@ -19,7 +19,7 @@ pub struct Level {
     /// Axes on which the next grid has every second node.
     halved: [bool; 3],
     /// Entry to the neighbour at offset (k / 9, k / 3 % 3, k % 3) - 1.
-    stencil: Vec<[f64; 27]>,
+    pub stencil: Vec<[f64; 27]>,
     /// Relaxation over the sum of absolute entries.
     inverse: Vec<f64>,
     pub x: Vec<f64>,
@@ -95,7 +95,7 @@ impl Level {
         self.step(self.at(node), down)
     }
 
-    /// The stencil from the matrices of cells: `matrix(cell, corner, corner)`.
+    /// The stencil from the matrices of cells: `matrix(cell, corner, corner)`; its inverse is void.
     pub fn assemble(&mut self, matrix: impl Fn(usize, usize, usize) -> f64 + Sync) {
         let mut stencil = std::mem::take(&mut self.stencil);
         let grid = &*self;
@@ -112,11 +112,10 @@ impl Level {
             }
         });
         self.stencil = stencil;
-        self.set_inverse();
     }
 
     /// Nodes without liquid get the inverse 0: they stay zero.
-    fn set_inverse(&mut self) {
+    pub fn set_inverse(&mut self) {
         let stencil = &self.stencil;
         each_mut(&mut self.inverse[..stencil.len()], |node, inverse| {
             let sum: f64 = stencil[node].iter().map(|e| e.abs()).sum();

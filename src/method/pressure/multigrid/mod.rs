@@ -19,9 +19,10 @@ mod element;
 mod level;
 
 use super::Equation;
+use crate::method::model::Case;
 use crate::space::parallel::each_mut;
-pub use element::Domain;
 use element::Elements;
+pub use element::{Domain, WIDEST};
 use level::Level;
 
 /// Nodes that are few enough to be solved directly.
@@ -29,6 +30,11 @@ const FEW: usize = 120;
 
 /// Most grids.
 const MOST: usize = 12;
+
+/// Wanted distance of the nodes of the first grid, m.
+pub fn pitch(case: &Case) -> f64 {
+    2.0 * case.h
+}
 
 /// The grids with their memory.
 #[derive(Default)]
@@ -56,7 +62,7 @@ impl Multigrid {
 
     /// Makes the grids for `equation`; `enclosed`: constants are in its null space.
     pub fn prepare(&mut self, equation: &Equation, domain: &Domain, enclosed: bool) {
-        self.residual.resize(equation.len(), 0.0);
+        self.residual.resize(equation.columns(), 0.0);
         if self.levels.is_empty() {
             self.levels.push(Level::default());
         }
@@ -78,16 +84,19 @@ impl Multigrid {
 
     /// z = one V-cycle on A z = r.
     pub fn apply(&mut self, equation: &Equation, r: &[f64], z: &mut [f64]) {
-        let n = r.len();
-        {
-            each_mut(&mut z[..n], |i, z| *z = r[i] / equation.diagonal[i]);
-        }
+        let n = equation.len();
+        each_mut(&mut z[..n], |i, z| *z = r[i] / equation.diagonal[i]);
+        equation.fill(z);
         each_mut(&mut self.residual[..n], |i, residual| {
             *residual = r[i] - equation.row(i, z)
         });
-        self.elements.restrict(&self.residual, &mut self.levels[0]);
+        equation.fill(&mut self.residual);
+        let level = &mut self.levels[0];
+        self.elements.restrict(&self.residual, level);
+        self.elements.join(equation, level.count, &mut level.b);
         self.cycle();
-        self.elements.prolong(&self.levels[0], z);
+        self.elements.prolong(&self.levels[0], &mut z[..n]);
+        equation.fill(z);
         each_mut(&mut self.residual[..n], |i, residual| {
             *residual = (r[i] - equation.row(i, z)) / equation.diagonal[i]
         });

@@ -1,0 +1,119 @@
+//! One equation on several ranks.
+//!
+//! A rank has rows of its particles and of the groups of wall particles in its slabs. Groups of
+//! others and ghosts have columns only: after every change of values they get those of the rank
+//! that has the row ([`Shared::fill`]). Sums go over particles alone: what belongs to a wall is
+//! zero in every vector that is summed. The grids of multigrid are the same on every rank; each
+//! finds the nodes in its slabs, and all get all of them ([`Shared::join`]).
+//! Test: tests/engine/method_ranks.rs.
+
+use crate::space::grid::Grid;
+use crate::space::ranks::halo::{Carried, Halo};
+use crate::space::ranks::span::Span;
+use crate::space::ranks::{Ranks, largest};
+use std::ops::Range;
+
+/// What a rank knows of the others.
+pub struct Shared {
+    ranks: Ranks,
+    halo: Halo,
+    grid: Grid,
+    /// Particles of this rank.
+    liquid: usize,
+    /// Group of each wall particle; the wall particle of each group that stands for it.
+    group: Vec<u32>,
+    contact: Vec<u32>,
+    /// The wall particles of this rank.
+    walls: Range<usize>,
+    /// All columns in the order of all ranks.
+    pub order: Vec<u32>,
+    /// Whether constants are in the null space.
+    pub is_enclosed: bool,
+}
+
+impl Shared {
+    /// For `liquid` particles of this rank and groups of wall particles of which `walls` are its
+    /// own.
+    pub fn new(
+        (ranks, halo, grid): (&Ranks, &Halo, &Grid),
+        liquid: usize,
+        (group, contact, walls): (&[u32], &[u32], Range<usize>),
+    ) -> Self {
+        let groups = contact.len() as u32;
+        let first = liquid as u32 + groups;
+        let records = halo.in_order(liquid, ranks.slabs(ranks.rank()).start, grid);
+        let column = |&record: &u32| match (record as usize).checked_sub(halo.first) {
+            None => record,
+            Some(ghost) => first + ghost as u32,
+        };
+        let order = records.iter().map(column);
+        Shared {
+            ranks: ranks.clone(),
+            halo: halo.clone(),
+            grid: grid.clone(),
+            liquid,
+            group: group.to_vec(),
+            contact: contact.to_vec(),
+            walls,
+            order: order.chain(liquid as u32..first).collect(),
+            is_enclosed: false,
+        }
+    }
+
+    /// Rows and columns.
+    pub fn columns(&self) -> usize {
+        self.order.len()
+    }
+
+    /// The particles, for a sum over those of all ranks.
+    pub fn span(&self) -> Span {
+        Span::shared(&self.ranks.with, &self.ranks.first, 0)
+    }
+
+    /// Whether this rank has the row of an unknown.
+    pub fn has_row(&self, unknown: usize) -> bool {
+        match unknown.checked_sub(self.liquid) {
+            None => true,
+            Some(group) => self.walls.contains(&(self.contact[group] as usize)),
+        }
+    }
+
+    /// The largest of a number of each rank; NaN wins.
+    pub fn largest(&self, own: f64) -> f64 {
+        largest(&*self.ranks.with, own)
+    }
+
+    /// Gives the columns of other ranks the values that those have.
+    pub fn fill<T: Carried + Default>(&self, values: &mut [T]) {
+        let (n, groups) = (self.liquid, self.contact.len());
+        let ghosts = n + groups;
+        let mut points = values[..n].to_vec();
+        points.extend(self.group.iter().map(|&group| values[n + group as usize]));
+        points.resize(self.halo.first + self.halo.len(), T::default());
+        self.halo.fill(&self.ranks, &mut points);
+        for (value, &contact) in values[n..ghosts].iter_mut().zip(&self.contact) {
+            *value = points[n + contact as usize];
+        }
+        values[ghosts..].copy_from_slice(&points[self.halo.first..]);
+    }
+
+    /// Gives all ranks the nodes that each has found, of a grid with `count` nodes to each side
+    /// from `low` m on, `pitch` m apart along x.
+    pub fn join<T: Carried>(&self, count: [usize; 3], (low, pitch): (f64, f64), nodes: &mut [T]) {
+        let plane = count[1] * count[2];
+        let owner = |x: usize| {
+            let at = low + x as f64 * pitch;
+            self.ranks.owner(self.grid.cell([at, 0.0, 0.0])[0])
+        };
+        let owners: Vec<usize> = (0..count[0]).map(owner).collect();
+        let range = |rank: usize| {
+            let first = owners.partition_point(|&owner| owner < rank);
+            let end = owners.partition_point(|&owner| owner <= rank);
+            first * plane..end * plane
+        };
+        let own = nodes[range(self.ranks.rank())].to_vec();
+        for (rank, values) in self.ranks.gather(&own).into_iter().enumerate() {
+            nodes[range(rank)].copy_from_slice(&values);
+        }
+    }
+}

@@ -1,9 +1,11 @@
 //! A solver on several ranks: rank 0 has the pipeline, and says what the others do.
 
-use super::{Diverged, Solver};
-use crate::particle::{Frame, Particles, State};
+use super::model::Case;
+use super::{Diverged, MethodError, Phase, Solver, flow_of};
+use crate::particle::{Frame, Particles, State, Wall};
 use crate::scene::{Closure, Gradient, Method, MpsClosure, MpsGradient, PoissonSource};
 use crate::scene::{Preconditioner, Problem, TensionForm};
+use crate::space::grid::WIDE;
 use crate::space::ranks::{Communicator, decoded, encoded, gather};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,16 @@ pub fn alone(problem: &Problem) -> Option<&'static str> {
         (_, Preconditioner::Ssor) => Some("the preconditioner is ssor"),
         _ => None,
     }
+}
+
+/// How many ranks can have particles of a problem.
+///
+/// # Errors
+/// A box that is too small for its kernels.
+pub fn most(problem: &Problem) -> Result<usize, MethodError> {
+    let case = Case::new(problem, Phase::Impact);
+    let flow = flow_of(&case, Particles::default(), Wall::default())?;
+    Ok(flow.grid.count[0].div_ceil(WIDE))
 }
 
 /// What rank 0 tells the others.

@@ -233,6 +233,9 @@ pub struct TuneArguments {
 pub struct PlanArguments {
     #[command(flatten)]
     pub pipeline: PipelineArguments,
+    /// Also forecast a run on so many processes of MPI, each with the threads of this one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    pub ranks: Option<u32>,
     #[command(flatten)]
     pub store: StoreArguments,
 }

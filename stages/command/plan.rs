@@ -8,11 +8,13 @@ use serde_json::json;
 
 use crate::arguments::{PipelineArguments, PlanArguments};
 use crate::fault::Usage;
+use crate::forecast;
 use crate::jobs;
 use crate::print::size;
 use crate::print::{note, out};
 use crate::watch::duration;
 use coronet::measure::series::{Reference, SeriesError};
+use coronet::method::{MethodError, shared};
 use coronet::scene::file::{self, Loaded};
 use coronet::scene::{Scene, sanity};
 
@@ -49,10 +51,15 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
     let pipeline = jobs::pipeline(&loaded)?;
     let store = Store::new(&arguments.store.artifacts);
     let decisions = pipeline::plan(&store, &pipeline)?;
+    let shared = arguments
+        .ranks
+        .map(|ranks| Shared::of(&loaded.scene, &decisions, ranks));
+    let shared = shared.transpose()?;
     if arguments.store.json {
         for decision in &decisions {
             out!("{}", object(decision));
         }
+        shared.iter().for_each(|shared| out!("{}", shared.object()));
         return fits(&decisions);
     }
     out!("{}", text(&decisions).trim_end());
@@ -66,7 +73,61 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
         let need = needs(memory, disk);
         out!("about {} of work{need}", duration(seconds));
     }
+    shared.iter().for_each(|shared| out!("{}", shared.text()));
     fits(&decisions)
+}
+
+/// A run on several processes.
+struct Shared {
+    ranks: u32,
+    /// How many can have particles.
+    most: usize,
+    /// Wall time, s.
+    seconds: f64,
+    /// Of rank 0 and of each other one, bytes.
+    memory: [f64; 2],
+}
+
+impl Shared {
+    fn of(scene: &Scene, decisions: &[Decision], ranks: u32) -> Result<Self> {
+        if let Some(reason) = shared::alone(scene) {
+            bail!(Usage(MethodError::Alone(reason).to_string()));
+        }
+        let most = shared::most(scene).map_err(|error| Usage(error.to_string()))?;
+        let working = (ranks as usize).min(most) as f64;
+        let seconds = |decision: &Decision| {
+            let seconds = decision.seconds.filter(|_| decision.fresh.is_none());
+            let is_shared = matches!(&*decision.stage, "relax" | "impact");
+            seconds.unwrap_or(0.0) / if is_shared { working } else { 1.0 }
+        };
+        Ok(Shared {
+            ranks,
+            most,
+            seconds: decisions.iter().map(seconds).sum(),
+            memory: forecast::shared(scene, working),
+        })
+    }
+
+    fn text(&self) -> String {
+        let [first, other] = self.memory.map(|bytes| size(bytes as u64));
+        let (ranks, time) = (self.ranks, duration(self.seconds));
+        let mut text = format!(
+            "on {ranks} ranks about {time}, {first} of memory on rank 0, {other} on others"
+        );
+        if self.most < ranks as usize {
+            text += &format!("; only {} of them can have particles", self.most);
+        }
+        text
+    }
+
+    fn object(&self) -> serde_json::Value {
+        json!({
+            "ranks": self.ranks,
+            "ranks_with_particles": self.most.min(self.ranks as usize),
+            "seconds": self.seconds,
+            "memory_bytes": self.memory,
+        })
+    }
 }
 
 fn needs(memory: f64, disk: f64) -> String {

@@ -79,6 +79,9 @@ const BASE: f64 = 2.8e7;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 
+/// Bytes that rank 0 needs beside for each particle of all while it gathers a frame or a state.
+const WHOLE: f64 = 230.0;
+
 /// Number of particles of the whole scene.
 pub fn particles(scene: &Scene) -> f64 {
     let counts = (0..scene.bodies.len()).map(|body| numbers::count(scene, body));
@@ -358,6 +361,17 @@ pub fn impact(scene: &Scene) -> Option<Work> {
     let cpu = steps(scene) * step_cost(scene) + recorded;
     let disk = count * (frames(scene) * FRAME + CHECKPOINTS * CHECKPOINT);
     work(scene, cpu, [count, disk])
+}
+
+/// Memory of rank 0 and of each other of `ranks` processes in an impact, bytes: a share of the
+/// particles, ghosts within a support beyond its two faces, and all walls.
+pub fn shared(scene: &Scene, ranks: f64) -> [f64; 2] {
+    let count = particles(scene);
+    let reach = 2.0 * numbers::smoothing_length(scene);
+    let ghosts = (2.0 * reach / scene.domain.size[0]).min(1.0 - 1.0 / ranks);
+    let own = count * (1.0 / ranks + ghosts) + wall_particles(scene);
+    let share = BASE + own * MEMORY[usize::from(is_projected(scene))];
+    [share + count * WHOLE, share]
 }
 
 /// Particles of the whole of a scene that mirrors cut.

@@ -1,15 +1,16 @@
 //! Nothing false in a result: clocks of references, warnings before, during and after a run.
 
 use super::program::Program;
+use serde_json::Value;
 use std::fs;
 
 /// `--set` that compares with a table beside the scene.
 const OWN: &str = "post.references=[{ label = \"own\", path = \"own.csv\" }]";
 
-fn notes(objects: &[serde_json::Value]) -> Vec<String> {
+fn notes(objects: &[Value]) -> Vec<String> {
     let post = objects.iter().find(|object| object["stage"] == "post");
     let notes = post.expect("a run ends with post")["notes"].as_array();
-    let text = |note: &serde_json::Value| note.as_str().unwrap().to_string();
+    let text = |note: &Value| note.as_str().unwrap().to_string();
     notes.unwrap().iter().map(text).collect()
 }
 
@@ -190,4 +191,31 @@ fn liquid_that_left_the_box_is_told_on_the_way_and_at_the_end() {
     assert!(told.err.lines().any(on_the_way), "{}", told.err);
     let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
     assert!(page.contains("Warning: `mass_removed_kg` = "));
+}
+
+#[test]
+fn a_plan_forecasts_ranks() {
+    let program = Program::new();
+    let plan = |more: &[&str]| program.plan(&[&["--set", "pack.spacing=0.05 mm"], more].concat());
+    let shared = |ranks: &str| plan(&["--ranks", ranks]).pop().unwrap();
+    let (two, four) = (shared("2"), shared("4"));
+    assert_eq!((&two["ranks"], &four["ranks"]), (&2.into(), &4.into()));
+    let memory = |plan: &Value, rank: usize| plan["memory_bytes"][rank].as_f64().unwrap();
+    let alone = plan(&[]).into_iter().find(|job| job["stage"] == "impact");
+    let alone = alone.unwrap()["memory_bytes"].as_f64().unwrap();
+    assert!(alone > memory(&two, 1) && memory(&two, 1) > memory(&four, 1));
+    assert!(memory(&four, 0) > memory(&four, 1));
+    let seconds = |plan: &Value| plan["seconds"].as_f64().unwrap();
+    assert!(seconds(&two) > seconds(&four));
+    let few = program.call(&["plan", "tiny.toml", "--ranks", "99"]).well();
+    let wanted = ["on 99 ranks", "can have particles"];
+    assert!(
+        wanted.iter().all(|words| few.out.contains(words)),
+        "{}",
+        few.out
+    );
+    let paper = ["--set", "method.name=isph", "--set", "method.preset=paper"];
+    program
+        .call(&[&["plan", "tiny.toml", "--ranks", "2"], &paper[..]].concat())
+        .badly(2, &["several processes", "method.isph.gradient"]);
 }

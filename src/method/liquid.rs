@@ -272,7 +272,7 @@ impl Liquid {
 
     /// Lets friction act on contact lines for `dt` s.
     pub fn rub(&mut self, dt: f64) {
-        if self.friction.is_empty() {
+        if !self.flow.any(!self.friction.is_empty()) {
             return;
         }
         let span = self.flow.span();

@@ -30,6 +30,7 @@ use crate::effect::surface::Surface;
 use crate::effect::tension::{Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::particle::wall::layers;
 use crate::particle::{Frame, Particles, State, Wall};
 use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
 use crate::space::ranks::{Communicator, Ranks};
@@ -38,8 +39,7 @@ use flow::{Flow, Lengths};
 use liquid::Liquid;
 use model::{Case, Model};
 use pressure::Equation;
-use pressure::multigrid::Domain;
-use pressure::multigrid::{WIDEST, pitch};
+use pressure::multigrid::{Domain, WIDEST, pitch};
 use projection::Projection;
 use std::sync::Arc;
 
@@ -221,9 +221,7 @@ fn build_on(
     let wall = crate::particle::wall::build(problem);
     let mut flow = flow_of(&case, state.particles.clone(), wall)?;
     flow.ranks = with.map(|with| Ranks::new(with.clone(), &flow.grid, flow.liquid()));
-    if case.is_implicit {
-        flow.far = WIDEST * pitch(&case) + case.spacing;
-    }
+    flow.far = far(problem, &case);
     let layer = |b: &Body| matches!(b.shape, Shape::Layer { .. });
     let pool = problem.bodies.iter().any(layer);
     let tension = tension_of(&case, strength, problem.method.shifting() > 0.0)
@@ -238,6 +236,24 @@ fn build_on(
         state: &state,
     };
     Ok(select::pair(&asked, &settings, d, h, parts))
+}
+
+/// How far ranks must see each other beside the reach of sums over pairs, m.
+fn far(problem: &Problem, case: &Case) -> f64 {
+    let grids = match case.is_implicit {
+        true => WIDEST * pitch(case),
+        false => 0.0,
+    };
+    let leaning = problem
+        .effects
+        .wetting
+        .filter(|angle| problem.shears(angle));
+    // Sums about points that a line's angle puts above the particles of a wall.
+    let feet = leaning.map_or(0.0, |angle| {
+        let depth = layers(problem) as f64 * case.spacing;
+        angle.steepest() * depth + 2.0 * case.widest
+    });
+    grids.max(feet)
 }
 
 /// The given strength of the tension, else that of the state, else as the scene says.

@@ -14,15 +14,11 @@ use std::sync::Arc;
 /// Why several ranks cannot share a problem.
 pub fn alone(problem: &Problem) -> Option<&'static str> {
     let tension = problem.effects.tension.map(|tension| tension.form);
-    let wetting = &problem.effects.wetting;
     if problem.domain.is_axial() {
         return Some("box.symmetry is axis");
     }
     if tension.is_some_and(|form| form != TensionForm::SurfaceEnergy) {
         return Some("effects.tension.form is not surface-energy");
-    }
-    if wetting.is_some_and(|angle| angle.hysteresis.is_some()) {
-        return Some("effects.wetting has an advancing and a receding angle");
     }
     let settings = match &problem.method {
         Method::Wcsph(_) => return None,

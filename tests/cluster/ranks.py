@@ -17,6 +17,13 @@ SCENES = {
     "periodic sides": [],
     "walls": ["--set", "box.x=wall", *FAST],
     "walls of 60 degrees": ["--set", "box.x=wall", "--set", "effects.wetting.angle=60 deg", *FAST],
+    "advancing and receding angles": [
+        "--set",
+        "box.x=wall",
+        "--set",
+        'effects.wetting={advancing="100 deg",receding="50 deg"}',
+        *FAST,
+    ],
     "open sides": ["--set", "box.x=open", "--set", "body.drop.velocity=4 m/s"],
     "half": ["--set", "box.symmetry=half", *FAST],
     "ISPH": ["--set", "method.name=isph", *FAST],

@@ -146,6 +146,16 @@ fn a_contact_angle() {
 }
 
 #[test]
+fn advancing_and_receding_angles() {
+    let wetting = "[effects.wetting]\nadvancing = '100 deg'\nreceding = '50 deg'\n";
+    let effects = format!("{GRAVITY}{VISCOSITY}{TENSION}{wetting}");
+    check(&scene(2, "x = 'wall'\n", &effects, MODERN), 30);
+    check(&scene(2, "symmetry = 'half'\n", &effects, MODERN), 30);
+    check(&scene(3, "", &effects, MODERN), 4);
+    check(&scene(2, "x = 'wall'\n", &effects, "name = 'isph'\n"), 12);
+}
+
+#[test]
 fn mirror_planes() {
     let effects = format!("{GRAVITY}{VISCOSITY}{TENSION}");
     check(&scene(2, "symmetry = 'half'\n", &effects, MODERN), 30);

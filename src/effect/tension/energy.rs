@@ -213,7 +213,7 @@ impl Tension {
         let lines = shore.map_or(0.0, |shore| {
             let ([wet, line], mean) = (&shore.pulls, shore.cosine as f32);
             let beyond = |k: usize| [0, 1, 2].map(|a| line[k][a] - mean * wet[k][a]);
-            let [power] = sum_in(&mut parts, wet.len(), |k| work(k, beyond(k)));
+            let [power] = sum_in(&mut parts, of_reached.clone(), |k| work(k, beyond(k)));
             particles.mass * power
         });
         self.energy.parts = parts;

@@ -255,10 +255,11 @@ impl Tension {
             return;
         };
         let (n, length, reached) = (flow.density.len(), self.length, &self.reached);
+        let span = &self.spans[1];
         let look = |words: &[Vec<f32>; 4], sums: &mut Vec<[f32; 3]>| {
             sums.resize(reached.len(), [0.0; 3]);
             let field = flow.about(flow.position, flow.of_wall(), words, length);
-            sweep::runs(field, reached, &Others(pull), sums);
+            sweep::runs_shared(field, span, reached, &Others(pull), sums);
             let whole = |s: f32| (factor * s as f64) as f32;
             each_mut(&mut sums[..], |_, sum| *sum = sum.map(whole));
         };

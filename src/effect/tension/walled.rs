@@ -57,7 +57,7 @@ impl Tension {
         if areas[0].is_empty() {
             let field = flow.about(flow.position, liquid, &[], self.length);
             let pass = Gradient::<K>(PhantomData);
-            sweep::runs(field, &self.near, &pass, &mut normals);
+            sweep::runs_shared(field, &self.spans[0], &self.near, &pass, &mut normals);
         } else {
             let field = flow.about(flow.position, liquid, areas, self.length);
             sweep::runs(field, &self.near, &Walls::<K>(PhantomData), &mut normals);
@@ -74,7 +74,7 @@ impl Tension {
         wetting.walls.resize(self.near.len(), Default::default());
         let field = flow.about(flow.position, flow.of_wall(), &self.payload, self.length);
         let pass = Walls::<K>(PhantomData);
-        sweep::runs(field, &self.near, &pass, &mut wetting.walls);
+        sweep::runs_shared(field, &self.spans[0], &self.near, &pass, &mut wetting.walls);
     }
 
     /// The angles of contact lines from the normals of the liquid at them.

@@ -43,7 +43,8 @@ impl Means {
         self.words.iter_mut().for_each(|words| flow.share(words));
         self.sums.resize(targets.len(), [0.0; 2]);
         let field = flow.about(position, flow.of_liquid(), &self.words, length);
-        sweep::runs(field, targets, &Both::<K>(PhantomData), &mut self.sums);
+        let (span, pass) = (flow.list(targets.len()), Both::<K>(PhantomData));
+        sweep::runs_shared(field, &span, targets, &pass, &mut self.sums);
         &self.sums
     }
 }

@@ -207,11 +207,13 @@ impl Wetting {
         self.cosines
             .resize(if self.rubs() { count } else { 0 }, self.cosine);
         self.band.mark(flow.liquid, is_surface);
+        flow.join(self.band.marks());
         let far = FAR * self.setting.length + flow.slack;
         self.band.grow(flow.grid, far);
         self.band.members_of(flow.grid, wall.start, &mut self.near);
-        let places = &self.places;
-        self.near.retain(|&j| places[j as usize].axis.is_some());
+        let (places, own) = (&self.places, flow.own_walls());
+        let is_near = |j: usize| own.contains(&j) && places[j].axis.is_some();
+        self.near.retain(|&j| is_near(j as usize));
         for (axis, facing) in self.facing.iter_mut().enumerate() {
             facing.clear();
             let here = |j: &&u32| places[**j as usize].axis == Some(axis);
@@ -225,10 +227,12 @@ impl Wetting {
         self.slopes.resize(self.near.len(), Default::default());
         let length = self.sideways();
         let (near, slopes) = (&self.near, &mut self.slopes);
+        let span = flow.list(near.len());
         match self.areas[0].is_empty() {
             true => {
                 let field = flow.about(&self.foot, flow.of_liquid(), &[], length);
-                sweep::runs(field, near, &Gradient::<K>(PhantomData), slopes);
+                let pass = Gradient::<K>(PhantomData);
+                sweep::runs_shared(field, &span, near, &pass, slopes);
             }
             false => {
                 let field = flow.about(&self.foot, flow.of_liquid(), &self.areas, length);
@@ -270,12 +274,13 @@ impl Wetting {
         let (lean, kernel) = (&self.shear, PhantomData::<K>);
         for axis in 0..3 {
             let facing = &self.facing[axis];
+            let span = flow.list(facing.len());
             self.sums.resize(facing.len(), 0.0);
             let pass = Sheared { axis, lean, kernel };
             if is_plain {
                 let field = flow.about(&self.foot, flow.of_liquid(), &[], length);
                 let field = Field { cutoff, ..field };
-                sweep::runs(field, facing, &pass, &mut self.sums);
+                sweep::runs_shared(field, &span, facing, &pass, &mut self.sums);
             } else {
                 let field = flow.about(&self.foot, flow.of_liquid(), &self.areas, length);
                 let field = Field { cutoff, ..field };

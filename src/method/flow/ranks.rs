@@ -160,8 +160,13 @@ impl Flow {
         let most = self.lengths.most(self.slack);
         let reach = (self.lengths.support + 2.0 * most).max(self.lengths.longest + 2.0 * most);
         let (liquid, wall) = (&self.liquid_cells, &self.wall_cells);
-        self.halo
-            .find(ranks, &self.grid, liquid, wall, reach.max(self.far) + most);
+        self.halo.find(
+            ranks,
+            &self.grid,
+            liquid,
+            wall,
+            reach.max(self.far + 2.0 * most) + most,
+        );
     }
 
     /// Records of ghosts, and of walls of other ranks, from theirs.

@@ -5,9 +5,10 @@
 //! and each keeps the sums of its own.
 
 use super::block::{Block, MEMBERS};
-use super::{Field, Pass, runs};
+use super::{Field, Pair, Pass, runs};
 use crate::space::column::Columns;
 use crate::space::grid::WIDE;
+use crate::space::lane::Real;
 use crate::space::ranks::span::Span;
 use crate::space::ranks::{decoded, encoded, gather};
 use crate::space::row::CHUNK;
@@ -18,22 +19,66 @@ use serde::{Deserialize, Serialize};
 struct Guest {
     /// m.
     at: [f64; 3],
-    /// What it carries.
+    /// What it carries, and what the pass knows of it.
     own: Vec<f32>,
+    extra: [f32; 3],
 }
 
 impl Guest {
-    fn of<const O: usize>(position: &[Vec<f64>; 3], own: &[Vec<f32>; O], i: u32) -> Self {
+    fn of<const N: usize, const O: usize>(
+        position: &[Vec<f64>; 3],
+        own: &[Vec<f32>; O],
+        pass: &impl Pass<N>,
+        i: u32,
+    ) -> Self {
+        let extra = pass.extra(i as usize);
         let i = i as usize;
         Guest {
             at: [0, 1, 2].map(|a| position[a][i]),
             own: own.iter().map(|words| words[i]).collect(),
+            extra,
         }
     }
 }
 
+/// A pass that knows of guests what their rank knows; `first`: target of the first one.
+struct Hosting<'a, P> {
+    pass: &'a P,
+    first: usize,
+    extras: Vec<[f32; 3]>,
+}
+
+impl<const N: usize, P: Pass<N>> Pass<N> for Hosting<'_, P> {
+    type Payload = P::Payload;
+    type Out = P::Out;
+    const SKIPS_ZEROS: bool = P::SKIPS_ZEROS;
+    #[inline(always)]
+    fn own(&self, target: usize, payload: P::Payload) -> P::Payload {
+        self.pass.own(target, payload)
+    }
+    #[inline(always)]
+    fn extra(&self, target: usize) -> [f32; 3] {
+        match target.checked_sub(self.first) {
+            None => self.pass.extra(target),
+            Some(guest) => self.extras[guest],
+        }
+    }
+    #[inline(always)]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        self.pass.weigh(q2)
+    }
+    #[inline(always)]
+    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload>, sum: &mut [F; N]) {
+        self.pass.pair(pair, sum)
+    }
+    #[inline(always)]
+    fn finish(&self, target: usize, sum: [f32; N], out: &mut P::Out) {
+        self.pass.finish(target, sum, out)
+    }
+}
+
 /// [`runs`]; `span`: `targets` in the list of all ranks. A pass must ask for nothing of a target
-/// but what it carries.
+/// but what it carries, except for [`Pass::extra`].
 pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     field: Field<W, O>,
     span: &Span,
@@ -49,7 +94,7 @@ pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     // What may go on in the last block of this rank.
     let heads = targets.iter().take(MEMBERS - 1);
     let heads: Vec<Guest> = heads
-        .map(|&i| Guest::of(field.position, field.own, i))
+        .map(|&i| Guest::of(field.position, field.own, pass, i))
         .collect();
     let heads = gather(with, &heads).into_iter().skip(with.rank() + 1);
     let after: Vec<Guest> = heads.flatten().take(MEMBERS - 1).collect();
@@ -61,11 +106,18 @@ pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     };
     let mut position = field.position.clone();
     let mut own = field.own.clone();
+    // Words may be longer than positions: they are of all points.
+    let place = position[0].len().max(own.first().map_or(0, Vec::len));
+    let mut hosting = Hosting {
+        pass,
+        first: place,
+        extras: Vec::new(),
+    };
     let mut add = |guests: &[Guest]| -> Vec<u32> {
         let mut index = Vec::new();
         for guest in guests {
-            // Words may be longer than positions: they are of all points.
-            let place = position[0].len().max(own.first().map_or(0, Vec::len));
+            let place = hosting.first + hosting.extras.len();
+            hosting.extras.push(guest.extra);
             for a in 0..3 {
                 position[a].resize(place, 0.0);
                 position[a].push(guest.at[a]);
@@ -85,7 +137,8 @@ pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     if with.rank() + 1 < with.size() {
         let count = begun(&position, &columns, &all, first);
         let open = all[all.len() - count..].iter();
-        let guests: Vec<Guest> = open.map(|&i| Guest::of(&position, &own, i)).collect();
+        let of = |&i: &u32| Guest::of(&position, &own, &hosting, i);
+        let guests: Vec<Guest> = open.map(of).collect();
         with.exchange(&[(with.rank() + 1, encoded(&guests))], &[]);
     }
     all.extend(last);
@@ -96,7 +149,7 @@ pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
         first,
         ..field
     };
-    runs(field, &all, pass, &mut sums);
+    runs(field, &all, &hosting, &mut sums);
     let kept = &sums[before.len()..];
     out.copy_from_slice(&kept[..targets.len()]);
 }

@@ -79,8 +79,10 @@ const BASE: f64 = 2.8e7;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 
-/// Bytes that rank 0 needs beside for each particle of all while it gathers a frame or a state.
+/// Bytes that rank 0 needs beside for each particle of all while it gathers a frame or a state; of
+/// a wall particle, which every rank has.
 const WHOLE: f64 = 230.0;
+const WALL_MEMORY: f64 = 300.0;
 
 /// Number of particles of the whole scene.
 pub fn particles(scene: &Scene) -> f64 {
@@ -369,8 +371,8 @@ pub fn shared(scene: &Scene, ranks: f64) -> [f64; 2] {
     let count = particles(scene);
     let reach = 2.0 * numbers::smoothing_length(scene);
     let ghosts = (2.0 * reach / scene.domain.size[0]).min(1.0 - 1.0 / ranks);
-    let own = count * (1.0 / ranks + ghosts) + wall_particles(scene);
-    let share = BASE + own * MEMORY[usize::from(is_projected(scene))];
+    let own = count * (1.0 / ranks + ghosts) * MEMORY[usize::from(is_projected(scene))];
+    let share = BASE + own + wall_particles(scene) * WALL_MEMORY;
     [share + count * WHOLE, share]
 }
 

@@ -199,9 +199,8 @@ impl Solver {
         (tolerance, most): (f64, usize),
         x: &mut [f64],
     ) -> Outcome {
-        let n = equation.summed(matrix);
+        let (n, right) = (equation.summed(matrix), &equation.right);
         let span = equation.span(n);
-        let right = &equation.right;
         let [scale] = sum_in(&mut self.one, span.clone(), |i| [right[i] * right[i]]);
         if scale == 0.0 {
             x.fill(0.0);

@@ -6,7 +6,7 @@ use crate::method::pressure::shared::Shared;
 
 impl<S: Scheme> Projection<S> {
     /// Lets `equation` know the other ranks, if there are any.
-    pub(super) fn share(&self, equation: &mut Equation) {
+    pub(super) fn join_ranks(&self, equation: &mut Equation) {
         let flow = &self.liquid.flow;
         let Some(ranks) = &flow.ranks else {
             return;

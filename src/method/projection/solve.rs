@@ -155,7 +155,7 @@ impl<S: Scheme> Projection<S> {
                 *x = wall[self.walls.contact[g] as usize];
             }
         }
-        self.share(&mut e);
+        self.join_ranks(&mut e);
         self.equation = e;
     }
 

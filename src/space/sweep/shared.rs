@@ -41,11 +41,57 @@ impl Guest {
     }
 }
 
+/// Targets with guests behind them.
+struct Hosts<const O: usize> {
+    /// m.
+    position: [Vec<f64>; 3],
+    /// What they carry.
+    own: [Vec<f32>; O],
+    /// Target of the first guest.
+    first: usize,
+    /// Of the guests.
+    extras: Vec<[f32; 3]>,
+}
+
+impl<const O: usize> Hosts<O> {
+    fn of<const W: usize>(field: &Field<W, O>) -> Self {
+        let (position, own) = (field.position.clone(), field.own.clone());
+        // Words may be longer than positions: they are of all points.
+        let first = position[0].len().max(own.first().map_or(0, Vec::len));
+        let extras = Vec::new();
+        Hosts {
+            position,
+            own,
+            first,
+            extras,
+        }
+    }
+
+    /// Adds guests; their targets.
+    fn add(&mut self, guests: &[Guest]) -> Vec<u32> {
+        let mut index = Vec::new();
+        for guest in guests {
+            let place = self.first + self.extras.len();
+            self.extras.push(guest.extra);
+            for (x, at) in self.position.iter_mut().zip(guest.at) {
+                x.resize(place, 0.0);
+                x.push(at);
+            }
+            for (words, word) in self.own.iter_mut().zip(&guest.own) {
+                words.resize(place, 0.0);
+                words.push(*word);
+            }
+            index.push(place as u32);
+        }
+        index
+    }
+}
+
 /// A pass that knows of guests what their rank knows; `first`: target of the first one.
 struct Hosting<'a, P> {
     pass: &'a P,
     first: usize,
-    extras: Vec<[f32; 3]>,
+    extras: &'a [[f32; 3]],
 }
 
 impl<const N: usize, P: Pass<N>> Pass<N> for Hosting<'_, P> {
@@ -104,48 +150,34 @@ pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
         0 => Vec::new(),
         rank => decoded(&with.exchange(&[], &[rank - 1])[0]),
     };
-    let mut position = field.position.clone();
-    let mut own = field.own.clone();
-    // Words may be longer than positions: they are of all points.
-    let place = position[0].len().max(own.first().map_or(0, Vec::len));
-    let mut hosting = Hosting {
-        pass,
-        first: place,
-        extras: Vec::new(),
-    };
-    let mut add = |guests: &[Guest]| -> Vec<u32> {
-        let mut index = Vec::new();
-        for guest in guests {
-            let place = hosting.first + hosting.extras.len();
-            hosting.extras.push(guest.extra);
-            for a in 0..3 {
-                position[a].resize(place, 0.0);
-                position[a].push(guest.at[a]);
-            }
-            for (words, word) in own.iter_mut().zip(&guest.own) {
-                words.resize(place, 0.0);
-                words.push(*word);
-            }
-            index.push(place as u32);
-        }
-        index
-    };
-    let mut all = add(&before);
+    let mut hosts = Hosts::of(&field);
+    let mut all = hosts.add(&before);
     all.extend_from_slice(targets);
     let first = span.first() - before.len();
-    let last = add(&after);
+    let last = hosts.add(&after);
+    let Hosts {
+        position,
+        own,
+        first: guests,
+        extras,
+    } = &hosts;
+    let hosting = Hosting {
+        pass,
+        first: *guests,
+        extras,
+    };
     if with.rank() + 1 < with.size() {
-        let count = begun(&position, &columns, &all, first);
+        let count = begun(position, &columns, &all, first);
         let open = all[all.len() - count..].iter();
-        let of = |&i: &u32| Guest::of(&position, &own, &hosting, i);
+        let of = |&i: &u32| Guest::of(position, own, &hosting, i);
         let guests: Vec<Guest> = open.map(of).collect();
         with.exchange(&[(with.rank() + 1, encoded(&guests))], &[]);
     }
     all.extend(last);
     let mut sums = vec![P::Out::default(); all.len()];
     let field = Field {
-        position: &position,
-        own: &own,
+        position,
+        own,
         first,
         ..field
     };

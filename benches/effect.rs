@@ -6,13 +6,16 @@
 //! `modern`; medians of CPU seconds a particle and step, the combinations measured in turns, on
 //! one thread.
 
+#[path = "wcsph/median.rs"]
+mod median;
 #[path = "wcsph/meter.rs"]
 mod meter;
 
 use coronet::method::{Phase, Solver, build, initial};
 use coronet::particle::pack::pack;
 use coronet::scene::file;
-use meter::{cpu_seconds, line, median};
+use median::median;
+use meter::{cpu_seconds, line};
 use std::ops::ControlFlow::Continue;
 use std::path::Path;
 

@@ -6,6 +6,8 @@
 
 #[path = "wcsph/machine.rs"]
 mod machine;
+#[path = "wcsph/median.rs"]
+mod median;
 #[path = "wcsph/meter.rs"]
 mod meter;
 
@@ -16,7 +18,8 @@ use coronet::particle::Particles;
 use coronet::particle::pack::pack;
 use coronet::scene::{Preconditioner, file};
 use coronet::space::parallel::{Slots, each};
-use meter::{cpu_seconds, line, median};
+use median::median;
+use meter::{cpu_seconds, line};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -1,8 +1,12 @@
 //! Cost of packing: lines `name value unit`. `cargo bench --bench pack` packs the default scene's
 //! drop and pool; with `-- million` also the published pool of 1,024,000 particles.
 
+#[path = "wcsph/meter.rs"]
+mod meter;
+
 use coronet::particle::pack::pack;
 use coronet::scene::{Scene, file};
+use meter::{cpu_seconds, line};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -26,26 +30,31 @@ fn main() {
 
 fn measure(scene: &Scene, body: usize, name: &str) {
     let (mut task, mut since) = ("", Instant::now());
+    let say = |measure: &str, value: f64, unit: &str| {
+        line(&format!("{name}.{measure}"), value, unit);
+    };
+    let cpu = cpu_seconds();
     let packed = pack(&scene.pack_input(body), &mut |now| {
         if now.task != task {
             if !task.is_empty() {
-                println!("pack.{name}.{task} {:.2} s", since.elapsed().as_secs_f64());
+                say(task, since.elapsed().as_secs_f64(), "s");
             }
             (task, since) = (now.task, Instant::now());
         }
         ControlFlow::Continue(())
     });
-    println!("pack.{name}.{task} {:.2} s", since.elapsed().as_secs_f64());
+    say(task, since.elapsed().as_secs_f64(), "s");
     let (_, report) = packed.expect("a packing is found");
-    println!("pack.{name}.particles {} 1", report.count);
-    println!("pack.{name}.whole {:.2} s", report.seconds);
-    println!("pack.{name}.iterations {} 1", report.iterations);
-    println!("pack.{name}.sweeps {} 1", report.sweeps);
-    println!("pack.{name}.spread {:.4} kg/m^3", report.spread);
-    println!("pack.{name}.nearest_mean {:.3} s0", report.nearest.mean);
-    println!("pack.{name}.nearest_least {:.3} s0", report.nearest.least);
+    say("particles", report.count as f64, "1");
+    say("whole", report.seconds, "s");
+    say("whole_cpu", cpu_seconds() - cpu, "s");
+    say("iterations", report.iterations as f64, "1");
+    say("sweeps", report.sweeps as f64, "1");
+    say("spread", report.spread, "kg/m^3");
+    say("nearest_mean", report.nearest.mean, "s0");
+    say("nearest_least", report.nearest.least, "s0");
     if let Some(peak) = peak() {
-        println!("pack.{name}.peak_memory {peak:.0} MB");
+        say("peak_memory", peak, "MB");
     }
 }
 

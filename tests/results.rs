@@ -14,7 +14,8 @@
 //!
 //! A CSV starts with lines `# key: value`: `version` of the numerics, `machine`, `date`, any number
 //! of `command` and `note`, and where they are known `flow`, the number of `version::FLOW` in
-//! `stages/jobs.rs`, and `parts`, those of the named versions there, as `isph 2, wcsph 1`.
+//! `stages/jobs.rs`, and `parts`, those of the named versions there, as `isph 2, wcsph 1`. `trial`
+//! marks what the program does not repeat; only `docs/lab.md` shows it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -111,6 +112,8 @@ fn every_block_is_that_of_its_table() {
 #[test]
 fn every_table_has_an_origin_and_a_page() {
     let all: String = pages().iter().map(|path| text(path)).collect();
+    let results = files(&root().join("docs/results"), "md");
+    let results: String = results.iter().map(|path| text(path)).collect();
     let mut faults = Vec::new();
     for path in files(&data(), "csv") {
         let table = match table::Table::read(&path) {
@@ -126,8 +129,12 @@ fn every_table_has_an_origin_and_a_page() {
             }
         }
         let name = path.file_stem().unwrap().to_str().unwrap();
-        if !all.contains(&format!("<!-- table {name} ")) {
+        let block = format!("<!-- table {name} ");
+        if !all.contains(&block) {
             faults.push(format!("{}: in no page", shown(&path)));
+        }
+        if table.is_trial() == results.contains(&block) {
+            faults.push(format!("{}: trials are for docs/lab.md", shown(&path)));
         }
     }
     none(&faults);
@@ -163,6 +170,9 @@ fn tables_of_an_older_version_are_listed() {
     let mut older = Vec::new();
     for path in files(&data(), "csv") {
         let table = table::Table::read(&path).unwrap();
+        if table.is_trial() {
+            continue;
+        }
         let version: Vec<&str> = table.head("version").collect();
         let flow = table.head("flow").next().map(|flow| flow.parse::<u32>());
         let flow = flow.map(|flow| flow.unwrap_or_else(|_| panic!("{}: flow", shown(&path))));

@@ -1,28 +1,31 @@
 //! Cost of a WCSPH step, as lines `name value unit`; what they say: docs/results/benchmarks.md.
 //!
 //! `cargo bench --bench wcsph [-- PART ...] [N ...]`. PART: `machine`, `step`, `part`, `effect`,
-//! `tension`, `paper` (its tension), `record`; all if none is named. N: sides of the periodic box
-//! in particles, 46 and 100 if none is given. A rate is of CPU seconds, so that other programs
-//! disturb it little; a line is a median of several repeats, and what a ratio compares is measured
-//! in turns.
+//! `tension`, `paper` (its tension), `record`, `ranks`; all if none is named. N: sides of the
+//! periodic box in particles, 46 and 100 if none is given. A rate is of CPU seconds, so that other
+//! programs disturb it little; a line is a median of several repeats, and what a ratio compares is
+//! measured in turns.
 
 mod hand;
 mod machine;
+mod median;
 mod meter;
 mod pool;
+mod ranks;
 mod scene;
 
 use coronet::effect::viscosity::TwoTerm;
 use coronet::kernel::CubicSpline;
 use coronet::method::{Phase, Solver, build};
 use hand::{Hand, PARTS, Part};
-use meter::{cpu_seconds, line, median};
+use median::median;
+use meter::{cpu_seconds, line};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::Instant;
 
 /// What is not yet named is run.
-const ALL: [&str; 7] = [
-    "machine", "step", "part", "effect", "tension", "paper", "record",
+const ALL: [&str; 8] = [
+    "machine", "step", "part", "effect", "tension", "paper", "record", "ranks",
 ];
 
 fn main() {
@@ -58,6 +61,9 @@ fn main() {
     }
     if wanted("record") {
         pool::record(&threads[1]);
+    }
+    if wanted("ranks") {
+        ranks::measure(&sides);
     }
 }
 

@@ -2,7 +2,8 @@
 //! 128,000 particles, and what the tension of Nishio et al. costs in theirs, of a million; placed
 //! on a lattice.
 
-use crate::meter::{cpu_seconds, line, median};
+use crate::median::median;
+use crate::meter::{cpu_seconds, line};
 use crate::{advance, scene};
 use coronet::method::{Phase, Solver, build};
 use coronet::particle::{State, wall};

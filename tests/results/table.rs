@@ -69,10 +69,18 @@ impl Table {
             join("machine"),
             join("date")
         );
+        if self.is_trial() {
+            foot += " A trial.";
+        }
         if self.head("note").next().is_some() {
             foot += &format!(" {}.", join("note"));
         }
         foot
+    }
+
+    /// Whether the program does not repeat it.
+    pub fn is_trial(&self) -> bool {
+        self.head("trial").next().is_some()
     }
 
     fn places(&self, names: &[&str]) -> Result<Vec<usize>, String> {

@@ -8,18 +8,24 @@ use crate::wall::poiseuille_errors;
 use coronet::method::Diverged;
 use coronet::scene::Scene;
 
-/// Prints errors and the orders between neighbours.
+/// Prints errors and the orders between neighbours; the finest spacing must have a smaller error
+/// than the coarsest.
 fn order(case: &str, spacings: [&str; 3], error: impl Fn(&Scene) -> Result<f64, Diverged>) {
     println!();
-    let mut last: Option<(f64, f64)> = None;
+    let (mut last, mut first): (Option<(f64, f64)>, f64) = (None, 0.0);
     for spacing in spacings {
         let scene = scene(case, "modern", &[&format!("pack.spacing={spacing}")]);
         let e = error(&scene).expect("stays stable").abs();
         let order = last.map(|(s, old)| (old / e).ln() / (s / scene.spacing).ln());
         let order = order.map_or("-".into(), |p: f64| format!("{p:.1}"));
         println!("| {case} | {spacing} | {:.2} % | {order} |", 100.0 * e);
+        if last.is_none() {
+            first = e;
+        }
         last = Some((scene.spacing, e));
     }
+    let best = last.expect("three spacings").1;
+    assert!(best < first, "{case}: {best} is not less than {first}");
 }
 
 #[test]

@@ -1,26 +1,21 @@
-//! The rows as a CSV with its origin, as the tables of `docs/results` need it: CORONET_INTO names
-//! the file. A file that exists is extended.
+//! Rows of a CSV with its origin, as the tables of `docs/results` need it: CORONET_INTO names the
+//! file. A file that exists is extended.
 
 use coronet::pipeline::machine::{Machine, now};
 use std::fs::{self, File};
 use std::path::Path;
 
-/// Heads of the columns.
-const COLUMNS: [&str; 9] = [
-    "case", "method", "preset", "figure", "found", "theory", "error", "target", "met",
-];
-
-/// Adds a row to the file, if one is named.
-pub fn keep(row: [&str; 9]) {
+/// Adds a row to the file, if one is named: what `command` found, under the heads `columns`.
+pub fn keep(command: &str, columns: &[&str], row: &[&str]) {
     let Some(path) = std::env::var_os("CORONET_INTO") else {
         return;
     };
-    add(Path::new(&path), row).expect("CORONET_INTO can be written");
+    add(Path::new(&path), command, columns, row).expect("CORONET_INTO can be written");
 }
 
-fn add(path: &Path, row: [&str; 9]) -> std::io::Result<()> {
+fn add(path: &Path, command: &str, columns: &[&str], row: &[&str]) -> std::io::Result<()> {
     if !path.exists() {
-        fs::write(path, head())?;
+        fs::write(path, format!("{}{}\n", head(command), columns.join(",")))?;
     }
     let file = File::options().append(true).open(path)?;
     let mut table = csv::Writer::from_writer(file);
@@ -28,7 +23,7 @@ fn add(path: &Path, row: [&str; 9]) -> std::io::Result<()> {
     table.flush()
 }
 
-fn head() -> String {
+fn head(command: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let jobs = fs::read_to_string(root.join("stages/jobs.rs")).expect("jobs.rs is there");
     let between = |begin: &str, end: char| {
@@ -47,9 +42,7 @@ fn head() -> String {
     format!(
         "# version: coronet {version}, FLOW {flow}\n# flow: {flow}\n\
          # parts: {parts}\n# machine: {machine}\n\
-         # date: {day}\n\
-         # command: cargo test --release --test validation -- --test-threads=1\n{}\n",
-        COLUMNS.join(",")
+         # date: {day}\n# command: {command}\n"
     )
 }
 
@@ -57,14 +50,15 @@ fn head() -> String {
 fn rows_are_kept_with_their_origin() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("table.csv");
-    add(&path, ["a, b"; 9]).unwrap();
-    add(&path, ["c"; 9]).unwrap();
+    add(&path, "try it", &["one", "two"], &["a, b", "d"]).unwrap();
+    add(&path, "try it", &["one", "two"], &["c", "e"]).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.starts_with("# version: coronet "), "{text}");
     assert_eq!(text.matches("# machine: ").count(), 1);
+    assert!(text.contains("\n# command: try it\none,two\n"), "{text}");
     let mut table = csv::ReaderBuilder::new();
     let table = table.comment(Some(b'#')).from_reader(text.as_bytes());
     let rows: Vec<_> = table.into_records().map(Result::unwrap).collect();
     assert_eq!(rows.len(), 2);
-    assert_eq!((&rows[0][8], &rows[1][0]), ("a, b", "c"));
+    assert_eq!((&rows[0][0], &rows[1][1]), ("a, b", "e"));
 }

@@ -217,5 +217,5 @@ fn a_plan_forecasts_ranks() {
     let paper = ["--set", "method.name=isph", "--set", "method.preset=paper"];
     program
         .call(&[&["plan", "tiny.toml", "--ranks", "2"], &paper[..]].concat())
-        .badly(2, &["several processes", "method.isph.gradient"]);
+        .badly(2, &["several processes", "effects.tension.form"]);
 }

@@ -36,22 +36,26 @@ SCENES = {
         "effects.wetting.angle=60 deg",
         *FAST,
     ],
-    "MPS, half, walls": [
+    "three dimensions, MPS, half, walls": [
         "--set",
         "method.name=mps",
         "--set",
         "box.symmetry=half",
         "--set",
         "box.x=wall",
+        "--set",
+        "pack.spacing=0.5 mm",
         *FAST,
     ],
-    "MPS, open sides": [
+    "three dimensions, MPS, open sides": [
         "--set",
         "method.name=mps",
         "--set",
         "box.x=open",
         "--set",
         "body.drop.velocity=4 m/s",
+        "--set",
+        "pack.spacing=0.5 mm",
         *FAST,
     ],
     "steps of one rate": [

@@ -58,12 +58,6 @@ SCENES = {
         "pack.spacing=0.5 mm",
         *FAST,
     ],
-    "steps of one rate": [
-        "--set",
-        "method.wcsph.time_stepping={adaptive={safety=1}}",
-        "--set",
-        "impact.end=0.5 ms",
-    ],
     "three dimensions": ["--set", "pack.spacing=0.5 mm", *FAST],
     "three dimensions, quarter": ["--set", "box.symmetry=quarter", *FAST],
 }

@@ -115,13 +115,13 @@ def kills(folder):
     place, random_numbers = Place(folder / "kills"), random.Random(1)
     words = ["--threads", "1", "--set", "impact.checkpoint_every=200 ms", "--set", "impact.end=20 ms"]
     _, alone, _ = place.run(*words, "--artifacts", "alone")
-    done = 0
+    done, runs = 0, 0
     while done < KILLS:
-        folder = f"killed-{done}"
+        folder, runs = f"killed-{runs}", runs + 1
         while True:
             ranks = random_numbers.choice([2, 3, 4])
             process = launch(place, ranks, [*words, "--artifacts", folder])
-            time.sleep(random_numbers.uniform(0.5, 4))
+            time.sleep(random_numbers.uniform(0.5, 3))
             victims = children(process)
             if process.poll() is None and victims and done < KILLS:
                 subprocess.run(["kill", "-KILL", str(random_numbers.choice(victims))])

@@ -27,7 +27,11 @@ fn scene(dimension: usize, sides: &str, effects: &str, method: &str) -> Scene {
          velocity = '2 m/s'\n[pack]\nspacing = '0.4 mm'\narrangement = 'lattice'\n\
          [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\n{method}"
     );
-    let loaded = file::read(&text, Path::new("ranks.toml"), &[]);
+    read(&text)
+}
+
+fn read(text: &str) -> Scene {
+    let loaded = file::read(text, Path::new("ranks.toml"), &[]);
     loaded
         .unwrap_or_else(|error| panic!("{error}\n{text}"))
         .scene
@@ -205,10 +209,7 @@ fn full(sides: &str, method: &str) -> Scene {
          [pack]\nspacing = '0.4 mm'\narrangement = 'lattice'\n\
          [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n[method]\n{method}"
     );
-    let loaded = file::read(&text, Path::new("full.toml"), &[]);
-    loaded
-        .unwrap_or_else(|error| panic!("{error}\n{text}"))
-        .scene
+    read(&text)
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! ```text
 //! <!-- table NAME -->                       all columns of docs/results/data/NAME.csv
 //! <!-- table NAME columns="a; b" -->        these columns
+//! <!-- table NAME where="method=MPS" -->    these rows
 //! <!-- table NAME rows="method" columns="spacing" cells="error %; cpu_s s" -->
 //!                                           one row a method, one column a spacing; a unit is %,
 //!                                           s, MB, deg, `sci`, or `all`: whether all rows are true

@@ -3,7 +3,7 @@
 use super::model::Case;
 use super::{Diverged, MethodError, Phase, Solver, flow_of};
 use crate::particle::{Frame, Particles, State, Wall};
-use crate::scene::{Closure, Gradient, Method, MpsClosure, MpsGradient, PoissonSource};
+use crate::scene::{Closure, Method, MpsClosure, MpsGradient, PoissonSource};
 use crate::scene::{Preconditioner, Problem, TensionForm};
 use crate::space::grid::WIDE;
 use crate::space::ranks::{Communicator, decoded, encoded, gather};
@@ -22,17 +22,14 @@ pub fn alone(problem: &Problem) -> Option<&'static str> {
     }
     let settings = match &problem.method {
         Method::Wcsph(_) => return None,
-        Method::Isph(isph) if isph.gradient != Gradient::Transposed => {
-            return Some("method.isph.gradient is not transposed");
-        }
-        Method::Mps(mps) if mps.gradient != MpsGradient::Transposed => {
-            return Some("method.mps.gradient is not transposed");
-        }
         Method::Isph(isph) if isph.closure != Closure::Completed => {
             return Some("method.isph.closure is not completed");
         }
         Method::Mps(mps) if mps.closure != MpsClosure::Completed => {
             return Some("method.mps.closure is not completed");
+        }
+        Method::Mps(mps) if mps.gradient == MpsGradient::Minimum => {
+            return Some("method.mps.gradient is minimum");
         }
         Method::Isph(isph) => &isph.projection,
         Method::Mps(mps) => &mps.projection,

@@ -12,6 +12,7 @@ use crate::forecast;
 use crate::jobs;
 use crate::print::size;
 use crate::print::{note, out};
+use crate::ranks;
 use crate::watch::duration;
 use coronet::measure::series::{Reference, SeriesError};
 use coronet::method::{MethodError, shared};
@@ -60,7 +61,7 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
             out!("{}", object(decision));
         }
         shared.iter().for_each(|shared| out!("{}", shared.object()));
-        return fits(&decisions);
+        return fits_here(&decisions, arguments);
     }
     out!("{}", text(&decisions).trim_end());
     let stale = decisions.iter().filter(|decision| decision.fresh.is_none());
@@ -74,7 +75,20 @@ pub fn plan(arguments: &PlanArguments) -> Result<()> {
         out!("about {} of work{need}", duration(seconds));
     }
     shared.iter().for_each(|shared| out!("{}", shared.text()));
-    fits(&decisions)
+    fits_here(&decisions, arguments)
+}
+
+/// [`fits`] unless the run is to be shared, elsewhere.
+fn fits_here(decisions: &[Decision], arguments: &PlanArguments) -> Result<()> {
+    match arguments.ranks {
+        None => fits(decisions, None),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Whether several processes share a stage.
+fn is_shared(decision: &Decision) -> bool {
+    matches!(&*decision.stage, "relax" | "impact")
 }
 
 /// A run on several processes.
@@ -97,8 +111,7 @@ impl Shared {
         let working = (ranks as usize).min(most) as f64;
         let seconds = |decision: &Decision| {
             let seconds = decision.seconds.filter(|_| decision.fresh.is_none());
-            let is_shared = matches!(&*decision.stage, "relax" | "impact");
-            seconds.unwrap_or(0.0) / if is_shared { working } else { 1.0 }
+            seconds.unwrap_or(0.0) / if is_shared(decision) { working } else { 1.0 }
         };
         Ok(Shared {
             ranks,
@@ -135,22 +148,35 @@ fn needs(memory: f64, disk: f64) -> String {
     format!(", {memory} of memory, {disk} of disk")
 }
 
-/// Fails if the forecast is certainly more than this machine's memory.
-pub fn fits(decisions: &[Decision]) -> Result<()> {
+/// Fails if the forecast is certainly more than this machine's memory. `shared`: what processes
+/// here need of it for a stage that they share with others, bytes.
+pub fn fits(decisions: &[Decision], shared: Option<f64>) -> Result<()> {
     let memory = machine::memory();
     for decision in decisions.iter().filter(|decision| decision.fresh.is_none()) {
-        let Some(work) = decision.work.filter(|work| work.memory > DOUBT * memory) else {
+        let need = match shared {
+            Some(bytes) if is_shared(decision) => Some(bytes),
+            _ => decision.work.map(|work| work.memory),
+        };
+        let Some(need) = need.filter(|need| *need > DOUBT * memory) else {
             continue;
         };
-        let [need, has] = [work.memory, memory].map(|bytes| size(bytes as u64));
+        let [need, has] = [need, memory].map(|bytes| size(bytes as u64));
         let label = decision.label();
         return Err(Usage(format!(
             "{label} needs about {need} of memory, this machine has {has}; raise pack.spacing, \
-             make the box smaller, or set box.symmetry = \"quarter\" where the scene is symmetric"
+             make the box smaller, set box.symmetry = \"quarter\" where the scene is symmetric, or \
+             share the run among more machines, see `coronet plan --ranks`"
         ))
         .into());
     }
     Ok(())
+}
+
+/// Memory of the processes on this machine in a stage that they share with others, bytes.
+pub fn shared_here(scene: &Scene) -> Option<f64> {
+    let world = ranks::world()?;
+    let [first, other] = forecast::shared(scene, world.size() as f64);
+    Some(first + other * (ranks::beside() as f64 - 1.0))
 }
 
 /// One line for each job; the reasons of a stale one follow, one per line.

@@ -70,7 +70,7 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     let decisions = pipeline::plan(&store, &pipeline)?;
     let makes = remote.as_ref().is_none_or(|remote| !remote.only);
     if makes {
-        plan::fits(&decisions)?;
+        plan::fits(&decisions, plan::shared_here(&loaded.scene))?;
     }
     if !arguments.store.json {
         announce(&loaded, &decisions, threads);

@@ -28,11 +28,20 @@ pub enum Part {
 
 /// How many processes a launcher of MPI has started with this one.
 fn launched() -> usize {
-    let names = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
-    let mut sizes = names
+    first_of(["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"]).unwrap_or(1)
+}
+
+/// How many of them are on this machine, this one included.
+pub fn beside() -> usize {
+    first_of(["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"]).unwrap_or_else(launched)
+}
+
+/// The number that the first of these variables has.
+fn first_of(names: [&str; 2]) -> Option<usize> {
+    let mut numbers = names
         .iter()
         .filter_map(|name| std::env::var(name).ok()?.parse().ok());
-    sizes.next().unwrap_or(1)
+    numbers.next()
 }
 
 /// Joins the other processes, if there are any.

@@ -192,11 +192,25 @@ fn by_projection(name: &str) {
     ] {
         check(&scene(dimension, sides, effects, &method), advances);
     }
-    let transposed = format!("{method}{name} = {{ gradient = 'transposed' }}\n");
     let plain = format!("{GRAVITY}{VISCOSITY}");
-    check(&scene(2, "x = 'wall'\n", &plain, &transposed), 6);
-    for sides in ["x = 'periodic'\nz = 'periodic'\n", "z = 'wall'\n"] {
-        check(&full(sides, &transposed), 6);
+    for (dimension, sides, advances) in [
+        (2, "", 12),
+        (2, "x = 'wall'\n", 12),
+        (2, "x = 'open'\n", 60),
+        (2, "symmetry = 'half'\n", 12),
+        (3, "x = 'wall'\n", 3),
+        (3, "symmetry = 'quarter'\n", 3),
+    ] {
+        check(&scene(dimension, sides, &plain, &method), advances);
+    }
+    let corrected = format!("{method}preset = 'corrected'\n");
+    check(&scene(2, "x = 'wall'\n", &plain, &corrected), 4);
+    for gradient in ["symmetric", "corrected", "transposed"] {
+        let method = format!("{method}{name} = {{ gradient = '{gradient}' }}\n");
+        check(&scene(2, "x = 'wall'\n", &plain, &method), 6);
+        for sides in ["x = 'periodic'\nz = 'periodic'\n", "z = 'wall'\n"] {
+            check(&full(sides, &method), 6);
+        }
     }
 }
 

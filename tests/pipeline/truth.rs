@@ -218,4 +218,12 @@ fn a_plan_forecasts_ranks() {
     program
         .call(&[&["plan", "tiny.toml", "--ranks", "2"], &paper[..]].concat())
         .badly(2, &["several processes", "effects.tension.form"]);
+    // Too much for any machine, but not for many.
+    let much = ["plan", "tiny.toml", "--set", "pack.spacing=0.5 um"];
+    program
+        .call(&much)
+        .badly(2, &["of memory", "coronet plan --ranks"]);
+    program
+        .call(&[&much[..], &["--ranks", "1000"]].concat())
+        .well();
 }

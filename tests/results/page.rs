@@ -33,7 +33,7 @@ pub fn rewritten(page: &str, data: &Path, to_data: &str) -> Result<(String, usiz
 
 fn block(order: &str, data: &Path, to_data: &str) -> Result<String, String> {
     let (name, rest) = order.split_once(' ').unwrap_or((order, ""));
-    let table = Table::read(&data.join(format!("{name}.csv")))?;
+    let mut table = Table::read(&data.join(format!("{name}.csv")))?;
     let list = |key: &str| -> Vec<&str> {
         let value = rest
             .split_once(&format!("{key}=\""))
@@ -41,6 +41,9 @@ fn block(order: &str, data: &Path, to_data: &str) -> Result<String, String> {
         let value = value.split('"').next().unwrap_or("");
         value.split("; ").filter(|part| !part.is_empty()).collect()
     };
+    for condition in list("where") {
+        table.keep(condition)?;
+    }
     let (rows, columns, cells) = (list("rows"), list("columns"), list("cells"));
     let body = match rows.is_empty() {
         true => table.plain(&columns)?,

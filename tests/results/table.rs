@@ -83,6 +83,19 @@ impl Table {
         self.head("trial").next().is_some()
     }
 
+    /// Keeps the rows of which a `column=value` is true.
+    pub fn keep(&mut self, condition: &str) -> Result<(), String> {
+        let (name, value) = condition
+            .split_once('=')
+            .ok_or("where needs column=value")?;
+        let place = self.places(&[name])?[0];
+        self.rows.retain(|row| row[place] == value);
+        match self.rows.is_empty() {
+            true => Err(format!("no row with {condition}")),
+            false => Ok(()),
+        }
+    }
+
     fn places(&self, names: &[&str]) -> Result<Vec<usize>, String> {
         let place = |name: &&str| {
             let found = self.names.iter().position(|own| own == name);
@@ -243,6 +256,11 @@ fn tables_are_rendered() {
         Some("| a |")
     );
     assert!(table.plain(&["colour"]).is_err());
+    let mut part = Table::parse(text).unwrap();
+    assert!(part.keep("method=c").is_err());
+    let mut part = Table::parse(text).unwrap();
+    part.keep("method=a").unwrap();
+    assert_eq!(part.rows.len(), 2);
     let promises = "# a: b\ncase,by,kept\nx,m,true\nx,m,false\ny,m,true\n";
     let promises = Table::parse(promises).unwrap();
     let kept = promises.crossed(&["case"], &["by"], &["kept all"]);

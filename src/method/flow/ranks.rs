@@ -6,6 +6,7 @@ use crate::particle::migrate::{Emigrate, Immigrate};
 use crate::space::ranks::halo::Carried;
 use crate::space::ranks::span::Span;
 use crate::space::ranks::{decoded, encoded, largest};
+use std::borrow::Cow;
 
 impl Flow {
     /// Records beside those of this rank's particles and of walls: images or ghosts.
@@ -77,6 +78,23 @@ impl Flow {
         if let Some(ranks) = &self.ranks {
             self.halo.join_cells(ranks, &self.grid, cells);
         }
+    }
+
+    /// Sums over all cells before each of how many particles it has; on several ranks of whether
+    /// it has any, on whichever rank.
+    pub fn filled(&self) -> Cow<'_, [u32]> {
+        let own = &self.liquid_cells.start;
+        if self.ranks.is_none() {
+            return Cow::Borrowed(own);
+        }
+        let mut is_filled: Vec<bool> = own.windows(2).map(|cell| cell[0] < cell[1]).collect();
+        self.join(&mut is_filled);
+        let mut sum = 0;
+        let ends = is_filled.iter().map(|&filled| {
+            sum += u32::from(filled);
+            sum
+        });
+        Cow::Owned(std::iter::once(0).chain(ends).collect())
     }
 
     /// Takes over how many particles each rank has now.

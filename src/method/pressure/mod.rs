@@ -79,7 +79,8 @@ impl Equation {
 
     /// The first `count` unknowns, for a sum over those of all ranks.
     fn span(&self, count: usize) -> Span {
-        self.shared.as_ref().map_or(count.into(), Shared::span)
+        let shared = self.shared.as_ref();
+        shared.map_or(count.into(), |shared| shared.span(count))
     }
 
     /// Of a matrix: unknowns that vectors are summed over.
@@ -109,8 +110,8 @@ pub struct Outcome {
 
 /// What (1) has on its left.
 pub trait Matrix {
-    /// `out` = A x.
-    fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]);
+    /// `out` = A x; columns of other ranks in x may get their values.
+    fn apply(&mut self, equation: &Equation, x: &mut [f64], out: &mut [f64]);
     /// How many of `all` unknowns it has, the first ones; those behind follow from them.
     fn varying(&self, all: usize) -> usize {
         all
@@ -128,7 +129,8 @@ pub trait Matrix {
 pub struct Rows;
 
 impl Matrix for Rows {
-    fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]) {
+    fn apply(&mut self, equation: &Equation, x: &mut [f64], out: &mut [f64]) {
+        equation.fill(x);
         each_mut(out, |i, out| *out = equation.row(i, x));
     }
 }
@@ -235,8 +237,8 @@ impl Solver {
             each_mut(&mut self.direction[..n], |i, p| {
                 *p = z[i] + beta.map_or(0.0, |beta| beta * *p);
             });
-            let direction = std::mem::take(&mut self.direction);
-            self.product(equation, matrix, &direction);
+            let mut direction = std::mem::take(&mut self.direction);
+            self.product(equation, matrix, &mut direction);
             self.direction = direction;
             let (p, q) = (&self.direction, &self.image);
             let [pq] = sum_in(&mut self.one, span.clone(), |i| [p[i] * q[i]]);
@@ -263,7 +265,7 @@ impl Solver {
     }
 
     /// `image` = A x, free of constants where they are in the null space of the equation.
-    fn product(&mut self, equation: &Equation, matrix: &mut impl Matrix, x: &[f64]) {
+    fn product(&mut self, equation: &Equation, matrix: &mut impl Matrix, x: &mut [f64]) {
         let (mut image, n) = (std::mem::take(&mut self.image), equation.len());
         matrix.apply(equation, x, &mut image[..n]);
         matrix.clear_given(&mut image[..n]);

@@ -2,16 +2,18 @@
 //!
 //! A rank has rows of its particles and of the groups of wall particles in its slabs. Groups of
 //! others and ghosts have columns only: after every change of values they get those of the rank
-//! that has the row ([`Shared::fill`]). Sums go over particles alone: what belongs to a wall is
-//! zero in every vector that is summed. The grids of multigrid are the same on every rank; each
-//! finds the nodes in its slabs, and all get all of them ([`Shared::join`]).
+//! that has the row ([`Shared::fill`]). Sums go over the particles of all ranks, then over the
+//! groups; with the transposed gradient over particles alone, where what belongs to a wall is zero.
+//! The grids of multigrid are the same on every rank; each finds the nodes in its slabs, and all
+//! get all of them ([`Shared::join`]).
 //! Test: tests/engine/method_ranks.rs.
 
 use crate::space::grid::Grid;
 use crate::space::ranks::halo::{Carried, Halo};
-use crate::space::ranks::span::Span;
+use crate::space::ranks::span::{self, Span};
 use crate::space::ranks::{Ranks, largest};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What a rank knows of the others.
 pub struct Shared {
@@ -25,6 +27,8 @@ pub struct Shared {
     contact: Vec<u32>,
     /// The wall particles of this rank.
     walls: Range<usize>,
+    /// First group of each rank, and their number.
+    groups: Arc<[usize]>,
     /// All columns in the order of all ranks.
     pub order: Vec<u32>,
     /// Whether constants are in the null space.
@@ -47,7 +51,10 @@ impl Shared {
             Some(ghost) => first + ghost as u32,
         };
         let order = records.iter().map(column);
+        let is_own = |contact: &&u32| walls.contains(&(**contact as usize));
+        let own_groups = contact.iter().filter(is_own).count();
         Shared {
+            groups: span::starts(&*ranks.with, own_groups),
             ranks: ranks.clone(),
             halo: halo.clone(),
             grid: grid.clone(),
@@ -65,9 +72,14 @@ impl Shared {
         self.order.len()
     }
 
-    /// The particles, for a sum over those of all ranks.
-    pub fn span(&self) -> Span {
-        Span::shared(&self.ranks.with, &self.ranks.first, 0)
+    /// The first `count` unknowns, particles with or without groups, for a sum over those of all
+    /// ranks. Groups are numbered as their ranks are.
+    pub fn span(&self, count: usize) -> Span {
+        let particles = Span::shared(&self.ranks.with, &self.ranks.first, 0);
+        match count > self.liquid {
+            true => particles.with(self.groups.clone()),
+            false => particles,
+        }
     }
 
     /// Whether this rank has the row of an unknown.

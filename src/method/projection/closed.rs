@@ -12,6 +12,7 @@
 
 use super::{Projection, Scheme};
 use crate::space::component::Components;
+use serde::{Deserialize, Serialize};
 
 /// Bodies and what their gradients add to their momentum.
 #[derive(Debug, Default)]
@@ -22,7 +23,7 @@ pub(super) struct Closed {
 }
 
 /// Accelerations of a body, m/s^2, and the number of its particles.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Body {
     sum: [f64; 3],
     count: usize,
@@ -44,7 +45,8 @@ impl<S: Scheme> Projection<S> {
         let reach = self.liquid.case.h * 2.0 + flow.extra().most;
         let (own, walls) = (&flow.liquid_cells.start, &flow.wall_cells.start);
         let Closed { components, sums } = &mut self.closed;
-        let starts: [&[u32]; 2] = [own, walls];
+        let filled = flow.filled();
+        let starts: [&[u32]; 2] = [&filled, walls];
         components.find(
             &flow.grid,
             &starts[..1 + usize::from(flow.walls() > 0)],
@@ -58,21 +60,32 @@ impl<S: Scheme> Projection<S> {
                 sums[body].open = sums[body].open.map(|open| open || walled);
             }
         }
+        let mut bodies = components.runs().map(|(body, _)| &sums[body]);
+        if bodies.all(|body| body.open == [true; 3]) {
+            return;
+        }
         let planes = [0, 1, 2].map(|a| self.liquid.case.domain.mirrors(a));
-        for (body, cells) in components.runs() {
-            let body = &mut sums[body];
-            if body.open == [true; 3] {
-                continue;
-            }
-            for i in own[cells.start] as usize..own[cells.end] as usize {
-                body.count += 1;
-                for a in 0..3 {
-                    body.sum[a] += self.own.push[i][a] as f64;
-                    let x = flow.particles.position[a][i];
-                    let near = |plane: &f64| (x - plane).abs() < reach;
-                    body.open[a] |= planes[a].iter().flatten().any(near);
+        let push = &self.own.push;
+        let add = |sums: &mut Vec<Body>| {
+            for (body, cells) in components.runs() {
+                let body = &mut sums[body];
+                if body.open == [true; 3] {
+                    continue;
+                }
+                for i in own[cells.start] as usize..own[cells.end] as usize {
+                    body.count += 1;
+                    for a in 0..3 {
+                        body.sum[a] += push[i][a] as f64;
+                        let x = flow.particles.position[a][i];
+                        let near = |plane: &f64| (x - plane).abs() < reach;
+                        body.open[a] |= planes[a].iter().flatten().any(near);
+                    }
                 }
             }
+        };
+        match &flow.ranks {
+            None => add(sums),
+            Some(ranks) => *sums = ranks.in_turn(std::mem::take(sums), add),
         }
         for (body, cells) in components.runs() {
             let body = &sums[body];

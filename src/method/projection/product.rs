@@ -61,7 +61,7 @@ impl<S: Scheme> Matrix for Product<'_, S> {
         });
     }
 
-    fn apply(&mut self, equation: &Equation, x: &[f64], out: &mut [f64]) {
+    fn apply(&mut self, equation: &Equation, x: &mut [f64], out: &mut [f64]) {
         let this = &mut *self.0;
         let (n, count) = (this.liquid.len(), equation.len());
         let mut wide = std::mem::take(&mut this.transposed.wide);

@@ -38,7 +38,10 @@ impl<S: Scheme> Projection<S> {
             self.own.pressure.copy_from_slice(&self.unknown[..n]);
             match is_transposed {
                 true => self.press_all(),
-                false => S::slope(self),
+                false => {
+                    self.equation.fill(&mut self.unknown);
+                    S::slope(self);
+                }
             }
             if self.scheme.is_corrected() {
                 self.keep_momentum();

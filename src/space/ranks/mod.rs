@@ -157,6 +157,29 @@ impl Ranks {
         self.gather(&own).into_iter().sum()
     }
 
+    /// Lets each rank in turn go on with what those before it have made of `value`, and gives all
+    /// of them what the last one has.
+    pub fn in_turn<T: Serialize + DeserializeOwned>(
+        &self,
+        value: T,
+        go_on: impl FnOnce(&mut T),
+    ) -> T {
+        let (rank, last) = (self.rank(), self.size() - 1);
+        let mut value = match rank.checked_sub(1) {
+            None => value,
+            Some(before) => decoded(&self.with.exchange(&[], &[before])[0]),
+        };
+        go_on(&mut value);
+        if rank < last {
+            self.with.exchange(&[(rank + 1, encoded(&value))], &[]);
+            return decoded(&self.with.exchange(&[], &[last])[0]);
+        }
+        let bytes = encoded(&value);
+        let to: Vec<(usize, Vec<u8>)> = (0..last).map(|rank| (rank, bytes.clone())).collect();
+        self.with.exchange(&to, &[]);
+        value
+    }
+
     /// [`trade`] with the other ranks.
     pub fn trade(&self, out: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
         trade(&*self.with, out)

@@ -14,6 +14,9 @@ pub struct Span {
     pub own: Range<usize>,
     /// Of items that several ranks have.
     shared: Option<Shared>,
+    /// First of each rank of items behind those of all ranks; every rank has room for all of them
+    /// at the end of its own.
+    behind: Option<Arc<[usize]>>,
 }
 
 impl From<usize> for Span {
@@ -21,6 +24,7 @@ impl From<usize> for Span {
         Span {
             own: 0..count,
             shared: None,
+            behind: None,
         }
     }
 }
@@ -43,7 +47,16 @@ impl Span {
         Span {
             own: begin..begin + starts[rank + 1] - starts[rank],
             shared: Some((with.clone(), starts.clone())),
+            behind: None,
         }
+    }
+
+    /// With more items behind those of all ranks, of which every rank has those that `starts` says.
+    /// Each has room for all of them at the end of its own, and counts none of the others.
+    pub fn with(mut self, starts: Arc<[usize]>) -> Self {
+        self.own.end += starts.last().copied().unwrap_or(0);
+        self.behind = Some(starts);
+        self
     }
 
     /// Of a list of which this rank has `count` items.
@@ -58,8 +71,9 @@ impl Span {
 
     /// How many items all ranks have.
     pub fn total(&self) -> usize {
-        let all = |(_, starts): &Shared| starts.last().copied().unwrap_or(0);
-        self.shared.as_ref().map_or(self.len(), all)
+        let last = |starts: &Arc<[usize]>| starts.last().copied().unwrap_or(0);
+        let all = self.shared.as_ref().map(|(_, starts)| last(starts));
+        all.map_or(self.len(), |all| all + self.behind.as_ref().map_or(0, last))
     }
 
     /// Whether it has none.
@@ -84,21 +98,6 @@ impl Span {
         self.shared.as_ref().map_or(0, first)
     }
 
-    /// The items of this rank in each chunk of `size` of the order of all; the first and the last
-    /// may be parts of one.
-    pub fn chunks(&self, size: usize) -> impl Iterator<Item = Range<usize>> + use<> {
-        let (first, own) = (self.first(), self.own.clone());
-        let count = match own.is_empty() {
-            true => 0,
-            false => (first + own.len()).div_ceil(size) - first / size,
-        };
-        (0..count).map(move |k| {
-            let from = ((first / size + k) * size).max(first) - first;
-            let to = ((first / size + k + 1) * size - first).min(own.len());
-            own.start + from..own.start + to
-        })
-    }
-
     /// The largest of a number of each rank; NaN wins.
     pub fn max(&self, own: f64) -> f64 {
         match &self.shared {
@@ -114,50 +113,100 @@ impl Span {
     /// If there is not one value for every item.
     pub fn sum<const K: usize>(&self, size: usize, values: &[[f64; K]]) -> [f64; K] {
         assert_eq!(values.len(), self.len());
-        let add = |mut a: [f64; K], b: &[f64]| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-            a
-        };
-        let begin = self.own.start;
-        let fold = |chunk: Range<usize>, sum: [f64; K]| {
-            let values = &values[chunk.start - begin..chunk.end - begin];
-            values.iter().fold(sum, |sum, value| add(sum, value))
-        };
-        let mut chunks: Vec<Range<usize>> = self.chunks(size).collect();
         let Some((with, starts)) = &self.shared else {
-            let parts = chunks.into_iter().map(|chunk| fold(chunk, [0.0; K]));
-            return parts.fold([0.0; K], |sum, part| add(sum, &part));
+            let parts = chunks(0, values.len(), size).map(|chunk| fold([0.0; K], &values[chunk]));
+            return parts.fold([0.0; K], |sum, part| fold(sum, &[part]));
         };
-        let (rank, first) = (with.rank(), self.first());
-        let (end, last) = (first + self.len(), starts[with.size()]);
-        let has_items = |r: &usize| starts[r + 1] > starts[*r];
-        let before = (0..rank).rev().find(has_items);
-        let after = (rank + 1..with.size()).find(has_items);
-        let from = before.filter(|_| !self.is_empty() && !first.is_multiple_of(size));
-        let to = after.filter(|_| !self.is_empty() && !end.is_multiple_of(size) && end < last);
-        // The first chunk goes on from another rank, the last one may go on on another.
-        let mut done: Vec<Vec<f64>> = Vec::new();
-        let open = chunks.pop();
-        let mut begun = from.map_or([0.0; K], |from| received(&**with, from));
-        for chunk in chunks {
-            done.push(fold(chunk, begun).to_vec());
-            begun = [0.0; K];
+        let rank = with.rank();
+        let own = starts[rank + 1] - starts[rank];
+        let mut parts = chunk_sums(&**with, (starts, 0), size, (&values[..own], [0.0; K]));
+        if let Some(behind) = self
+            .behind
+            .as_ref()
+            .filter(|behind| behind[with.size()] > 0)
+        {
+            let before = starts[with.size()];
+            let is_open = !before.is_multiple_of(size);
+            let begun = parts.pop_if(|_| is_open).unwrap_or([0.0; K]);
+            let values = &values[own + behind[rank]..own + behind[rank + 1]];
+            parts.extend(chunk_sums(&**with, (behind, before), size, (values, begun)));
         }
-        let open = open.map(|chunk| fold(chunk, begun).to_vec());
-        match (open, to) {
-            (Some(sum), Some(to)) => {
-                with.exchange(&[(to, encoded(&sum))], &[]);
-            }
-            (sum, _) => done.extend(sum),
-        }
-        let all = gather(&**with, &done);
-        all.iter()
-            .flatten()
-            .fold([0.0; K], |sum, part| add(sum, part))
+        parts
+            .into_iter()
+            .fold([0.0; K], |sum, part| fold(sum, &[part]))
     }
 }
 
-fn received<const K: usize>(with: &dyn Communicator, from: usize) -> [f64; K] {
-    let sum: Vec<f64> = decoded(&with.exchange(&[], &[from])[0]);
+/// Adds `values` to `sum`, one after the other.
+fn fold<const K: usize>(sum: [f64; K], values: &[[f64; K]]) -> [f64; K] {
+    values.iter().fold(sum, |mut sum, value| {
+        sum.iter_mut().zip(value).for_each(|(a, b)| *a += b);
+        sum
+    })
+}
+
+/// `len` items cut at chunks of `size` of the order of all, where the first one is item `first`.
+fn chunks(first: usize, len: usize, size: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+    let count = match len {
+        0 => 0,
+        _ => (first + len).div_ceil(size) - first / size,
+    };
+    (0..count).map(move |k| {
+        let from = ((first / size + k) * size).max(first) - first;
+        let to = ((first / size + k + 1) * size - first).min(len);
+        from..to
+    })
+}
+
+/// Sums over the chunks of items of which each rank has those that `starts` says, in the order of
+/// all, where the first one is item `before`; `values`: of this rank's, and what the first chunk
+/// has already.
+fn chunk_sums<const K: usize>(
+    with: &dyn Communicator,
+    (starts, before): (&[usize], usize),
+    size: usize,
+    (values, begun): (&[[f64; K]], [f64; K]),
+) -> Vec<[f64; K]> {
+    let rank = with.rank();
+    let at = |rank: usize| before + starts[rank];
+    let (first, end, last) = (at(rank), at(rank + 1), at(with.size()));
+    let has_items = |r: &usize| starts[r + 1] > starts[*r];
+    let is_empty = !has_items(&rank);
+    let earlier = (0..rank).rev().find(has_items);
+    let later = (rank + 1..with.size()).find(has_items);
+    let from = earlier.filter(|_| !is_empty && !first.is_multiple_of(size));
+    let to = later.filter(|_| !is_empty && !end.is_multiple_of(size) && end < last);
+    // The first chunk goes on from another rank, the last one may go on on another.
+    let mut chunks: Vec<Range<usize>> = chunks(first, values.len(), size).collect();
+    let mut done: Vec<Vec<f64>> = Vec::new();
+    let open = chunks.pop();
+    let mut sum = match (from, earlier) {
+        (Some(from), _) => received(with, from),
+        (None, None) => begun,
+        (None, Some(_)) => [0.0; K],
+    };
+    for chunk in chunks {
+        done.push(fold(sum, &values[chunk]).to_vec());
+        sum = [0.0; K];
+    }
+    let open = open.map(|chunk| fold(sum, &values[chunk]).to_vec());
+    match (open, to) {
+        (Some(sum), Some(to)) => {
+            with.exchange(&[(to, encoded(&sum))], &[]);
+        }
+        (sum, _) => done.extend(sum),
+    }
+    gather(with, &done)
+        .into_iter()
+        .flatten()
+        .map(array)
+        .collect()
+}
+
+fn array<const K: usize>(sum: Vec<f64>) -> [f64; K] {
     sum.try_into().expect("all ranks run the same program")
+}
+
+fn received<const K: usize>(with: &dyn Communicator, from: usize) -> [f64; K] {
+    array(decoded(&with.exchange(&[], &[from])[0]))
 }

@@ -39,7 +39,15 @@ SCENES = {
         *FAST,
     ],
     "no tension, ISPH, walls": ["--set", "method.name=isph", "--set", "box.x=wall", *FAST],
-    "no tension, MPS, half": ["--set", "method.name=mps", "--set", "box.symmetry=half", *FAST],
+    "three dimensions, no tension, MPS, half": [
+        "--set",
+        "method.name=mps",
+        "--set",
+        "box.symmetry=half",
+        "--set",
+        "pack.spacing=0.5 mm",
+        *FAST,
+    ],
     "three dimensions, MPS, half, walls": [
         "--set",
         "method.name=mps",
@@ -101,9 +109,9 @@ def same_digests(folder):
         place = Place(folder / name.replace(" ", "-"))
         if name.startswith("three"):
             shutil.copy(SPLASH, place.folder / "tiny.toml")
-        if name.startswith("no tension"):
+        if "no tension" in name:
             scene = place.folder / "tiny.toml"
-            text, count = re.subn(r"\[effects.tension\]\n.+\n", "", scene.read_text())
+            text, count = re.subn(r"\[effects.tension\]\n(.+\n)+", "", scene.read_text())
             assert count == 1, text
             scene.write_text(text)
         _, alone, _ = place.run("--threads", "1", "--artifacts", "alone", *sets)

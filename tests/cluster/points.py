@@ -8,7 +8,7 @@ import time
 STUDY = """
 title = "Energy of tiny drops"
 pipeline = "tiny.toml"
-set = ["impact.end=40 ms", "impact.checkpoint_every=0.5 s", "post.panels=[]"]
+set = ["impact.end=120 ms", "impact.checkpoint_every=0.5 s", "post.panels=[]"]
 
 [[axis]]
 name = "velocity"

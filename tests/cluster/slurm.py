@@ -133,6 +133,8 @@ def check(slurm, folder):
     wait_for("its requeue", lambda: restarts(slurm, third))
     say(f"point {third} was requeued")
 
+    wait_for("a third checkpoint", lambda: len({c.parent for c in checkpoints(cluster)}) >= 3)
+
     # Another shell looks, stops everything, and continues.
     out, _ = cluster.call("study", "study.toml", "--on", "slurm", "--look")
     say("looked at: " + out.splitlines()[-1])

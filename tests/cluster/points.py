@@ -1,14 +1,18 @@
-"""A study of twelve points, and what its processes and results are."""
+"""A study of twelve points on a batch system, and what its processes and results are."""
 
 import csv
+import os
 import pathlib
+import tempfile
 import time
+
+from place import Place, say
 
 # Twelve points of some seconds each.
 STUDY = """
 title = "Energy of tiny drops"
 pipeline = "tiny.toml"
-set = ["impact.end=120 ms", "impact.checkpoint_every=0.5 s", "post.panels=[]"]
+set = ["impact.end=300 ms", "impact.checkpoint_every=0.5 s", "post.panels=[]"]
 
 [[axis]]
 name = "velocity"
@@ -68,3 +72,47 @@ def wait_for(what, condition, seconds=120):
 
 def checkpoints(place):
     return list((place.folder / "artifacts/impact").glob("*/work/*.checkpoint"))
+
+
+def places(folder):
+    """One for the study on this machine, one for that on the batch system."""
+    both = [Place(folder / name) for name in ["local", "cluster"]]
+    for place in both:
+        (place.folder / "study.toml").write_text(STUDY)
+    return both
+
+
+def stop_and_continue(cluster, submit, is_stopped):
+    """Another shell looks, stops everything, and continues to the end."""
+    out, _ = cluster.call(*submit, "--look")
+    say("looked at: " + out.splitlines()[-1])
+    assert "0 running, 0 waiting" not in out, out
+    _, err = cluster.call(*submit, "--cancel")
+    assert "was told to stop" in err, err
+    wait_for("the stop", is_stopped, 60)
+    out, _ = cluster.call(*submit, "--look")
+    say("stopped:   " + out.splitlines()[-1])
+    assert "0 running, 0 waiting" in out and "missing" in out, out
+    start = time.time()
+    cluster.call(*submit, "--wait")
+    say(f"continued in another shell to the end, {time.time() - start:.0f} s")
+
+
+def compare(local, cluster):
+    """Runs the study on this machine: both tables must be equal."""
+    local.call("study", "study.toml", "--jobs", str(os.cpu_count()))
+    assert table(local) == table(cluster), (table(local), table(cluster))
+    assert len(table(local)) == 13
+    say("the tables of 12 points are equal")
+
+
+def on_system(system, check):
+    """Starts a batch system, and stops it when `check` is through with it."""
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        started = system(folder / "system")
+        try:
+            check(started, folder)
+        finally:
+            started.stop()
+    say(f"{system.__name__}: all well")

@@ -2,16 +2,23 @@
 
 import json
 import os
-import pathlib
 import re
 import signal
 import socket
 import subprocess
-import tempfile
 import time
 
-from place import Place, say
-from points import STUDY, checkpoints, children, processes, table, wait_for
+from place import say
+from points import (
+    checkpoints,
+    children,
+    compare,
+    on_system,
+    places,
+    processes,
+    stop_and_continue,
+    wait_for,
+)
 
 
 class Slurm:
@@ -108,16 +115,15 @@ def restarts(slurm, point):
 
 
 def check(slurm, folder):
-    local, cluster = Place(folder / "local"), Place(folder / "cluster")
-    for place in [local, cluster]:
-        (place.folder / "study.toml").write_text(STUDY)
+    local, cluster = places(folder)
+    submit = ["study", "study.toml", "--on", "slurm"]
     start = time.time()
-    out, _ = cluster.call("study", "study.toml", "--on", "slurm")
+    out, _ = cluster.call(*submit)
     assert "12" in out or "waiting" in out, out
     say(f"submitted in {time.time() - start:.1f} s: {out.splitlines()[-4]}")
 
     # Two points are killed, the one with its program, the other without.
-    running = wait_for("two points", lambda: (p := processes()) and len(p) >= 2 and p)
+    wait_for("two points", lambda: len(processes()) >= 2)
     wait_for("checkpoints", lambda: len(checkpoints(cluster)) >= 2)
     first, second = sorted(processes())[:2]
     victims = processes()
@@ -134,29 +140,13 @@ def check(slurm, folder):
     say(f"point {third} was requeued")
 
     wait_for("a third checkpoint", lambda: len({c.parent for c in checkpoints(cluster)}) >= 3)
-
-    # Another shell looks, stops everything, and continues.
-    out, _ = cluster.call("study", "study.toml", "--on", "slurm", "--look")
-    say("looked at: " + out.splitlines()[-1])
-    assert "running" in out or "waiting" in out, out
-    _, err = cluster.call("study", "study.toml", "--on", "slurm", "--cancel")
-    assert "was told to stop" in err, err
-    wait_for("the stop", lambda: not slurm.tasks() and not processes(), 60)
-    out, _ = cluster.call("study", "study.toml", "--on", "slurm", "--look")
-    say("stopped:   " + out.splitlines()[-1])
-    assert "0 running, 0 waiting" in out and "missing" in out, out
-    start = time.time()
-    out, _ = cluster.call("study", "study.toml", "--on", "slurm", "--wait")
-    say(f"continued in another shell to the end, {time.time() - start:.0f} s")
-
-    local.call("study", "study.toml", "--jobs", str(os.cpu_count()))
-    assert table(local) == table(cluster), (table(local), table(cluster))
-    assert len(table(local)) == 13
+    stop_and_continue(cluster, submit, lambda: not slurm.tasks() and not processes())
+    compare(local, cluster)
     stamps = (cluster.folder / "artifacts/impact").glob("*/stamp.json")
     resumed = sum(json.loads(stamp.read_text())["resumptions"] > 0 for stamp in stamps)
-    say(f"the tables of 12 points are equal; {resumed} impacts went on from a checkpoint")
+    say(f"{resumed} impacts went on from a checkpoint")
     assert resumed >= 3
-    out, err = cluster.call("study", "study.toml", "--on", "slurm")
+    _, err = cluster.call(*submit)
     assert err.count("fresh") == 12, err
     cluster.call("verify")
 
@@ -165,11 +155,4 @@ def job(slurm):
     return slurm.ask("squeue", "--noheader", "--array", "--format=%F").split()[0]
 
 
-with tempfile.TemporaryDirectory() as folder:
-    folder = pathlib.Path(folder)
-    slurm = Slurm(folder / "slurm")
-    try:
-        check(slurm, folder)
-    finally:
-        slurm.stop()
-say("Slurm: all well")
+on_system(Slurm, check)

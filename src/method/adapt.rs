@@ -114,7 +114,7 @@ impl Liquid {
         let flow = &self.flow;
         let n = flow.liquid();
         let [x, _, z] = &flow.particles.position;
-        let row = flow.rows.row(i).iter().map(|&j| j as usize);
+        let row = flow.rows.row(i).indices();
         row.filter(move |&j| j < n && j != i)
             .map(move |j| (j, [x[j] - x[i], z[j] - z[i]]))
     }

@@ -33,7 +33,7 @@ use crate::kernel::Kernel;
 use crate::particle::wall::layers;
 use crate::particle::{Frame, Particles, State, Wall};
 use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
-use crate::space::ranks::{Communicator, Ranks};
+use crate::space::ranks::{Communicator, Ranks, broadcast};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
 use liquid::Liquid;
@@ -183,7 +183,7 @@ pub fn build_shared(
         Some((without_particles(state), *strength))
     });
     // Where rank 0 cannot begin, the others get nothing.
-    let begun = shared::broadcast(&**with, begun);
+    let begun = broadcast(&**with, 0, begun);
     let (state, strength) = match found {
         Some(found) => found?,
         None => begun.ok_or(MethodError::Empty)?,

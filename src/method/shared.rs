@@ -6,8 +6,7 @@ use crate::particle::{Frame, Particles, State, Wall};
 use crate::scene::{Closure, Method, MpsClosure, MpsGradient, PoissonSource};
 use crate::scene::{Preconditioner, Problem, TensionForm};
 use crate::space::grid::WIDE;
-use crate::space::ranks::{Communicator, decoded, encoded, gather};
-use serde::de::DeserializeOwned;
+use crate::space::ranks::{Communicator, broadcast, collect, gather};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -64,26 +63,14 @@ enum Order {
     End,
 }
 
-/// Gives all ranks what rank 0 has.
-pub fn broadcast<T: Serialize + DeserializeOwned>(with: &dyn Communicator, value: Option<T>) -> T {
-    match value {
-        Some(value) if with.rank() == 0 => {
-            let bytes = encoded(&value);
-            let to: Vec<(usize, Vec<u8>)> =
-                (1..with.size()).map(|rank| (rank, bytes.clone())).collect();
-            with.exchange(&to, &[]);
-            value
-        }
-        _ => decoded(&with.exchange(&[], &[0])[0]),
-    }
-}
-
 /// The part of rank 0.
 enum Own<'a> {
     Held(Box<dyn Solver>),
     /// Between two steps it is only looked at.
     Seen(&'a dyn Solver),
 }
+
+const HAS_ALL: &str = "rank 0 collects";
 
 /// On rank 0: the solver of all.
 pub struct Shared<'a> {
@@ -114,7 +101,7 @@ impl Shared<'_> {
     }
 
     fn tell(&self, order: Order) {
-        broadcast(&*self.with, Some(order));
+        broadcast(&*self.with, 0, Some(order));
     }
 }
 
@@ -159,12 +146,16 @@ impl Solver for Shared<'_> {
 
     fn state(&self) -> State {
         self.tell(Order::State);
-        whole_state(gather(&*self.with, &self.own().state()))
+        collect(&*self.with, self.own().state())
+            .map(whole_state)
+            .expect(HAS_ALL)
     }
 
     fn frame(&self) -> Frame {
         self.tell(Order::Frame);
-        whole_frame(gather(&*self.with, &self.own().frame()))
+        collect(&*self.with, self.own().frame())
+            .map(whole_frame)
+            .expect(HAS_ALL)
     }
 
     fn unrest(&self) -> (f64, f64) {
@@ -184,12 +175,12 @@ impl Solver for Shared<'_> {
 /// On the other ranks: does what rank 0 says, until it drops its solver.
 pub fn serve(mut own: Box<dyn Solver>, with: &dyn Communicator) {
     loop {
-        match broadcast(with, None) {
+        match broadcast(with, 0, None) {
             Order::Meet(interval) => own.meet(interval),
             Order::Advance => {
                 // Rank 0 has the same error.
                 let _ = own.advance(&mut |own| {
-                    while let Some(order) = going_on(broadcast(with, None)) {
+                    while let Some(order) = going_on(broadcast(with, 0, None)) {
                         answer(own, with, order);
                     }
                 });
@@ -211,10 +202,10 @@ fn going_on(order: Order) -> Option<Order> {
 fn answer(own: &dyn Solver, with: &dyn Communicator, order: Order) {
     match order {
         Order::State => {
-            gather(with, &own.state());
+            collect(with, own.state());
         }
         Order::Frame => {
-            gather(with, &own.frame());
+            collect(with, own.frame());
         }
         Order::Unrest => {
             own.unrest();

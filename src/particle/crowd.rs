@@ -117,8 +117,7 @@ impl Crowd {
     /// that is in its row, images too.
     pub fn neighbours(&self, i: usize, mut f: impl FnMut([f64; 3])) {
         let own = self.records[i];
-        for &j in self.rows.row(i) {
-            let j = j as usize;
+        for j in self.rows.row(i).indices() {
             if j != i && self.is_liquid(j) {
                 let other = self.records[j];
                 f([0, 1, 2]

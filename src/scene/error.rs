@@ -45,6 +45,16 @@ pub enum SceneError {
         /// The file.
         path: PathBuf,
     },
+    /// A file for another command.
+    #[error("{}: is a {kind}; {remedy}", path.display())]
+    OtherKind {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+        /// What to do with it.
+        remedy: String,
+    },
     /// The file is not valid TOML.
     #[error("{place}: not TOML: {message}")]
     Syntax {

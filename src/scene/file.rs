@@ -102,6 +102,13 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
 pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
     let sources = Sources::new(text, path, sets);
     let tree = Tree::parse(&sources)?;
+    if tree.get("pipeline").is_some() && tree.get("box").is_none() {
+        return Err(SceneError::OtherKind {
+            path: path.to_path_buf(),
+            kind: "study",
+            remedy: format!("run `coronet study {}`", path.display()),
+        });
+    }
     let mut found = conform::check(&tree, &SCHEMA);
     if !found.is_empty() {
         body::supports(&tree, &mut found);
@@ -132,6 +139,16 @@ pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneErr
 pub fn parse<T: DeserializeOwned + JsonSchema>(text: &str, path: &Path) -> Result<T, SceneError> {
     let sources = Sources::new(text, path, &[]);
     let tree = Tree::parse(&sources)?;
+    if tree.get("box").is_some() && tree.get("body").is_some() {
+        return Err(SceneError::OtherKind {
+            path: path.to_path_buf(),
+            kind: "scene",
+            remedy: format!(
+                "run `coronet run {}`, or name it as `pipeline` in a study",
+                path.display()
+            ),
+        });
+    }
     conform::check(&tree, &schema::of::<T>("").to_value()).told()?;
     tree.read()
 }

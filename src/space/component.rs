@@ -26,12 +26,12 @@ impl Components {
         12 * self.runs.capacity() + 4 * (self.first.capacity() + self.parent.capacity())
     }
 
-    /// Finds the components of all cells in which one of `starts` has a particle: the first
-    /// particle of each cell, and the number of all. Particles up to `reach` m apart are connected.
-    pub fn find(&mut self, grid: &Grid, starts: &[&[u32]], reach: f64) {
+    /// Finds the components of all cells that hold particles. Particles up to `reach` m apart are
+    /// connected.
+    pub fn find(&mut self, grid: &Grid, reach: f64, is_filled: impl Fn(usize) -> bool) {
         let within = |a: usize| ((reach / grid.edge[a]).ceil() as usize).min(grid.count[a] - 1);
         let reach = [0, 1, 2].map(within);
-        self.cut(grid, starts, reach[2]);
+        self.cut(grid, reach[2], is_filled);
         self.parent.clear();
         self.parent.extend(0..self.runs.len() as u32);
         let [nx, ny, _] = grid.count;
@@ -58,7 +58,7 @@ impl Components {
     }
 
     /// Cuts the columns into runs.
-    fn cut(&mut self, grid: &Grid, starts: &[&[u32]], reach: usize) {
+    fn cut(&mut self, grid: &Grid, reach: usize, is_filled: impl Fn(usize) -> bool) {
         let depth = grid.count[2];
         let columns = grid.cells() / depth;
         self.runs.clear();
@@ -67,15 +67,7 @@ impl Components {
             let first = self.runs.len();
             self.first.push(first as u32);
             let bottom = column * depth;
-            let empty = |start: &&[u32]| start[bottom] == start[bottom + depth];
-            if starts.iter().all(empty) {
-                continue;
-            }
-            for z in 0..depth {
-                let cell = bottom + z;
-                if starts.iter().all(|start| start[cell] == start[cell + 1]) {
-                    continue;
-                }
+            for z in (0..depth).filter(|z| is_filled(bottom + z)) {
                 match self.runs[first..].last_mut() {
                     Some(run) if z <= run[1] as usize + reach => run[1] = z as u32,
                     _ => self.runs.push([z as u32, z as u32, bottom as u32]),

@@ -3,6 +3,7 @@
 //! A target may also be in its own row: sums leave out what is at distance 0.
 
 use super::column::{Columns, Place};
+use super::eights::{Eights, Groups};
 use super::grid::Grid;
 use super::lane::{self, Job, Lanes, Real, WIDTH, dot};
 use rayon::prelude::*;
@@ -18,10 +19,12 @@ const MOSTLY: usize = 640;
 
 #[derive(Clone, Debug, Default)]
 struct Chunk {
+    /// First group of each row, and the number of all.
     start: Vec<u32>,
-    index: Vec<u32>,
+    groups: Eights,
     /// For the building.
     near: Near,
+    row: Vec<u32>,
 }
 
 /// Neighbour rows of a contiguous range of targets.
@@ -128,15 +131,22 @@ impl Rows {
 
     /// The neighbours of target `first + k`, padding included.
     #[inline(always)]
-    pub fn row(&self, k: usize) -> &[u32] {
+    pub fn row(&self, k: usize) -> Groups<'_> {
         let chunk = &self.chunks[k / CHUNK];
         let k = k % CHUNK;
-        &chunk.index[chunk.start[k] as usize..chunk.start[k + 1] as usize]
+        let range = chunk.start[k] as usize..chunk.start[k + 1] as usize;
+        chunk.groups.groups(range)
     }
 
     /// Entries, padding included.
     pub fn entries(&self) -> usize {
-        self.chunks.iter().map(|c| c.index.len()).sum()
+        self.chunks.iter().map(|c| WIDTH * c.groups.len()).sum()
+    }
+
+    /// Bytes held for rows.
+    pub fn memory(&self) -> usize {
+        let bytes = |c: &Chunk| c.groups.memory() + 4 * c.start.capacity();
+        self.chunks.iter().map(bytes).sum()
     }
 
     /// One more than the largest index that any row can hold.
@@ -148,7 +158,7 @@ impl Rows {
     pub fn scratch(&self) -> usize {
         self.chunks
             .iter()
-            .map(|c| 16 * c.near.index.capacity())
+            .map(|c| 16 * c.near.index.capacity() + 4 * c.row.capacity())
             .sum()
     }
 
@@ -197,7 +207,7 @@ impl Job for Filling<'_> {
     fn run<L: Lanes>(self, lanes: L) {
         let (search, first, position, chunk) = (self.search, self.first, self.position, self.chunk);
         chunk.start.clear();
-        chunk.index.clear();
+        chunk.groups.clear();
         let mut columns = Columns::new(search.grid, search.cutoff, 1);
         let (mut k, stop) = (self.range.start, self.range.end);
         while k < stop {
@@ -213,16 +223,18 @@ impl Job for Filling<'_> {
             // SAFETY: `build` has counted the points of the search.
             let count = unsafe { chunk.near.gather(search, found) };
             for k in k..end {
-                chunk.start.push(chunk.index.len() as u32);
+                chunk.start.push(chunk.groups.len() as u32);
                 let own = first + k;
                 let cutoff = search.cutoff_of(own);
-                let row = &mut chunk.index;
+                let row = &mut chunk.row;
+                row.clear();
                 chunk.near.within(lanes, search, (own, cutoff), count, row);
                 pad(row, own as u32);
+                chunk.groups.extend(row);
             }
             k = end;
         }
-        chunk.start.push(chunk.index.len() as u32);
+        chunk.start.push(chunk.groups.len() as u32);
     }
 }
 

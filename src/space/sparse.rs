@@ -4,10 +4,12 @@
 //! product has the same bits for any number of threads. Weights are f32 (half the memory traffic,
 //! which is all that a product costs), sums are f64.
 
+use super::eights::{Eights, Group, Groups};
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, WIDTH};
 use super::row::{CHUNK, Rows};
 use super::sweep::{Pair, Payload, Records, STAGED, Stage, TOO_FEW, carried, splat};
+use num_traits::AsPrimitive;
 use rayon::prelude::*;
 
 /// What couples a pair, and what else is summed along the row.
@@ -31,9 +33,14 @@ pub trait Couple<const N: usize>: Sync {
 
 #[derive(Clone, Debug, Default)]
 struct Chunk {
+    /// First group of each row, and the number of all.
     start: Vec<u32>,
-    index: Vec<u32>,
+    /// Couplings of each row: the rest of its last group has no weight, and is left out.
+    count: Vec<u32>,
+    groups: Eights,
     weight: Vec<f32>,
+    /// Indices of a row, for the building.
+    row: Vec<u32>,
 }
 
 /// Off-diagonal weights of a symmetric matrix.
@@ -96,12 +103,23 @@ impl Chunk {
     /// this is the largest array there is.
     #[inline(always)]
     fn make_room(&mut self, more: usize) {
-        let room = self.index.len() + more;
-        if room > self.index.capacity().min(self.weight.capacity()) {
-            let more = more + room / 8;
-            self.index.reserve_exact(more);
-            self.weight.reserve_exact(more);
+        let room = self.weight.len() + more;
+        if room > self.weight.capacity() {
+            self.weight.reserve_exact(more + room / 8);
         }
+        self.row.reserve(more);
+    }
+
+    /// Ends a row.
+    fn close(&mut self) {
+        self.count.push(self.row.len() as u32);
+        let whole = self.row.len().next_multiple_of(WIDTH);
+        let padding = self.row.last().copied().unwrap_or(0);
+        self.weight
+            .resize(self.weight.len() + whole - self.row.len(), 0.0);
+        self.row.resize(whole, padding);
+        self.groups.extend(&self.row);
+        self.row.clear();
     }
 }
 
@@ -118,22 +136,34 @@ impl Sparse {
 
     /// Weights held.
     pub fn entries(&self) -> usize {
-        self.chunks.iter().map(|c| c.index.len()).sum()
+        let entries = |c: &Chunk| c.count.iter().map(|&count| count as usize).sum::<usize>();
+        self.chunks.iter().map(entries).sum()
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        let bytes = |c: &Chunk| 4 * (c.start.capacity() + 2 * c.index.capacity());
+        let words = |c: &Chunk| {
+            c.start.capacity() + c.count.capacity() + c.weight.capacity() + c.row.capacity()
+        };
+        let bytes = |c: &Chunk| c.groups.memory() + 4 * words(c);
         self.chunks.iter().map(bytes).sum()
     }
 
-    /// Neighbours and weights of row `i`.
+    /// The groups of row `i`, its weights, and how many couplings it has.
     #[inline(always)]
-    pub fn row(&self, i: usize) -> (&[u32], &[f32]) {
+    fn groups(&self, i: usize) -> (Groups<'_>, &[[f32; WIDTH]], usize) {
         let chunk = &self.chunks[i / CHUNK];
         let k = i % CHUNK;
         let range = chunk.start[k] as usize..chunk.start[k + 1] as usize;
-        (&chunk.index[range.clone()], &chunk.weight[range])
+        let weight = &chunk.weight.as_chunks().0[range.clone()];
+        (chunk.groups.groups(range), weight, chunk.count[k] as usize)
+    }
+
+    /// Neighbours and weights of row `i`.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f32)> {
+        let (groups, weight, count) = self.groups(i);
+        let pairs = groups.indices().zip(weight.as_flattened().iter().copied());
+        pairs.take(count)
     }
 
     /// SUM weight x over row `i`.
@@ -143,19 +173,31 @@ impl Sparse {
     #[inline(always)]
     pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
         assert!(self.bound <= x.len(), "fewer values than unknowns");
-        let (index, weight) = self.row(i);
-        let (mut sum, mut k) = ([0.0f64; 4], 0);
-        let whole = index.len() / 4 * 4;
-        while k < whole {
-            for (lane, sum) in sum.iter_mut().enumerate() {
-                // SAFETY: indices are below the bound, which is at most the length, as asserted.
-                let x = unsafe { *x.get_unchecked(index[k + lane] as usize) };
-                *sum += weight[k + lane] as f64 * x;
+        let (groups, weight, count) = self.groups(i);
+        let products = |k: usize| {
+            // SAFETY: indices are below the bound, which is at most the length, as asserted, and a
+            // base is one of them.
+            unsafe {
+                match groups.open(&groups.packed[k]) {
+                    Group::Near(base, beyond) => {
+                        products(x.get_unchecked(base as usize..), beyond, &weight[k])
+                    }
+                    Group::Wide(index) => products(x, index, &weight[k]),
+                }
             }
-            k += 4;
+        };
+        let mut sum = [0.0f64; 4];
+        let (whole, left) = (count / WIDTH, count % WIDTH);
+        for k in 0..whole {
+            for (k, product) in products(k).into_iter().enumerate() {
+                sum[k % 4] += product;
+            }
         }
-        for (j, w) in index[whole..].iter().zip(&weight[whole..]) {
-            sum[0] += *w as f64 * x[*j as usize];
+        if left > 0 {
+            let four = left / 4 * 4;
+            for (k, product) in products(whole)[..left].iter().enumerate() {
+                sum[if k < four { k } else { 0 }] += product;
+            }
         }
         (sum[0] + sum[1]) + (sum[2] + sum[3])
     }
@@ -192,8 +234,10 @@ impl Sparse {
         let chunks = self.chunks.par_iter_mut().zip(out).enumerate();
         chunks.for_each(|(c, (chunk, (degree, sums)))| {
             chunk.start.clear();
-            chunk.index.clear();
+            chunk.count.clear();
+            chunk.groups.clear();
             chunk.weight.clear();
+            chunk.row.clear();
             let job = Filling {
                 layout,
                 pass,
@@ -225,7 +269,7 @@ impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
         let n = layout.liquid.len();
         let mut stage = Stage::<L::F, P::Payload>::new(lanes);
         for (k, (degree, sums)) in self.degree.iter_mut().zip(self.sums).enumerate() {
-            chunk.start.push(chunk.index.len() as u32);
+            chunk.start.push(chunk.groups.len() as u32);
             let mut eights = [lanes.splat(0.0); N];
             *degree = 0.0;
             let i = from + k;
@@ -262,12 +306,27 @@ impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
                     };
                 }
             }
+            chunk.close();
             for (sum, eight) in sums.iter_mut().zip(eights) {
                 *sum = eight.sum();
             }
         }
-        chunk.start.push(chunk.index.len() as u32);
+        chunk.start.push(chunk.groups.len() as u32);
     }
+}
+
+/// Weight times value, eight times.
+///
+/// # Safety
+/// All indices are below the number of values.
+#[inline(always)]
+unsafe fn products<J: AsPrimitive<usize>>(
+    x: &[f64],
+    index: &[J; WIDTH],
+    weight: &[f32; WIDTH],
+) -> [f64; WIDTH] {
+    // SAFETY: the caller knows that there are so many values.
+    std::array::from_fn(|k| weight[k] as f64 * unsafe { *x.get_unchecked(index[k].as_()) })
 }
 
 /// Appends the couplings of record `target`; their sum. Walls are not coupled to walls.
@@ -279,7 +338,7 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     lanes: L,
     layout: &Layout,
     pass: &P,
-    (target, row): (usize, &[u32]),
+    (target, row): (usize, Groups),
     stage: &mut Stage<L::F, P::Payload>,
     sum: &mut [L::F; N],
     chunk: &mut Chunk,
@@ -291,21 +350,26 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     let scale = layout.scale.lanes(lanes);
     let own = splat(lanes, carried::<P::Payload>(record), pass.extra(target));
     let mut degree = 0.0;
-    chunk.make_room(row.len());
-    let mut kept = chunk.index.len();
-    let (indices, weights) = (chunk.index.as_mut_ptr(), chunk.weight.as_mut_ptr());
-    for part in row.chunks(STAGED * WIDTH) {
+    chunk.make_room(WIDTH * row.len());
+    let (from, mut kept) = (chunk.row.len(), 0);
+    // SAFETY: those are the ends of what is written.
+    let (indices, weights) = unsafe {
+        let weights = chunk.weight.as_mut_ptr().add(chunk.weight.len());
+        (chunk.row.as_mut_ptr().add(from), weights)
+    };
+    for part in row.chunks(STAGED) {
         // SAFETY: all indices are of records.
         let count = unsafe { stage.gather(lanes, layout.records, part, at, scale) };
         for k in 0..count {
             let weight = pass.weigh(*stage.q2(k));
             stage.weight(k, weight);
         }
-        for (k, group) in part.chunks_exact(WIDTH).enumerate() {
+        let mut others = part.indices();
+        for k in 0..count {
             let weight = pass.pair(&stage.pair(k, own), sum).to_array();
             // All are written, and those that count are passed: no branch that cannot be foretold.
-            for (w, &j) in weight.into_iter().zip(group) {
-                let j = layout.original(j as usize);
+            for (w, j) in weight.into_iter().zip(&mut others) {
+                let j = layout.original(j);
                 let w = match target >= n && walls.contains(&j) {
                     true => 0.0,
                     false => w,
@@ -326,8 +390,8 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     }
     // SAFETY: so many were written.
     unsafe {
-        chunk.index.set_len(kept);
-        chunk.weight.set_len(kept);
+        chunk.row.set_len(from + kept);
+        chunk.weight.set_len(chunk.weight.len() + kept);
     }
     degree
 }

@@ -10,7 +10,7 @@ use anyhow::{Context as _, Result, bail};
 use coronet::method::{self, MethodError, Phase, Solver, shared};
 use coronet::particle::State;
 use coronet::scene::{Problem, Scene};
-use coronet::space::ranks::Communicator;
+use coronet::space::ranks::{Communicator, broadcast};
 use serde::{Deserialize, Serialize};
 
 use crate::fault::Usage;
@@ -100,7 +100,7 @@ pub fn build(
     let Some(world) = world() else {
         return method::build(problem, state, phase, strength);
     };
-    shared::broadcast(&**world, Some(Some(part)));
+    broadcast(&**world, 0, Some(Some(part)));
     method::build_shared(world, problem, Some(state), phase, strength)
 }
 
@@ -112,7 +112,7 @@ pub fn help(scene: &Scene) -> Result<()> {
     let Some(world) = world() else {
         return Ok(());
     };
-    while let Some(part) = shared::broadcast::<Option<Part>>(&**world, None) {
+    while let Some(part) = broadcast::<Option<Part>>(&**world, 0, None) {
         let (problem, phase) = match part {
             Part::Relax(body) => {
                 let input = scene
@@ -137,7 +137,7 @@ pub fn leave() {
     if let Some(world) = world()
         && world.rank() == 0
     {
-        shared::broadcast::<Option<Part>>(&**world, Some(None));
+        broadcast::<Option<Part>>(&**world, 0, Some(None));
     }
     #[cfg(feature = "mpi")]
     if world().is_some() {

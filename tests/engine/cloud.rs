@@ -194,7 +194,7 @@ impl Cloud {
             None => self.flow.rows.row(i),
             Some(i) => self.flow.wall_rows.row(i),
         };
-        let other = rows.iter().map(|&j| j as usize).filter(|&j| j != i);
+        let other = rows.indices().filter(|&j| j != i);
         let mut row: Vec<usize> = other.collect();
         row.sort_unstable();
         row

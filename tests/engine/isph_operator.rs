@@ -308,7 +308,13 @@ fn detected_surfaces_are_the_outermost_layer() {
         let flow = &cloud.flow;
         let scene = (&flow.grid, cloud.h, dimension == Dimension::Two);
         for i in 0..local.len() {
-            let found = is_surface(&local[i], i, flow.rows.row(i), &flow.records, scene);
+            let found = is_surface(
+                &local[i],
+                i,
+                flow.rows.row(i).indices(),
+                &flow.records,
+                scene,
+            );
             let x = flow.position(i).map(|x| x / S0);
             let edge = |a: &usize| x[*a] < 1.0 || x[*a] > side - 1.0;
             let axes: &[usize] = if dimension == Dimension::Two {
@@ -329,7 +335,15 @@ fn detected_surfaces_are_the_outermost_layer() {
         let local = look(&mut film, |_| [0.0; 3]);
         let flow = &film.flow;
         let scene = (&flow.grid, film.h, dimension == Dimension::Two);
-        let seen = |i: usize| is_surface(&local[i], i, flow.rows.row(i), &flow.records, scene);
+        let seen = |i: usize| {
+            is_surface(
+                &local[i],
+                i,
+                flow.rows.row(i).indices(),
+                &flow.records,
+                scene,
+            )
+        };
         assert!((0..local.len()).all(seen), "{dimension:?}");
     }
 }

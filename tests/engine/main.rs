@@ -80,6 +80,7 @@ mod scene_symmetry;
 mod scene_variant;
 mod scene_wetting;
 mod space_component;
+mod space_eights;
 mod space_lane;
 mod space_refused;
 mod space_row;

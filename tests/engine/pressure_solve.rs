@@ -98,11 +98,9 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 fn couplings_are_symmetric() {
     let (e, _) = equation(Dimension::Three, 9.0, true);
     for i in 0..e.len() {
-        let (index, weight) = e.coupling.row(i);
-        for (j, w) in index.iter().zip(weight) {
-            let (back, same) = e.coupling.row(*j as usize);
-            let k = back.iter().position(|k| *k as usize == i).unwrap();
-            assert_eq!(same[k].to_bits(), w.to_bits());
+        for (j, w) in e.coupling.row(i) {
+            let (_, same) = e.coupling.row(j).find(|(k, _)| *k == i).unwrap();
+            assert_eq!(same.to_bits(), w.to_bits());
         }
     }
 }
@@ -120,9 +118,8 @@ fn every_preconditioner_leads_to_the_dense_solution() {
         let mut dense = DMatrix::<f64>::zeros(n, n);
         for i in 0..n {
             dense[(i, i)] = e.diagonal[i];
-            let (index, weight) = e.coupling.row(i);
-            for (j, w) in index.iter().zip(weight) {
-                dense[(i, *j as usize)] -= *w as f64;
+            for (j, w) in e.coupling.row(i) {
+                dense[(i, j)] -= w as f64;
             }
         }
         let right = DVector::from_column_slice(&e.right);

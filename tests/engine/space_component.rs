@@ -11,8 +11,11 @@ fn found(cloud: &Cloud, reach: f64) -> Vec<usize> {
     let start = &cloud.flow.liquid_cells.start;
     let mut components = Components::default();
     // Twice: nothing of the first is left.
-    components.find(&cloud.flow.grid, &[start], 3.0 * reach);
-    components.find(&cloud.flow.grid, &[start], reach);
+    for reach in [3.0 * reach, reach] {
+        components.find(&cloud.flow.grid, reach, |cell| {
+            start[cell] < start[cell + 1]
+        });
+    }
     let mut of = vec![usize::MAX; cloud.flow.liquid()];
     for (body, cells) in components.runs() {
         assert!(body < components.len());

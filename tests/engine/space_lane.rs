@@ -107,9 +107,17 @@ fn move_about<L: Lanes>(lanes: L, records: &[Record], index: &[u32; WIDTH], out:
     at.into_iter().for_each(|x| store_fixed::<L>(x, out));
     store(word, out);
     // SAFETY: the indices are those of records.
-    let (at, payload) = unsafe { lanes.gather(records.as_ptr(), index.as_ptr()) };
-    at.into_iter().for_each(|x| store_fixed::<L>(x, out));
-    payload.into_iter().for_each(|x| store(x, out));
+    let gathered = unsafe {
+        let records = records.as_ptr();
+        [
+            lanes.gather(records, index.as_ptr()),
+            lanes.gather(records, places.as_ptr()),
+        ]
+    };
+    for (at, payload) in gathered {
+        at.into_iter().for_each(|x| store_fixed::<L>(x, out));
+        payload.into_iter().for_each(|x| store(x, out));
+    }
     for mask in 0..256 {
         let mut room = [u32::MAX; WIDTH];
         // SAFETY: there are eight words, and there is room for eight.
@@ -223,10 +231,10 @@ fn passes() -> Vec<String> {
         let cloud = Cloud::new(dimension, cells, sides, [1.3, 0.4], |_| true);
         let mut words: Vec<u64> = Vec::new();
         for i in 0..cloud.flow.liquid() {
-            words.extend(cloud.flow.rows.row(i).iter().map(|&j| j as u64));
+            words.extend(cloud.flow.rows.row(i).indices().map(|j| j as u64));
         }
         for i in 0..cloud.flow.walls() {
-            words.extend(cloud.flow.wall_rows.row(i).iter().map(|&j| j as u64));
+            words.extend(cloud.flow.wall_rows.row(i).indices().map(|j| j as u64));
         }
         lines.push(format!("rows {}", fingerprint(&words)));
     }

@@ -83,9 +83,8 @@ fn a_row_is_padded_with_its_own_particle() {
     for (name, cloud) in clouds() {
         let mut padding = 0;
         for i in 0..cloud.flow.liquid() {
-            let row = cloud.flow.rows.row(i);
-            assert_eq!(row.len() % 8, 0, "{name}");
-            let own = row.iter().filter(|&&j| j as usize == i).count();
+            let own = cloud.flow.rows.row(i).indices();
+            let own = own.filter(|&j| j == i).count();
             assert!(own <= 8, "{name}: {own} times itself");
             padding += own;
         }

@@ -64,6 +64,22 @@ fn mistakes_of_a_study_are_reported_all_at_once() {
     );
 }
 
+#[test]
+fn a_file_for_another_command_is_recognized() {
+    let program = Program::new();
+    let study = Path::new(STUDIES).join("pool.toml").display().to_string();
+    for command in ["run", "plan"] {
+        let remedy = format!("pool.toml: is a study; run `coronet study {study}`");
+        program.call(&[command, &study]).badly(2, &[&remedy]);
+    }
+    let scene = Path::new(STUDIES)
+        .join("../tiny.toml")
+        .display()
+        .to_string();
+    let remedy = format!("tiny.toml: is a scene; run `coronet run {scene}`, or name it");
+    program.call(&["study", &scene]).badly(2, &[&remedy]);
+}
+
 /// The study files as shipped.
 fn studies() -> Vec<PathBuf> {
     let files = fs::read_dir(STUDIES)

@@ -122,8 +122,18 @@ impl Table {
             true => (0..self.names.len()).map(|k| (k, "")).collect(),
             false => self.cells(orders)?,
         };
-        let heads: Vec<String> = cells.iter().map(|(k, _)| self.names[*k].clone()).collect();
-        let own = |row: &Vec<String>| cells.iter().map(|cell| value(row, cell)).collect();
+        let head = |(k, unit): &(usize, &str)| match scaled(&self.names[*k], unit) {
+            Some((si, _)) => self.names[*k].replace(si, &format!("({unit})")),
+            None => self.names[*k].clone(),
+        };
+        let heads: Vec<String> = cells.iter().map(head).collect();
+        let own = |row: &Vec<String>| {
+            let one = |cell: &(usize, &str)| match scaled(&self.names[cell.0], cell.1) {
+                Some((_, scale)) => significant(&row[cell.0], scale),
+                None => value(row, cell),
+            };
+            cells.iter().map(one).collect()
+        };
         let rows: Vec<Vec<String>> = self.rows.iter().map(own).collect();
         Ok(markdown(&heads, &rows))
     }
@@ -206,6 +216,33 @@ fn value(row: &[String], (place, unit): &(usize, &str)) -> String {
     }
 }
 
+/// The SI unit in the name of a column, and what makes its values those of another unit.
+fn scaled(name: &str, unit: &str) -> Option<(&'static str, f64)> {
+    let known = [
+        ("(m)", "mm", 1e3),
+        ("(s)", "ms", 1e3),
+        ("(J)", "uJ", 1e6),
+        ("(kg)", "mg", 1e6),
+    ];
+    let mut known = known.into_iter();
+    let (si, _, scale) = known.find(|(si, other, _)| *other == unit && name.ends_with(si))?;
+    Some((si, scale))
+}
+
+/// A number times `scale` to three digits; a text as it stands.
+fn significant(text: &str, scale: f64) -> String {
+    let Ok(value) = text.parse::<f64>() else {
+        return text.to_string();
+    };
+    let value = scale * value;
+    let digits = match value.abs() {
+        size if size < 9.995 => 2,
+        size if size < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{value:.digits$}")
+}
+
 /// A label whose decimal numbers have at most four digits behind the point.
 fn short(label: &str) -> String {
     let word = |word: &str| match (word.split_once('.'), word.parse::<f64>()) {
@@ -237,6 +274,19 @@ fn markdown(heads: &[String], rows: &[Vec<String>]) -> String {
     let rule = format!("|{}\n", "---|".repeat(heads.len()));
     let body: String = rows.iter().map(|row| line(row)).collect();
     line(heads) + &rule + &body
+}
+
+#[test]
+fn units_are_scaled() {
+    let text = "# version: 3\n# machine: A\n# date: today\n\
+                run,deepest (m),when (s)\na,0.008971,0.0239\nb,,\n";
+    let table = Table::parse(text).unwrap();
+    assert_eq!(
+        table
+            .plain(&["run", "deepest (m) mm", "when (s) ms"])
+            .unwrap(),
+        "| run | deepest (mm) | when (ms) |\n|---|---|---|\n| a | 8.97 | 23.9 |\n| b |  |  |\n"
+    );
 }
 
 #[test]

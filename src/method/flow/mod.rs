@@ -383,7 +383,7 @@ impl Flow {
             + self.mirror.as_ref().map_or(0, Mirror::memory)
             + self.halo.memory();
         let bare = p + records + cells + scratch + building as f64 / n;
-        let rows = (self.rows.entries() + self.wall_rows.entries()) as f64 * 4.0 / n;
-        (bare, bare + rows + 4.0)
+        let rows = (self.rows.memory() + self.wall_rows.memory()) as f64 / n;
+        (bare, bare + rows)
     }
 }

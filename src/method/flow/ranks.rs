@@ -6,7 +6,6 @@ use crate::particle::migrate::{Emigrate, Immigrate};
 use crate::space::ranks::halo::Carried;
 use crate::space::ranks::span::Span;
 use crate::space::ranks::{decoded, encoded, largest};
-use std::borrow::Cow;
 
 impl Flow {
     /// Records beside those of this rank's particles and of walls: images or ghosts.
@@ -80,21 +79,15 @@ impl Flow {
         }
     }
 
-    /// Sums over all cells before each of how many particles it has; on several ranks of whether
-    /// it has any, on whichever rank.
-    pub fn filled(&self) -> Cow<'_, [u32]> {
-        let own = &self.liquid_cells.start;
+    /// Which cells hold liquid, on whichever rank; empty in one process.
+    pub fn filled(&self) -> Vec<bool> {
         if self.ranks.is_none() {
-            return Cow::Borrowed(own);
+            return Vec::new();
         }
-        let mut is_filled: Vec<bool> = own.windows(2).map(|cell| cell[0] < cell[1]).collect();
-        self.join(&mut is_filled);
-        let mut sum = 0;
-        let ends = is_filled.iter().map(|&filled| {
-            sum += u32::from(filled);
-            sum
-        });
-        Cow::Owned(std::iter::once(0).chain(ends).collect())
+        let own = self.liquid_cells.start.windows(2);
+        let mut filled: Vec<bool> = own.map(|cell| cell[0] < cell[1]).collect();
+        self.join(&mut filled);
+        filled
     }
 
     /// Takes over how many particles each rank has now.

@@ -107,7 +107,7 @@ impl<K: Kernel> Isph<K> {
         let scene = (&p.liquid.flow.grid, p.liquid.case.h, planar);
         let (local, records, rows) = (&p.own.local, &p.liquid.flow.records, &p.liquid.flow.rows);
         each_mut(&mut p.scheme.mirrored[..n], |i, out| {
-            *out = surface::is_surface(&local[i], i, rows.row(i), records, scene)
+            *out = surface::is_surface(&local[i], i, rows.row(i).indices(), records, scene)
         });
     }
 

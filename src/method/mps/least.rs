@@ -54,11 +54,11 @@ impl Projection<Mps> {
         each_mut(&mut self.scheme.least[..n], |i, least| {
             let own = &flow.records[i];
             let mut lowest = pressure(i);
-            for &j in flow.rows.row(i) {
-                let other = &flow.records[j as usize];
+            for j in flow.rows.row(i).indices() {
+                let other = &flow.records[j];
                 let away = |a: usize| other.at(a).wrapping_sub(own.at(a)) as f64 * unit[a];
                 if (0..3).map(|a| away(a).powi(2)).sum::<f64>() < square {
-                    lowest = lowest.min(pressure(j as usize));
+                    lowest = lowest.min(pressure(j));
                 }
             }
             *least = lowest;

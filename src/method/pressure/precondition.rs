@@ -19,12 +19,11 @@ pub fn ssor(equation: &Equation, r: &[f64], z: &mut [f64]) {
     z.par_chunks_mut(BLOCK).enumerate().for_each(|(block, z)| {
         let first = block * BLOCK;
         let inside = |i: usize, z: &[f64], range: std::ops::Range<usize>| {
-            let (index, weight) = equation.coupling.row(i);
             let mut sum = 0.0;
-            for (j, w) in index.iter().zip(weight) {
-                let j = (*j as usize).wrapping_sub(first);
+            for (j, w) in equation.coupling.row(i) {
+                let j = j.wrapping_sub(first);
                 if range.contains(&j) {
-                    sum += *w as f64 * z[j];
+                    sum += w as f64 * z[j];
                 }
             }
             sum

@@ -45,16 +45,15 @@ impl<S: Scheme> Projection<S> {
         let reach = self.liquid.case.h * 2.0 + flow.extra().most;
         let (own, walls) = (&flow.liquid_cells.start, &flow.wall_cells.start);
         let Closed { components, sums } = &mut self.closed;
-        let filled = flow.filled();
-        let starts: [&[u32]; 2] = [&filled, walls];
-        components.find(
-            &flow.grid,
-            &starts[..1 + usize::from(flow.walls() > 0)],
-            reach,
-        );
+        let (filled, has_walls) = (flow.filled(), flow.walls() > 0);
+        components.find(&flow.grid, reach, |cell| {
+            own[cell] < own[cell + 1]
+                || filled.get(cell).is_some_and(|&filled| filled)
+                || has_walls && walls[cell] < walls[cell + 1]
+        });
         sums.clear();
         sums.resize(components.len(), Body::default());
-        if flow.walls() > 0 {
+        if has_walls {
             for (body, cells) in components.runs() {
                 let walled = walls[cells.start] < walls[cells.end];
                 sums[body].open = sums[body].open.map(|open| open || walled);

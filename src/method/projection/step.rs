@@ -144,7 +144,7 @@ impl<S: Scheme> Projection<S> {
         };
         // In the order of the walls: that of rows changes with the liquid.
         let own = |j: usize| {
-            let others = rows.row(j).iter().map(|k| *k as usize);
+            let others = rows.row(j).indices();
             let is_wall = |k: &usize| self.liquid.flow.original(*k) >= n && *k != n + j;
             let mut others: Vec<usize> = others.filter(is_wall).collect();
             others.sort_unstable();

@@ -35,7 +35,7 @@ const INSIDE: f64 = 0.75;
 pub fn is_surface(
     local: &Local,
     own: usize,
-    row: &[u32],
+    mut row: impl Iterator<Item = usize>,
     records: &[Record],
     (grid, h, planar): (&Grid, f64, bool),
 ) -> bool {
@@ -52,8 +52,7 @@ pub fn is_surface(
     let n = n.map(|n| n / length);
     let tau = [n[2], 0.0, -n[0]];
     let at = |i: usize, a: usize| records[i].at(a);
-    !row.iter().any(|&j| {
-        let j = j as usize;
+    !row.any(|j| {
         if j == own {
             return false;
         }

@@ -1,6 +1,7 @@
 //! AVX2 + FMA, eight f32.
 
 use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, ends, operators};
+use num_traits::AsPrimitive;
 use std::arch::x86_64::*;
 
 /// Of the fixed-point coordinates.
@@ -260,17 +261,17 @@ impl<const ABSOLUTE: bool> Lanes for Avx2<ABSOLUTE> {
         }
     }
     #[inline(always)]
-    unsafe fn gather(
+    unsafe fn gather<J: AsPrimitive<usize>>(
         self,
         records: *const Record,
-        index: *const u32,
+        index: *const J,
     ) -> ([__m256i; 3], [F32x8; 5]) {
         // SAFETY: there are eight indices, all of records; a record is aligned to 32 bytes.
         unsafe {
             let mut half = [[_mm256_setzero_ps(); 4]; 2];
             for k in 0..4 {
-                let low = records.add(*index.add(k) as usize) as *const f32;
-                let high = records.add(*index.add(k + 4) as usize) as *const f32;
+                let low = records.add((*index.add(k)).as_()) as *const f32;
+                let high = records.add((*index.add(k + 4)).as_()) as *const f32;
                 for (h, half) in half.iter_mut().enumerate() {
                     // Joined as they are loaded: cheaper than to swap halves of registers, and
                     // a pass that asks for no words of a half does not load it.

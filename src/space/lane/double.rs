@@ -2,6 +2,7 @@
 
 use super::avx2::{Avx2, F32x8};
 use super::{Half, Lanes, Real, Record, WIDTH, operators};
+use num_traits::AsPrimitive;
 use std::arch::x86_64::*;
 
 /// Eight f64: two registers. The words are loaded by lanes of f32.
@@ -181,10 +182,10 @@ impl Lanes for Avx2Double {
         }
     }
     #[inline(always)]
-    unsafe fn gather(
+    unsafe fn gather<J: AsPrimitive<usize>>(
         self,
         records: *const Record,
-        index: *const u32,
+        index: *const J,
     ) -> ([__m256i; 3], [F64x8; 5]) {
         // SAFETY: the lanes of f32 ask the same.
         let (at, [a, b, c, d, e]) = unsafe { self.0.gather(records, index) };

@@ -29,6 +29,7 @@ pub use portable::{Portable, Scalar};
 pub use record::{Half, Record};
 
 use crate::scene::Precision;
+use num_traits::AsPrimitive;
 use std::ops::{Add, AddAssign, Div, Mul, Sub};
 
 /// Number of lanes.
@@ -213,10 +214,10 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     ///
     /// # Safety
     /// Eight indices can be read from `index` on, and each is that of a record behind `records`.
-    unsafe fn gather(
+    unsafe fn gather<J: AsPrimitive<usize>>(
         self,
         records: *const Record,
-        index: *const u32,
+        index: *const J,
     ) -> ([Self::I; 3], [Self::F; 5]);
     /// Eight points: their coordinates and words, lane k of point k.
     ///

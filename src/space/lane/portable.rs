@@ -174,13 +174,13 @@ where
         Eight(each(|k| if k < count { value.0[k] } else { other.0[k] }))
     }
     #[inline(always)]
-    unsafe fn gather(
+    unsafe fn gather<J: AsPrimitive<usize>>(
         self,
         records: *const Record,
-        index: *const u32,
+        index: *const J,
     ) -> ([[i32; WIDTH]; 3], [Eight<T>; 5]) {
         // SAFETY: there are eight indices, all of records.
-        let records: [&Record; WIDTH] = each(|k| unsafe { &*records.add(*index.add(k) as usize) });
+        let records: [&Record; WIDTH] = each(|k| unsafe { &*records.add((*index.add(k)).as_()) });
         let at = std::array::from_fn(|a| each(|k| records[k].at(a)));
         let payload = std::array::from_fn(|c| Eight(each(|k| records[k].payload(c).as_())));
         (at, payload)

@@ -172,12 +172,8 @@ impl Ranks {
         go_on(&mut value);
         if rank < last {
             self.with.exchange(&[(rank + 1, encoded(&value))], &[]);
-            return decoded(&self.with.exchange(&[], &[last])[0]);
         }
-        let bytes = encoded(&value);
-        let to: Vec<(usize, Vec<u8>)> = (0..last).map(|rank| (rank, bytes.clone())).collect();
-        self.with.exchange(&to, &[]);
-        value
+        broadcast(&*self.with, last, (rank == last).then_some(value))
     }
 
     /// [`trade`] with the other ranks.
@@ -200,6 +196,34 @@ pub fn trade(with: &dyn Communicator, out: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
 pub fn gather<T: Serialize + DeserializeOwned>(with: &dyn Communicator, own: &T) -> Vec<T> {
     let all = trade(with, vec![encoded(own); with.size()]);
     all.iter().map(|bytes| decoded(bytes)).collect()
+}
+
+/// What every rank has, in their order, on rank 0; nothing on the others.
+pub fn collect<T: Serialize + DeserializeOwned>(with: &dyn Communicator, own: T) -> Option<Vec<T>> {
+    if with.rank() > 0 {
+        with.exchange(&[(0, encoded(&own))], &[]);
+        return None;
+    }
+    let others: Vec<usize> = (1..with.size()).collect();
+    let parts = with.exchange(&[], &others).into_iter();
+    let parts = parts.map(|bytes| decoded(&bytes));
+    Some(std::iter::once(own).chain(parts).collect())
+}
+
+/// Gives all ranks what the rank `from` has, which alone has a value.
+pub fn broadcast<T: Serialize + DeserializeOwned>(
+    with: &dyn Communicator,
+    from: usize,
+    value: Option<T>,
+) -> T {
+    let Some(value) = value else {
+        return decoded(&with.exchange(&[], &[from])[0]);
+    };
+    let bytes = encoded(&value);
+    let others = (0..with.size()).filter(|&rank| rank != from);
+    let to: Vec<(usize, Vec<u8>)> = others.map(|rank| (rank, bytes.clone())).collect();
+    with.exchange(&to, &[]);
+    value
 }
 
 /// The largest of a number that each rank has; NaN wins.

@@ -11,7 +11,7 @@ mod shared;
 mod stage;
 
 use super::grid::Scale;
-use super::lane::{self, Job, Lanes, Real, Record, WIDTH};
+use super::lane::{self, Job, Lanes, Real, Record};
 use super::row::{CHUNK, Rows};
 use payload::IN_RECORD;
 
@@ -143,7 +143,7 @@ impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
             let own = pass.own(target, carried(record));
             let own = splat(lanes, own, pass.extra(target));
             let mut sum = [lanes.splat(0.0); N];
-            for part in rows.row(from + k).chunks(STAGED * WIDTH) {
+            for part in rows.row(from + k).chunks(STAGED) {
                 // SAFETY: indices are below the bound of the rows, and there are so many records.
                 let count = unsafe { stage.gather(lanes, records, part, at, scale) };
                 stage.add(count, pass, own, &mut sum);

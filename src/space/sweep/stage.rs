@@ -6,14 +6,15 @@
 //! chains: read and subtract; roots and kernels; sum. Bits are those of one loop.
 
 use super::{Fields, Own, Pair, Pass, Payload, WORDS};
-use crate::space::lane::{Lanes, Real, Record, WIDTH, dot, prefetch};
+use crate::space::eights::{Group, Groups};
+use crate::space::lane::{Lanes, Real, Record, dot, prefetch};
 use crate::space::row::separation;
 
 /// Groups of eight pairs that are staged at once: they stay in the nearest cache.
 pub const STAGED: usize = 32;
 
-/// How far ahead the indices of rows are fetched, which are read once and come from far, bytes.
-const AHEAD: usize = 2048;
+/// How far ahead the groups of rows are fetched, which are read once and come from far, bytes.
+const AHEAD: usize = 1280;
 
 /// What is known of eight pairs before they are summed: fields as in [`Pair`]. They lie together,
 /// so that they are written line by line.
@@ -74,8 +75,7 @@ impl<F: Real, P: Payload> Stage<F, P> {
         &mut self.staged[k].q2
     }
 
-    /// The pairs of a target and the records of `part`, at most [`STAGED`] times eight; how many
-    /// eights.
+    /// The pairs of a target and the records of `part`, at most [`STAGED`] groups; how many groups.
     ///
     /// # Safety
     /// All indices of `part` are below `records.len()`.
@@ -84,16 +84,22 @@ impl<F: Real, P: Payload> Stage<F, P> {
         &mut self,
         lanes: L,
         records: &[Record],
-        part: &[u32],
+        part: Groups,
         at: [i32; 3],
         scale: [F; 3],
     ) -> usize {
-        let count = part.len() / WIDTH;
-        let groups = part.chunks_exact(WIDTH);
-        for (staged, group) in self.staged[..count].iter_mut().zip(groups) {
-            prefetch(group.as_ptr().wrapping_byte_add(AHEAD));
-            // SAFETY: there are eight indices, all of records.
-            let (other, words) = unsafe { lanes.gather(records.as_ptr(), group.as_ptr()) };
+        let (count, first) = (part.len(), records.as_ptr());
+        for (staged, group) in self.staged[..count].iter_mut().zip(part.packed) {
+            prefetch(std::ptr::from_ref(group).wrapping_byte_add(AHEAD));
+            // SAFETY: there are eight indices, all of records, and a base is one of them.
+            let (other, words) = unsafe {
+                match part.open(group) {
+                    Group::Near(base, beyond) => {
+                        lanes.gather(first.add(base as usize), beyond.as_ptr())
+                    }
+                    Group::Wide(indices) => lanes.gather(first, indices.as_ptr()),
+                }
+            };
             let [a, b, c, d, e] = words;
             let other_words = P::Of::from_words([a, b, c, d, e, lanes.splat(0.0)]);
             let away = separation(lanes, at, other, scale);

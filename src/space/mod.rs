@@ -2,8 +2,9 @@
 //!
 //! Reading order: [`grid`] (fixed-point positions and cells), [`sort`] (particles along cells),
 //! [`column`] (cells about a point), [`dilate`] (largest values about a cell), [`component`]
-//! (bodies that no pair connects), [`eights`] (packed indices), [`row`] (neighbour lists), [`sweep`] (pair sums over lists or
-//! over cell runs), [`mirror`] (images of points), [`ranks`] (several processes), [`lane`].
+//! (bodies that no pair connects), [`eights`] (packed indices), [`row`] (neighbour lists),
+//! [`sweep`] (pair sums over lists or over cell runs), [`mirror`] (images of points), [`ranks`]
+//! (several processes), [`lane`].
 
 pub mod column;
 pub mod component;

@@ -143,14 +143,18 @@ impl<'a> Groups<'a> {
         chunks.map(move |packed| Groups { packed, wide })
     }
 
-    /// The indices.
+    /// The indices of one of the groups.
     #[inline(always)]
-    pub fn indices(self) -> impl Iterator<Item = usize> + Clone {
-        self.packed
-            .iter()
-            .flat_map(move |packed| match self.open(packed) {
-                Group::Near(base, beyond) => beyond.map(|beyond| base as usize + beyond as usize),
-                Group::Wide(indices) => indices.map(|index| index as usize),
-            })
+    pub fn eight(&self, packed: &'a Packed) -> [u32; WIDTH] {
+        match self.open(packed) {
+            Group::Near(base, beyond) => beyond.map(|beyond| base + u32::from(beyond)),
+            Group::Wide(indices) => *indices,
+        }
+    }
+
+    /// All indices.
+    pub fn indices(self) -> impl Iterator<Item = usize> {
+        let eight = move |packed| self.eight(packed).map(|index| index as usize);
+        self.packed.iter().flat_map(eight)
     }
 }

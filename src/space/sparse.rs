@@ -174,29 +174,26 @@ impl Sparse {
     pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
         assert!(self.bound <= x.len(), "fewer values than unknowns");
         let (groups, weight, count) = self.groups(i);
-        let products = |k: usize| {
+        let (mut sum, whole) = ([0.0f64; 4], count / WIDTH);
+        let mut pairs = groups.packed.iter().zip(weight);
+        for (group, weight) in pairs.by_ref().take(whole) {
             // SAFETY: indices are below the bound, which is at most the length, as asserted, and a
             // base is one of them.
             unsafe {
-                match groups.open(&groups.packed[k]) {
+                match groups.open(group) {
                     Group::Near(base, beyond) => {
-                        products(x.get_unchecked(base as usize..), beyond, &weight[k])
+                        add(&mut sum, x.get_unchecked(base as usize..), beyond, weight)
                     }
-                    Group::Wide(index) => products(x, index, &weight[k]),
+                    Group::Wide(index) => add(&mut sum, x, index, weight),
                 }
             }
-        };
-        let mut sum = [0.0f64; 4];
-        let (whole, left) = (count / WIDTH, count % WIDTH);
-        for k in 0..whole {
-            for (k, product) in products(k).into_iter().enumerate() {
-                sum[k % 4] += product;
-            }
         }
-        if left > 0 {
+        if let Some((group, weight)) = pairs.next() {
+            let left = count % WIDTH;
             let four = left / 4 * 4;
-            for (k, product) in products(whole)[..left].iter().enumerate() {
-                sum[if k < four { k } else { 0 }] += product;
+            let index = groups.eight(group);
+            for (k, (j, w)) in index.iter().zip(weight).take(left).enumerate() {
+                sum[if k < four { k } else { 0 }] += *w as f64 * x[*j as usize];
             }
         }
         (sum[0] + sum[1]) + (sum[2] + sum[3])
@@ -315,18 +312,21 @@ impl<const N: usize, P: Couple<N>> Job for Filling<'_, N, P> {
     }
 }
 
-/// Weight times value, eight times.
+/// Adds weight times value, eight times.
 ///
 /// # Safety
 /// All indices are below the number of values.
 #[inline(always)]
-unsafe fn products<J: AsPrimitive<usize>>(
+unsafe fn add<J: AsPrimitive<usize>>(
+    sum: &mut [f64; 4],
     x: &[f64],
     index: &[J; WIDTH],
     weight: &[f32; WIDTH],
-) -> [f64; WIDTH] {
-    // SAFETY: the caller knows that there are so many values.
-    std::array::from_fn(|k| weight[k] as f64 * unsafe { *x.get_unchecked(index[k].as_()) })
+) {
+    for k in 0..WIDTH {
+        // SAFETY: the caller knows that there are so many values.
+        sum[k % 4] += weight[k] as f64 * unsafe { *x.get_unchecked(index[k].as_()) };
+    }
 }
 
 /// Appends the couplings of record `target`; their sum. Walls are not coupled to walls.
@@ -364,12 +364,11 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
             let weight = pass.weigh(*stage.q2(k));
             stage.weight(k, weight);
         }
-        let mut others = part.indices();
-        for k in 0..count {
+        for (k, group) in part.packed.iter().enumerate() {
             let weight = pass.pair(&stage.pair(k, own), sum).to_array();
             // All are written, and those that count are passed: no branch that cannot be foretold.
-            for (w, j) in weight.into_iter().zip(&mut others) {
-                let j = layout.original(j);
+            for (w, j) in weight.into_iter().zip(part.eight(group)) {
+                let j = layout.original(j as usize);
                 let w = match target >= n && walls.contains(&j) {
                     true => 0.0,
                     false => w,

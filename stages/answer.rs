@@ -2,31 +2,49 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use coronet::file::changed;
 use coronet::measure::answer::{Answer, Figures};
 use coronet::measure::series::Series;
-use coronet::pipeline::{Report, Stamp, Store, stamp};
+use coronet::pipeline::{Report, Stamp, Store, content, stamp};
 use coronet::record::log;
+use coronet::scene::sanity::Warning;
 use serde_json::{Value, json};
 
+use crate::fault::Untrusted;
 use crate::journal::FRAMES;
-use crate::post::MEASURES;
+use crate::post::{MEASURES, MISSED};
 use crate::relax::UNREST;
 use crate::table;
 
-/// Part of the liquid that may leave the box without a word at the end of a run.
-const LOST: f64 = 1e-3;
-
 /// The figures of a finished evaluation in `folder`; the scene is that of the log of its frames.
 pub fn read(folder: &Path, stamp: &Stamp) -> Result<Figures> {
-    let measures = Series::read(&folder.join(MEASURES))?;
+    let measures = measures(folder, stamp)?;
     let impact = stamp.inputs.iter().find(|input| input.stage == "impact");
     let impact = impact.context("its stamp names no impact")?;
     let log = store_of(folder)?.folder(&impact.stage, &impact.key);
     let log = log.join(FRAMES);
     let scene = log::info(&log)?.scene(&log)?;
     Ok(Figures::new(&scene, measures))
+}
+
+/// The measures of an evaluation in `folder`.
+///
+/// # Errors
+/// If they cannot be read, or are not those that were written.
+pub fn measures(folder: &Path, stamp: &Stamp) -> Result<Series> {
+    let path = folder.join(MEASURES);
+    let mut outputs = stamp.outputs.iter();
+    let output = outputs.find(|output| output.file == MEASURES);
+    let output = output.context("its stamp names no measures")?;
+    if content::content(&path)? != output.digest {
+        bail!(Untrusted(format!(
+            "{} was changed after it was written: `coronet verify` sets it aside, and the next run \
+             makes it again",
+            path.display()
+        )));
+    }
+    Ok(Series::read(&path)?)
 }
 
 /// SI, with times from the start and from contact.
@@ -98,13 +116,10 @@ pub fn warnings(reports: &[Report], figures: Option<&Figures>) -> Vec<String> {
         let restless = notes.filter(|note| report.stage == "relax" && note.starts_with(UNREST));
         warnings.extend(restless.map(|note| format!("{}: {note}", report.label())));
     }
-    let lost = figures.and_then(|figures| figures.find("mass lost"));
-    if let Some(lost) = lost.filter(|lost| lost.value > LOST) {
-        warnings.push(format!(
-            "{} of the liquid left the box through open sides, and the figures are those of the \
-             rest; if that is not meant, enlarge `box.size` on that side or make it a wall",
-            lost.text()
-        ));
-    }
+    let post = reports.iter().find(|report| report.stage == "post");
+    let missed = post.into_iter().flat_map(|post| &post.stamp.notes);
+    warnings.extend(missed.filter(|note| note.starts_with(MISSED)).cloned());
+    let doubts = figures.into_iter().flat_map(|figures| &figures.warnings);
+    warnings.extend(doubts.map(Warning::to_string));
     warnings
 }

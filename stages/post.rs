@@ -20,6 +20,8 @@ use crate::stop::STOPPED;
 pub const MEASURES: &str = "measures.csv";
 /// Name of the stage whose results may not be at rest.
 const RELAX: &str = "relax";
+/// Start of the note about an instant without a frame.
+pub const MISSED: &str = "not drawn";
 /// The page of the report.
 pub const REPORT: &str = "report.html";
 
@@ -58,7 +60,6 @@ impl Stage for Post<'_> {
         let mut post = post::Post::new(scene, self.folder, &out).map_err(StageError::failed)?;
         for text in unrest(context)? {
             post.remark(format!("Warning: {text}."));
-            context.warn(&text);
             context.note(text);
         }
         for text in ends(context) {
@@ -94,12 +95,10 @@ impl Stage for Post<'_> {
             ));
         }
         for loss in &report.losses {
-            let text = loss.to_string();
-            context.warn(&text);
-            context.note(text);
+            context.note(loss.to_string());
         }
-        for sentence in &report.missed {
-            context.warn(sentence);
+        for sentence in report.missed {
+            context.note(format!("{MISSED}: {sentence}"));
         }
         let files = report
             .files

@@ -19,6 +19,10 @@ use crate::fault::Usage;
 /// Start of the names of settings that are versions of parts of the program.
 const VERSION: &str = "version.";
 
+/// Start of the names of settings of bodies, which are at rest where they relax and where the
+/// tension is calibrated.
+const BODY: &str = "body.";
+
 /// A run: its results, each with its stamp.
 pub struct Run {
     pub name: String,
@@ -116,17 +120,21 @@ impl Run {
             .transpose()
     }
 
-    /// Names and values of all settings. Where stages differ in one, the later stage counts: a body
-    /// relaxes in a scene of its own.
+    /// Names and values of all settings. Where stages differ in one, the later stage counts.
     pub fn settings(&self) -> Vec<(String, String)> {
         let order = ["impact", "post", "pack", "relax", "calibrate"];
         let place = |stage: &str| order.iter().position(|known| *known == stage);
         let mut stamps: Vec<&Stamp> = self.results.iter().map(|(_, stamp)| stamp).collect();
         stamps.sort_by_key(|stamp| place(&stamp.stage).unwrap_or(order.len()));
         let (mut all, mut seen) = (Vec::new(), BTreeSet::new());
-        for setting in stamps.iter().flat_map(|stamp| &stamp.settings) {
-            if !setting.name.starts_with(VERSION) && seen.insert(&setting.name) {
-                all.push((setting.name.clone(), setting.value.clone()));
+        for stamp in stamps {
+            let is_at_rest = ["relax", "calibrate"].contains(&&*stamp.stage);
+            for setting in &stamp.settings {
+                let name = &setting.name;
+                let is_hidden = name.starts_with(VERSION) || is_at_rest && name.starts_with(BODY);
+                if !is_hidden && seen.insert(name) {
+                    all.push((name.clone(), setting.value.clone()));
+                }
             }
         }
         all

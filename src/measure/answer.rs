@@ -3,10 +3,11 @@
 //!
 //! Test: tests/pipeline/runs.rs.
 
-use super::conservation;
 use super::gauge::{self, Kind, strikes_wall};
 use super::series::Series;
 use super::summary::{digits, jet_crosses, leaves_wall, period};
+use super::{conservation, loss};
+use crate::scene::sanity::Warning;
 use crate::scene::{Clock, Scene};
 
 /// Shares below this are told as such: they are round-off.
@@ -86,6 +87,8 @@ pub struct Figures {
     meeting: Option<f64>,
     /// The measures that they are of.
     pub measures: Series,
+    /// What makes them doubtful.
+    pub warnings: Vec<Warning>,
 }
 
 impl Figures {
@@ -98,6 +101,7 @@ impl Figures {
             answers: of(&whole, Kind::new(&whole), &measures, contact),
             contact,
             meeting,
+            warnings: loss::warnings(&whole, &measures, meeting),
             measures,
         }
     }
@@ -137,7 +141,7 @@ pub fn lines(answers: &[Answer], shift: f64) -> Vec<(String, String)> {
 /// The figures of a run of the whole `scene`; `shift`: time of contact, s.
 pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Answer> {
     let mut answers = match kind {
-        Kind::Pool(_) => pool(series),
+        Kind::Pool(_) => pool(&series.window(shift, f64::INFINITY)),
         Kind::Wall(_) => wall(scene, series, shift),
         Kind::Shape => shape(scene, series),
         Kind::Front => {
@@ -157,6 +161,7 @@ pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Answer>
     answers
 }
 
+/// `series`: from contact on.
 fn pool(series: &Series) -> Vec<Answer> {
     let depth = most(
         series,

@@ -1,13 +1,17 @@
-//! Losses of a run: liquid that left the box, and liquid detached from the main body, which most
-//! measures do not include.
+//! What makes the figures of a run doubtful: liquid that left the box, liquid detached from the main
+//! body, which most measures do not include, and a crater that ends at the floor.
 //!
 //! Test: tests/engine/measure_loss.rs.
 
 use super::series::Series;
 use super::summary::digits;
 use crate::scene::sanity::Warning;
+use crate::scene::{Body, Scene, Shape};
 
-/// Part of the liquid from which a loss is reported. A length goes with the cube root of a volume:
+/// Part of the liquid that may leave the box without a word at the end of a run.
+const LOST: f64 = 1e-3;
+
+/// Part of the liquid from which a loss is reported at once. A length goes with the cube root of a volume:
 /// 1 % is a third of a per cent of a length, below the accuracy of any measure here
 /// (docs/results/validation.md).
 const WORTH: f64 = 0.01;
@@ -37,9 +41,10 @@ impl Watch {
     }
 }
 
-/// Warnings about the liquid that is missing at the end of a run.
-pub fn warnings(series: &Series) -> Vec<Warning> {
-    let mut all = Vec::new();
+/// Warnings about the measures of a run; `contact`: when the drop meets pool or wall, s from the
+/// start.
+pub fn warnings(scene: &Scene, series: &Series, contact: Option<f64>) -> Vec<Warning> {
+    let mut all: Vec<Warning> = floor(scene, series).into_iter().collect();
     let end = |name: &str| {
         series
             .column(name)
@@ -51,18 +56,19 @@ pub fn warnings(series: &Series) -> Vec<Warning> {
             .and_then(|values| values.first().copied())
     };
     if let (Some(removed), Some(mass)) = (end("mass_removed_kg"), first("mass_kg"))
-        && removed > WORTH * mass
+        && removed > LOST * mass
     {
         let why = format!(
             "{} of the liquid left the box through open sides: energies and measures are those of \
              the rest",
-            percent(removed / mass)
+            exact(removed / mass)
         );
         let remedy = "enlarge `box.size` on that side, make it a wall, or end the run before";
         let value = format!("{} kg", digits(removed));
         all.push(Warning::new("mass_removed_kg", value, &why, remedy));
     }
-    if let Some(part) = end("detached_part").filter(|part| *part > WORTH) {
+    let has_met = contact.is_none_or(|contact| series.time().last() > Some(&contact));
+    if let Some(part) = end("detached_part").filter(|part| has_met && *part > WORTH) {
         let why = "so much of the liquid is off the main body at the end: crater, crown, jet and \
                    spread are those of the main body";
         let remedy = "check in the panels whether these are drops or mist; mist is reduced by a \
@@ -70,6 +76,34 @@ pub fn warnings(series: &Series) -> Vec<Warning> {
         all.push(Warning::new("detached_part", percent(part), why, remedy));
     }
     all
+}
+
+/// A crater down to the floor of a pool.
+fn floor(scene: &Scene, series: &Series) -> Option<Warning> {
+    let layer = |body: &Body| match body.shape {
+        Shape::Layer { depth } => Some((body.name.clone(), depth)),
+        _ => None,
+    };
+    let (name, depth) = scene.bodies.iter().find_map(layer)?;
+    let (deepest, _) = series.maximum("crater_depth_m")?;
+    if deepest < depth - 1.5 * scene.spacing {
+        return None;
+    }
+    let key = format!("body.{name}.layer.depth");
+    let why = format!(
+        "the crater reaches the floor at {} mm: its depth is that of the pool",
+        digits(1e3 * deepest)
+    );
+    let remedy = "for the depth of a crater in deep liquid make the pool, and the box, deeper";
+    let value = format!("{} mm", digits(1e3 * depth));
+    Some(Warning::new(&key, value, &why, remedy))
+}
+
+fn exact(part: f64) -> String {
+    match part < WORTH {
+        true => format!("{:.2} %", 100.0 * part),
+        false => percent(part),
+    }
 }
 
 fn percent(part: f64) -> String {

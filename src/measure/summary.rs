@@ -41,6 +41,7 @@ pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
 }
 
 fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
+    let series = &series.window(shift, f64::INFINITY);
     let from_far = "largest depth from the far level";
     extreme(
         series,
@@ -66,7 +67,8 @@ fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
     ));
 }
 
-/// When the jet passes the initial level, s.
+/// When the jet passes the initial level, s, in a series from contact on: before, the raster of a
+/// level pool has the depth of its noise.
 pub fn jet_crosses(series: &Series) -> Option<f64> {
     let deepest = series.maximum("crater_depth_m").map_or(0.0, |(_, t)| t);
     series.rises_through("axis_level_m", 0.0, deepest)

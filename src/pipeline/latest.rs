@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::content::free_name;
 use super::name::{is_key, is_plain_name};
 use super::store::{LATEST, Store, entries, folders_in};
-use super::{Report, seal};
+use super::{Report, Stamp, seal};
 use crate::file::{self, FileError};
 use crate::record::Digest;
 use crate::record::atomic::{is_temporary, temporary_name, write_file};
@@ -142,8 +142,8 @@ impl Entry {
 }
 
 /// Points the names to these results. `whole`: they are all results of the pipeline, so that other
-/// names are outdated. Returns the new names of folders that were in place of links, as in a copied
-/// store.
+/// names are outdated; else other names stay that belong to these results ([`fitting`]). Returns
+/// the new names of folders that were in place of links, as in a copied store.
 ///
 /// # Errors
 /// If a file cannot be read or written, or a folder is a symbolic link.
@@ -161,12 +161,14 @@ pub(super) fn finish(
     };
     let mut results: Vec<Entry> = reports.iter().map(entry).collect();
     let is_new = |name: &str| results.iter().any(|entry| entry.name == name);
-    let (outdated, kept): (Vec<_>, Vec<_>) = old
-        .results
-        .iter()
-        .filter(|entry| !is_new(&entry.name))
-        .cloned()
-        .partition(|_| whole);
+    let others = old.results.iter().filter(|entry| !is_new(&entry.name));
+    let others: Vec<Entry> = others.cloned().collect();
+    let kept = match whole {
+        true => Vec::new(),
+        false => fitting(store, &results, others.clone()),
+    };
+    let outdated = others.into_iter().filter(|entry| !kept.contains(entry));
+    let outdated: Vec<Entry> = outdated.collect();
     results.extend(kept);
     let manifest = Manifest {
         pipeline: pipeline.to_string(),
@@ -197,6 +199,25 @@ pub(super) fn finish(
         }
     }
     Ok(moved)
+}
+
+/// Those of `others` that were made from `results` and from each other: an evaluation of an older
+/// impact must not stand beside a newer one.
+fn fitting(store: &Store, results: &[Entry], others: Vec<Entry>) -> Vec<Entry> {
+    let stamped = |entry: Entry| {
+        let stamp = Stamp::read(&store.root().join(&entry.folder));
+        Some((stamp.ok()??, entry))
+    };
+    let mut others: Vec<(Stamp, Entry)> = others.into_iter().filter_map(stamped).collect();
+    loop {
+        let count = others.len();
+        let mut here: Vec<Digest> = results.iter().map(|entry| entry.key).collect();
+        here.extend(others.iter().map(|(stamp, _)| stamp.key));
+        others.retain(|(stamp, _)| stamp.inputs.iter().all(|input| here.contains(&input.key)));
+        if others.len() == count {
+            return others.into_iter().map(|(_, entry)| entry).collect();
+        }
+    }
 }
 
 /// Forgets a pipeline: its results stay until a clean-up. Other files in its folder stay.

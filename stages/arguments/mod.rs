@@ -130,7 +130,7 @@ impl Command {
             Command::Diff(arguments) => arguments.store.json,
             Command::Status(arguments) => arguments.store.json,
             Command::Show(arguments) => arguments.json,
-            Command::Export(arguments) => arguments.json,
+            Command::Export(arguments) => arguments.store.json,
             Command::Recover(arguments) => arguments.json,
             Command::Render(arguments) => arguments.store.json,
             Command::Study(_) | Command::Tune(_) => true,

@@ -9,7 +9,8 @@ use crate::command::{export, render};
 
 #[derive(Debug, Args)]
 pub struct ExportArguments {
-    /// A checkpoint, a log, or the folder of a run
+    /// A name in `latest/`, the folder of a run, a log, or a checkpoint
+    #[arg(value_name = "RUN")]
     pub path: PathBuf,
     /// Format
     #[arg(long, value_name = "FORMAT")]
@@ -34,9 +35,8 @@ pub struct ExportArguments {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true,
           default_missing_value = "64", value_parser = export::points)]
     pub revolve: Option<usize>,
-    /// One JSON object on standard output, for scripts
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub store: StoreArguments,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -95,7 +95,8 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = render::zoom)]
     pub zoom: f64,
     /// Point in the middle of the picture, as \"20 mm, 20 mm, 10 mm\" [default: of the liquid]
-    #[arg(long, value_name = "X, Y, Z", value_parser = render::point)]
+    #[arg(long, value_name = "X, Y, Z", value_parser = render::point,
+          allow_hyphen_values = true)]
     pub target: Option<[f64; 3]>,
     /// Rays a pixel along each side: 1 for a draft, 4 for print
     #[arg(long, value_name = "N", default_value_t = 2,

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
 use coronet::file::exists;
-use coronet::pipeline::Stamp;
 use coronet::pipeline::content::CHECKPOINT;
+use coronet::pipeline::latest::{self, MANIFEST};
+use coronet::pipeline::name::is_name;
+use coronet::pipeline::{Stamp, Store};
 use coronet::record::export::{self, Exported, Selection, Which};
 use coronet::scene::quantity::{self, Unit};
 use serde_json::json;
@@ -19,10 +21,10 @@ use crate::print::{out, shown};
 
 pub const EXAMPLES: &str = "\
 Examples:
-  coronet export artifacts/latest/pipeline --to vtk
-  coronet export artifacts/latest/pipeline --to npz --at \"10 ms\" --body drop
-  coronet export artifacts/latest/pipeline --to csv --every \"5 ms\" --output tables
-  coronet export artifacts/latest/rings --to vtk --revolve
+  coronet export pipeline --to vtk
+  coronet export pipeline --to npz --at \"10 ms\" --body drop
+  coronet export pipeline --to csv --every \"5 ms\" --output tables
+  coronet export rings --to vtk --revolve
 
 Times count from the start of the run. SI units.";
 
@@ -61,7 +63,8 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
             revolve: arguments.revolve,
         },
     };
-    let thing = thing(&arguments.path)?;
+    let path = meant(arguments)?;
+    let thing = thing(&path)?;
     fs::create_dir_all(order.folder)
         .with_context(|| format!("cannot create the folder {}", order.folder.display()))?;
     let exported = match thing {
@@ -87,9 +90,21 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
     Ok(())
 }
 
+/// The path that is given, or the folder of the run with that name.
+fn meant(arguments: &ExportArguments) -> Result<PathBuf> {
+    let named = arguments.path.to_str().filter(|name| is_name(name));
+    if let Some(name) = named.filter(|_| !arguments.path.exists()) {
+        let folder = latest::folder(&Store::new(&arguments.store.artifacts), name);
+        if exists(&folder.join(MANIFEST))? {
+            return Ok(folder);
+        }
+    }
+    Ok(arguments.path.clone())
+}
+
 fn print(arguments: &ExportArguments, exported: &Exported) {
     let (files, times) = (&exported.files, &exported.times);
-    if arguments.json {
+    if arguments.store.json {
         let files: Vec<_> = files.iter().map(|file| shown(file)).collect();
         let object = json!({"files": files, "times_s": times, "removed": exported.removed});
         out!("{object}");

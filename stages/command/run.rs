@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Error, Result};
 use coronet::measure::answer::Figures;
-use coronet::measure::series::Series;
 use coronet::pipeline::name::is_name;
 use coronet::pipeline::remote::Remote;
 use coronet::pipeline::{
@@ -178,7 +177,7 @@ fn ended(reports: &[Report]) -> Option<String> {
 
 fn figures(scene: &Scene, reports: &[Report]) -> Result<Option<Figures>> {
     let post = reports.iter().find(|report| report.stage == "post");
-    let measures = post.map(|report| Series::read(&report.folder.join(post::MEASURES)));
+    let measures = post.map(|report| answer::measures(&report.folder, &report.stamp));
     Ok(measures
         .transpose()?
         .map(|measures| Figures::new(scene, measures)))
@@ -235,13 +234,15 @@ fn finish(store: &Store, name: &str, reports: &[Report], told: &Told, json: bool
             .iter()
             .for_each(|line| out!("  {line}"));
     }
-    // An evaluation that ran has told them already.
-    let told_before = |report: &Report| report.stage == "post" && report.status != Status::Fresh;
-    if !reports.iter().any(told_before) {
-        warnings
+    // A relaxation that ran has told its own.
+    let told_before = |warning: &&String| {
+        let mut ran = reports
             .iter()
-            .for_each(|warning| note!("warning: {warning}"));
-    }
+            .filter(|report| report.status != Status::Fresh);
+        ran.any(|report| report.stage == "relax" && warning.starts_with(&report.label()))
+    };
+    let warnings = warnings.iter().filter(|warning| !told_before(warning));
+    warnings.for_each(|warning| note!("warning: {warning}"));
     places(store, name, find);
     if let Some(name) = &told.also {
         out!("name     {name}");

@@ -1,7 +1,10 @@
 //! Warnings at the end of a run: liquid that left the box, parts off the main body.
 
+use super::pack_scene::{S0, scene};
 use coronet::measure::loss::{Watch, warnings};
 use coronet::measure::series::Series;
+use coronet::scene::sanity::Warning;
+use coronet::scene::{Dimension, Shape};
 
 /// A run of two frames that ends with so much removed and detached.
 fn ended(removed: f64, detached: f64) -> Series {
@@ -18,24 +21,49 @@ fn ended(removed: f64, detached: f64) -> Series {
     series
 }
 
+/// Those about a layer 2 spacings deep; the drop meets it at `contact` s.
+fn warned(series: &Series, contact: Option<f64>) -> Vec<Warning> {
+    let layer = Shape::Layer { depth: 2.0 * S0 };
+    warnings(&scene(Dimension::Two, [8.0; 3], layer), series, contact)
+}
+
+#[test]
+fn a_crater_down_to_the_floor_is_told() {
+    let deepest = |depth: f64| {
+        let mut series = Series::default();
+        let row = [("time_s", 0.0), ("crater_depth_m", depth * S0)];
+        series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
+        warned(&series, None)
+    };
+    assert_eq!(deepest(0.4), []);
+    let text = deepest(1.9)[0].to_string();
+    assert!(
+        text.contains("`body.liquid.layer.depth`") && text.contains("floor"),
+        "{text}"
+    );
+}
+
 #[test]
 fn what_is_missing_at_the_end_is_named_with_its_part() {
     // The drop is off the pool at first; droplets and mist of less than a hundredth are not told.
-    assert_eq!(warnings(&ended(0.019, 0.009)), []);
-    let lost = warnings(&ended(0.5, 0.0));
+    assert_eq!(warned(&ended(0.0019, 0.009), None), []);
+    assert_eq!(warned(&ended(0.0, 0.3), Some(1.5)), []);
+    let little = warned(&ended(0.004, 0.0), None)[0].to_string();
+    assert!(little.contains("0.20 %"), "{little}");
+    let lost = warned(&ended(0.5, 0.0), None);
     assert_eq!(lost.len(), 1);
     let text = lost[0].to_string();
     for part in ["mass_removed_kg", "25.0 %", "box.size"] {
         assert!(text.contains(part), "{text}");
     }
-    let apart = warnings(&ended(0.0, 0.3));
+    let apart = warned(&ended(0.0, 0.3), Some(0.5));
     assert_eq!(apart.len(), 1);
     let text = apart[0].to_string();
     assert!(
         text.contains("detached_part") && text.contains("30.0 %"),
         "{text}"
     );
-    assert_eq!(warnings(&Series::default()), []);
+    assert_eq!(warned(&Series::default(), None), []);
 }
 
 #[test]

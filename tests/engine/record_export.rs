@@ -233,14 +233,17 @@ fn an_export_leaves_nothing_of_an_earlier_one_and_everything_else() {
         "frame-00003.ply",
         "frame-3.vtp",
         "my-frame-00003.vtp",
+        "frame-00042.vtp",
         "frames.csv",
         ".frame-00003.vtp",
     ];
     let stale = ["frame-00003.vtp", "frame-00041.vtp", "frame-123456.vtp"];
-    let killed = ".frame-00004.vtp.77.0.coronet-tmp";
+    let killed = ".frame-00041.vtp.77.0.coronet-tmp";
     for name in kept.into_iter().chain(stale).chain([killed]) {
         fs::write(out.join(name), name).unwrap();
     }
+    let list = serde_json::json!({ "coronet": "0.1.0", "files": stale });
+    fs::write(out.join(LIST), list.to_string()).unwrap();
     fs::create_dir(out.join("frame-00009.vtp")).unwrap();
     let exported = export_log(&log, &out, Format::Vtk).unwrap();
     assert_eq!(exported.removed, 3);
@@ -257,14 +260,18 @@ fn an_export_leaves_nothing_of_an_earlier_one_and_everything_else() {
     expected.sort();
     assert_eq!(found, expected);
 
+    // A file of the user is in the way of another format: nothing is written or removed.
+    let error = export_log(&log, &out, Format::Csv).unwrap_err();
+    assert!(
+        error.is_usage() && error.to_string().contains("frames.csv"),
+        "{error}"
+    );
+    assert!(exported.files.iter().all(|file| file.exists()));
+    fs::rename(out.join("frames.csv"), out.join("my-frames.csv")).unwrap();
     // Another format replaces them; what has not been exported stays. A log that cannot be read
     // costs no file.
     let csv = export_log(&log, &out, Format::Csv).unwrap();
-    assert_eq!(
-        csv.removed,
-        4 + 1,
-        "three frames, their index, the stranger's frames.csv"
-    );
+    assert_eq!(csv.removed, 4, "three frames and their index");
     assert!(exported.files.iter().all(|file| !file.exists()));
     assert!(out.join("my-frame-00003.vtp").exists());
     let checkpoint = folder.path().join("state.checkpoint");
@@ -284,6 +291,8 @@ fn an_export_that_fails_midway_has_no_index_and_no_temporary_file() {
     let log = write_log(folder.path());
     let out = folder.path().join("out");
     fs::create_dir_all(out.join("frame-00001.vtp")).unwrap();
+    let list = r#"{"coronet": "0.1.0", "files": ["frames.pvd", "frame-00001.vtp"]}"#;
+    fs::write(out.join(LIST), list).unwrap();
     fs::write(out.join("frames.pvd"), "of an earlier export").unwrap();
     let error = export_log(&log, &out, Format::Vtk).unwrap_err();
     assert!(!error.is_damage(), "{error}");

@@ -19,7 +19,7 @@ use super::player::{Player, Shot};
 use super::report::Report;
 use super::section::Section;
 use crate::measure::answer;
-use crate::measure::gauge::{Gauge, Kind, Start, contact_time};
+use crate::measure::gauge::{Gauge, Kind, Start, contact, contact_time};
 use crate::measure::loss;
 use crate::measure::norm::{Norm, compare};
 use crate::measure::pool::Axis;
@@ -305,7 +305,7 @@ impl Post {
                 )
             })
             .collect();
-        let losses = loss::warnings(&self.series);
+        let losses = loss::warnings(&self.scene, &self.series, contact(&self.scene));
         report.notes = self.notes();
         let told = losses.iter().map(Warning::to_string);
         report
@@ -326,7 +326,8 @@ impl Post {
 
     /// Before the crater is deepest there is no jet: the liquid at the axis is the drop.
     fn blank_early_jet(&mut self) {
-        let deepest = self.series.maximum("crater_depth_m").map(|(_, t)| t);
+        let series = self.series.window(self.shift, f64::INFINITY);
+        let deepest = series.maximum("crater_depth_m").map(|(_, t)| t);
         let times = self.series.time().to_vec();
         if let Some(jet) = self.series.column_mut("jet_height_m") {
             for (height, time) in jet.iter_mut().zip(times) {

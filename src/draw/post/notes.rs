@@ -3,6 +3,7 @@
 use super::Post;
 use super::instants::Instants;
 use crate::measure::norm::Norm;
+use crate::measure::series::is_clock;
 use crate::scene::Clock;
 
 impl Post {
@@ -33,7 +34,7 @@ impl Post {
         notes
     }
 
-    /// Requested instants after the last frame.
+    /// Requested instants after the last frame, and references of which nothing is measured.
     pub(super) fn missed(&self) -> Vec<String> {
         let sentence = |what: &str, time: f64| {
             let time = 1e3 * time;
@@ -43,7 +44,20 @@ impl Post {
             let left = instants.left.iter().rev();
             left.map(|time| sentence(what, *time)).collect()
         };
-        [of("panel", &self.panels), of("field", &self.fields)].concat()
+        let strange = self.references.iter().filter_map(|(label, reference)| {
+            let names = &reference.table.names;
+            let is_known = |name: &String| !is_clock(name) && self.series.column(name).is_some();
+            let is_strange = !names.iter().any(is_known);
+            is_strange.then(|| {
+                format!(
+                    "Nothing of the reference {label}: measures.csv has none of its columns {}.",
+                    names.join(", ")
+                )
+            })
+        });
+        let mut missed = [of("panel", &self.panels), of("field", &self.fields)].concat();
+        missed.extend(strange);
+        missed
     }
 }
 

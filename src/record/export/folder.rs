@@ -61,13 +61,20 @@ impl List {
     }
 }
 
-/// Removes the files of an earlier export: those of its list, and frames and index of an export to
-/// this format that has no list. Returns the number of data files and indices that were removed.
+/// Makes place for files with these `names`: removes the files of an earlier export, which are those
+/// of its list, and what a killed export was writing. All other files are the user's. Returns the
+/// number of listed files that were removed.
 ///
 /// # Errors
-/// If the list is not that of an export, or a file cannot be removed.
-pub fn clear(folder: &Path, format: Format) -> Result<usize, ExportError> {
+/// If a file of the user has one of the names, then nothing is removed; if the list is not that of
+/// an export, or a file cannot be removed.
+pub fn clear(folder: &Path, names: &[String]) -> Result<usize, ExportError> {
     let listed = List::read(folder)?.map_or(Vec::new(), |list| list.files);
+    let foreign = |name: &&String| !listed.contains(name) && folder.join(name).exists();
+    if let Some(name) = names.iter().find(foreign) {
+        let path = folder.join(name);
+        return Err(ExportError::Foreign { path });
+    }
     // A list may come from a stranger: only names that an export gives, in this folder.
     let is_ours = |name: &str| {
         let extension = Path::new(name).extension();
@@ -84,14 +91,9 @@ pub fn clear(folder: &Path, format: Format) -> Result<usize, ExportError> {
     for entry in fs::read_dir(folder).map_err(FileError::new(folder, "list"))? {
         let entry = entry.map_err(FileError::new(folder, "list"))?;
         let name = entry.file_name();
-        let Some(name) = name.to_str() else { continue };
-        let is_left = Format::ALL.iter().any(|format| {
-            let whole = temporary(name);
-            whole.is_some_and(|whole| format.is_frame(whole) || listed.iter().any(|l| l == whole))
-        });
-        if is_left || format.is_frame(name) || name == format.index() {
-            let is_removed = remove(&entry.path())?;
-            removed += usize::from(is_removed && !is_left);
+        let whole = name.to_str().and_then(temporary);
+        if whole.is_some_and(|whole| listed.iter().any(|name| name == whole)) {
+            remove(&entry.path())?;
         }
     }
     Ok(removed)

@@ -72,6 +72,15 @@ pub enum ExportError {
     /// The run has no axis.
     #[error("the run has no rings to revolve: its scene has no `box.symmetry = \"axis\"`")]
     Plain,
+    /// A file that no export has written.
+    #[error(
+        "{} is not of an earlier export: move it, or export to another folder",
+        path.display()
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
     /// The list of an earlier export is not one.
     #[error(
         "{} is not the list of an export ({problem}): remove it, or export to another folder",
@@ -97,10 +106,10 @@ impl ExportError {
 
     /// Whether something was asked for that does not exist.
     pub fn is_usage(&self) -> bool {
-        use ExportError::{Body, Format, List, Outside, Plain};
+        use ExportError::{Body, Foreign, Format, List, Outside, Plain};
         matches!(
             self,
-            Body { .. } | Format { .. } | List { .. } | Outside { .. } | Plain
+            Body { .. } | Foreign { .. } | Format { .. } | List { .. } | Outside { .. } | Plain
         )
     }
 }
@@ -186,15 +195,6 @@ impl Format {
         format!("frame-{number:05}.{}", self.extension())
     }
 
-    /// Whether `name` is that of a frame.
-    fn is_frame(self, name: &str) -> bool {
-        let number = name
-            .strip_prefix("frame-")
-            .and_then(|rest| rest.split('.').next());
-        let number = number.and_then(|number| number.parse().ok());
-        number.is_some_and(|number| self.frame(number) == name)
-    }
-
     /// Writes one table of particles to `path`, atomically.
     ///
     /// # Errors
@@ -226,7 +226,7 @@ pub fn export_checkpoints(
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         names.push(format!("{stem}.{}", format.extension()));
     }
-    let removed = folder::clear(folder, format)?;
+    let removed = folder::clear(folder, &names)?;
     List::new(Vec::new(), names.clone()).write(folder)?;
     let mut exported = Exported {
         removed,
@@ -268,7 +268,7 @@ pub fn export_log(
             .filter(|frame| !frame.mass.is_empty())
             .ok_or(ExportError::Plain)?;
     }
-    let removed = folder::clear(folder, format)?;
+    let removed = folder::clear(folder, &names)?;
     let known = info.bodies.iter().map(|body| body.name.clone()).collect();
     List::new(known, names.clone()).write(folder)?;
 

@@ -1,5 +1,5 @@
-//! What makes the figures of a run doubtful: liquid that left the box, liquid detached from the main
-//! body, which most measures do not include, and a crater that ends at the floor.
+//! What makes the figures of a run doubtful: liquid that left the box, liquid detached from the
+//! main body, which most measures do not include, and a crater that ends at the floor.
 //!
 //! Test: tests/engine/measure_loss.rs.
 
@@ -11,8 +11,8 @@ use crate::scene::{Body, Scene, Shape};
 /// Part of the liquid that may leave the box without a word at the end of a run.
 const LOST: f64 = 1e-3;
 
-/// Part of the liquid from which a loss is reported at once. A length goes with the cube root of a volume:
-/// 1 % is a third of a per cent of a length, below the accuracy of any measure here
+/// Part of the liquid from which a loss is reported at once. A length goes with the cube root of a
+/// volume: 1 % is a third of a per cent of a length, below the accuracy of any measure here
 /// (docs/results/validation.md).
 const WORTH: f64 = 0.01;
 

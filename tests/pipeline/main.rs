@@ -25,6 +25,7 @@ mod rings;
 mod runs;
 mod schema;
 mod sharing;
+mod shown;
 mod stop;
 mod study;
 mod sweep;

@@ -137,56 +137,6 @@ fn a_run_that_was_cut_says_what_is_missing_and_how_to_go_on() {
     );
 }
 
-/// Where the impact is new and the evaluation is missing, that of the older impact is not shown.
-#[test]
-fn an_older_evaluation_does_not_stand_beside_a_newer_impact() {
-    let program = Program::new();
-    let sets = [
-        "--name",
-        "a",
-        "--set",
-        "impact.end=1 ms",
-        "--set",
-        "post.panels=[]",
-    ];
-    program.run(&sets);
-    let post = program.path("artifacts/latest/a/post");
-    assert!(post.exists());
-    let faster = ["--set", "body.drop.velocity=2 m/s", "--until", "impact"];
-    program.run(&[&sets[..], &faster].concat());
-    assert!(!post.exists() && !post.is_symlink());
-    let list = program.call(&["list", "--json"]).well().objects();
-    assert_eq!(list[0]["job"], "post");
-    assert!(list[0]["figures"].is_null());
-    // What fits stays: here all of it.
-    program.run(&sets);
-    program.run(&[&sets[..], &["--until", "pack"]].concat());
-    assert!(post.exists());
-    program
-        .call(&["export", "a", "--to", "csv", "--at", "0 ms"])
-        .well();
-    assert!(program.path("export/frames.csv").exists());
-}
-
-/// Figures of a table that was changed by hand are not told as those of the run.
-#[test]
-fn a_changed_table_of_measures_is_not_believed() {
-    let program = Program::new();
-    let arguments = ["--set", "impact.end=1 ms", "--set", "post.panels=[]"];
-    program.run(&arguments);
-    let path = program.path("artifacts/latest/tiny/post/measures.csv");
-    let text = fs::read_to_string(&path).unwrap();
-    let last = text.trim_end().rfind(|c: char| c.is_ascii_digit()).unwrap();
-    let other = if &text[last..=last] == "1" { "2" } else { "1" };
-    fs::write(&path, [&text[..last], other, &text[last + 1..]].concat()).unwrap();
-    let again = program.call(&[&["run", "tiny.toml"], &arguments[..]].concat());
-    again.badly(4, &["measures.csv was changed", "coronet verify"]);
-    assert!(!again.out.contains("largest"), "{}", again.out);
-    program.call(&["verify"]);
-    program.run(&arguments);
-    assert_eq!(fs::read_to_string(&path).unwrap(), text);
-}
-
 #[test]
 fn what_makes_figures_doubtful_is_told_at_the_end() {
     let program = Program::new();

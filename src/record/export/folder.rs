@@ -61,9 +61,9 @@ impl List {
     }
 }
 
-/// Makes place for files with these `names`: removes the files of an earlier export, which are those
-/// of its list, and what a killed export was writing. All other files are the user's. Returns the
-/// number of listed files that were removed.
+/// Makes place for files with these `names`: removes the files of an earlier export, which are
+/// those of its list, and what a killed export was writing. All other files are the user's. Returns
+/// the number of listed files that were removed.
 ///
 /// # Errors
 /// If a file of the user has one of the names, then nothing is removed; if the list is not that of

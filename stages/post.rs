@@ -20,7 +20,7 @@ use crate::stop::STOPPED;
 pub const MEASURES: &str = "measures.csv";
 /// Name of the stage whose results may not be at rest.
 const RELAX: &str = "relax";
-/// Start of the note about an instant without a frame.
+/// Start of a note about what the report lacks: an instant without a frame, a strange reference.
 pub const MISSED: &str = "not drawn";
 /// The page of the report.
 pub const REPORT: &str = "report.html";

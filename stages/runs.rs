@@ -69,7 +69,7 @@ impl Run {
     /// # Errors
     /// If there is neither; if something cannot be read.
     pub fn meant(store: &Store, text: &str) -> Result<Run> {
-        if is_name(text) && exists(&latest::folder(store, text).join(MANIFEST))? {
+        if folder_named(store, text)?.is_some() {
             return Run::named(store, text);
         }
         let path = Path::new(text);
@@ -166,6 +166,18 @@ impl Run {
         }
         State::Finished
     }
+}
+
+/// The folder of the run with that name; `None` if there is none.
+///
+/// # Errors
+/// If it cannot be examined.
+pub fn folder_named(store: &Store, text: &str) -> Result<Option<PathBuf>> {
+    if !is_name(text) {
+        return Ok(None);
+    }
+    let folder = latest::folder(store, text);
+    Ok(exists(&folder.join(MANIFEST))?.then_some(folder))
 }
 
 /// Adds a result and all that it was made from.

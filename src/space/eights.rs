@@ -68,7 +68,7 @@ impl Eights {
     #[inline(always)]
     pub fn extend(&mut self, indices: &[u32]) {
         let groups = indices.as_chunks::<WIDTH>().0;
-        self.make_room(groups.len());
+        make_room(&mut self.packed, groups.len());
         for group in groups {
             let (mut low, mut high) = (u32::MAX, 0);
             for &index in group {
@@ -82,16 +82,6 @@ impl Eights {
                 false => self.widen(*group),
             };
             self.packed.push(packed);
-        }
-    }
-
-    /// Room for `more` groups. It grows by an eighth and not to the double, as a vector would:
-    /// these are the largest arrays that there are.
-    #[inline(always)]
-    fn make_room(&mut self, more: usize) {
-        let room = self.packed.len() + more;
-        if room > self.packed.capacity() {
-            self.packed.reserve_exact(more + room / 8);
         }
     }
 
@@ -111,6 +101,16 @@ impl Eights {
             packed: &self.packed[range],
             wide: &self.wide,
         }
+    }
+}
+
+/// Room for `more` entries. It grows by an eighth and not to the double, as a vector would: rows
+/// and couplings are the largest arrays that there are.
+#[inline(always)]
+pub(super) fn make_room<T>(all: &mut Vec<T>, more: usize) {
+    let room = all.len() + more;
+    if room > all.capacity() {
+        all.reserve_exact(more + room / 8);
     }
 }
 

@@ -4,7 +4,7 @@
 //! product has the same bits for any number of threads. Weights are f32 (half the memory traffic,
 //! which is all that a product costs), sums are f64.
 
-use super::eights::{Eights, Group, Groups};
+use super::eights::{Eights, Group, Groups, make_room};
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, WIDTH};
 use super::row::{CHUNK, Rows};
@@ -99,17 +99,6 @@ impl Layout<'_> {
 }
 
 impl Chunk {
-    /// Room for `more` couplings. It grows by an eighth and not to the double, as a vector would:
-    /// this is the largest array there is.
-    #[inline(always)]
-    fn make_room(&mut self, more: usize) {
-        let room = self.weight.len() + more;
-        if room > self.weight.capacity() {
-            self.weight.reserve_exact(more + room / 8);
-        }
-        self.row.reserve(more);
-    }
-
     /// Ends a row.
     fn close(&mut self) {
         self.count.push(self.row.len() as u32);
@@ -350,7 +339,8 @@ unsafe fn append<L: Lanes, const N: usize, P: Couple<N>>(
     let scale = layout.scale.lanes(lanes);
     let own = splat(lanes, carried::<P::Payload>(record), pass.extra(target));
     let mut degree = 0.0;
-    chunk.make_room(WIDTH * row.len());
+    make_room(&mut chunk.weight, WIDTH * row.len());
+    chunk.row.reserve(WIDTH * row.len());
     let (from, mut kept) = (chunk.row.len(), 0);
     // SAFETY: those are the ends of what is written.
     let (indices, weights) = unsafe {

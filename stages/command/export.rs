@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail};
 use coronet::file::exists;
 use coronet::pipeline::content::CHECKPOINT;
-use coronet::pipeline::latest::{self, MANIFEST};
-use coronet::pipeline::name::is_name;
 use coronet::pipeline::{Stamp, Store};
 use coronet::record::export::{self, Exported, Selection, Which};
 use coronet::scene::quantity::{self, Unit};
@@ -18,6 +16,7 @@ use crate::arguments::{ExportArguments, Format};
 use crate::fault::Usage;
 use crate::journal::FRAMES;
 use crate::print::{out, shown};
+use crate::runs::folder_named;
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -92,14 +91,13 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
 
 /// The path that is given, or the folder of the run with that name.
 fn meant(arguments: &ExportArguments) -> Result<PathBuf> {
-    let named = arguments.path.to_str().filter(|name| is_name(name));
-    if let Some(name) = named.filter(|_| !arguments.path.exists()) {
-        let folder = latest::folder(&Store::new(&arguments.store.artifacts), name);
-        if exists(&folder.join(MANIFEST))? {
-            return Ok(folder);
-        }
+    let path = arguments.path.clone();
+    if exists(&path)? {
+        return Ok(path);
     }
-    Ok(arguments.path.clone())
+    let store = Store::new(&arguments.store.artifacts);
+    let named = path.to_str().map(|name| folder_named(&store, name));
+    Ok(named.transpose()?.flatten().unwrap_or(path))
 }
 
 fn print(arguments: &ExportArguments, exported: &Exported) {

@@ -70,10 +70,11 @@ impl List {
 /// an export, or a file cannot be removed.
 pub fn clear(folder: &Path, names: &[String]) -> Result<usize, ExportError> {
     let listed = List::read(folder)?.map_or(Vec::new(), |list| list.files);
-    let foreign = |name: &&String| !listed.contains(name) && folder.join(name).exists();
-    if let Some(name) = names.iter().find(foreign) {
+    for name in names.iter().filter(|name| !listed.contains(name)) {
         let path = folder.join(name);
-        return Err(ExportError::Foreign { path });
+        if file::exists(&path)? {
+            return Err(ExportError::Foreign { path });
+        }
     }
     // A list may come from a stranger: only names that an export gives, in this folder.
     let is_ours = |name: &str| {

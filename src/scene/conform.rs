@@ -156,7 +156,19 @@ impl Check<'_> {
             let text = name.get_ref();
             let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "_-".contains(c);
             if text.chars().all(letter) && text.starts_with(|c: char| c.is_ascii_lowercase()) {
-                self.value(inner, &dotted(key, text), each);
+                match self.meant(text, inner, table, each) {
+                    None => self.value(inner, &dotted(key, text), each),
+                    Some(other) => self.found.add(SceneError::UnknownKey {
+                        place: self.tree.place(name.span().start),
+                        key: dotted(key, text),
+                        remedy: format!(
+                            "did you mean `{}`? A new one needs one of {}",
+                            dotted(key, other),
+                            choice(each).join(", ")
+                        ),
+                        nearest: Some(dotted(key, other)),
+                    }),
+                }
                 continue;
             }
             self.found.add(SceneError::Value {
@@ -167,6 +179,32 @@ impl Check<'_> {
                 remedy: "use lower-case letters, digits, - and _, a letter first".to_string(),
             });
         }
+    }
+
+    /// The table whose name was probably meant by `name`: one like it, where `inner` lacks what
+    /// each must have.
+    fn meant<'t>(
+        &self,
+        name: &str,
+        inner: &Value<'_>,
+        tables: &'t Table<'_>,
+        each: &Schema,
+    ) -> Option<&'t str> {
+        let choice = choice(each);
+        let is_whole = |value: &Value<'_>| {
+            let table = value.get_ref().as_table();
+            let keys = table.into_iter().flat_map(Table::keys);
+            keys.into_iter()
+                .any(|key| choice.iter().any(|known| key.get_ref() == known))
+        };
+        if choice.is_empty() || is_whole(inner) {
+            return None;
+        }
+        let others = tables.iter().filter(|(_, value)| is_whole(value));
+        let others = others.map(|(other, _)| other.get_ref().as_ref());
+        nearest(name, others)
+            .filter(|(_, likeness)| *likeness >= ALIKE)
+            .map(|(other, _)| other)
     }
 
     fn list(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {

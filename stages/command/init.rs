@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use coronet::file::FileError;
+use coronet::record::atomic::create_folder;
 
 use crate::arguments::InitArguments;
 use crate::fault::Usage;
@@ -95,6 +96,7 @@ fn title(text: &str) -> &str {
 
 /// Writes a new file. An existing one stays as it is.
 fn write(path: &Path, text: &str) -> Result<()> {
+    create_folder(path.parent().unwrap_or(Path::new("")))?;
     let mut file = match OpenOptions::new().write(true).create_new(true).open(path) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
             let path = path.display();

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use clap::CommandFactory as _;
-use coronet::record::atomic::write_file;
+use coronet::record::atomic::{create_folder, write_file};
 
 use crate::arguments::Arguments;
 use crate::print;
 
 /// Writes a manual page of the program and of each command.
 pub fn pages(folder: &Path) -> Result<()> {
+    create_folder(folder)?;
     let program = Arguments::command();
     let commands = program.get_subcommands().cloned().map(|command| {
         let name = format!("coronet-{}", command.get_name());

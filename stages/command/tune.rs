@@ -140,14 +140,12 @@ fn part(text: &str) -> Result<f64, Usage> {
         None => (text.trim(), 1.0),
     };
     let value = number.parse().map(|value: f64| factor * value);
-    value
-        .ok()
-        .filter(|v| *v > 0.0 && v.is_finite())
-        .ok_or_else(|| {
-            Usage(format!(
-                "--error `{text}` is not an error; give a part above zero such as \"5 %\" or 0.05"
-            ))
-        })
+    value.ok().filter(|v| *v > 0.0 && *v <= 1.0).ok_or_else(|| {
+        Usage(format!(
+            "--error `{text}` is no part of a whole; give more than 0 and at most 1, \
+                 such as \"5 %\" or 0.05"
+        ))
+    })
 }
 
 fn percent(part: f64) -> String {

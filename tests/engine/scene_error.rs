@@ -357,6 +357,13 @@ fn arguments_of_set_are_named() {
         &set("impact.ende=1 s"),
         &["--set impact.ende=1 s", "did you mean `impact.end`"],
     );
+    holds(
+        &set("body.drip.velocity=1 m/s"),
+        &[
+            "--set body.drip.velocity=1 m/s",
+            "did you mean `body.drop`?",
+        ],
+    );
     holds(&set("dimension=4"), &["--set dimension=4", "write 2 or 3"]);
 }
 

@@ -389,8 +389,8 @@ fn completions_and_manual_pages_name_every_command() {
             "{shell}"
         );
     }
-    program.call(&["man"]).well();
-    let page = fs::read_to_string(program.path("coronet-run.1")).unwrap();
+    program.call(&["man", "new/man1"]).well();
+    let page = fs::read_to_string(program.path("new/man1/coronet-run.1")).unwrap();
     assert!(page.contains("coronet") && page.contains("until"), "{page}");
-    assert!(program.path("coronet.1").is_file());
+    assert!(program.path("new/man1/coronet.1").is_file());
 }

@@ -379,9 +379,11 @@ fn a_scene_to_begin_with_is_one_that_the_program_accepts() {
     program
         .call(&["init", "none"])
         .badly(2, &["none", "default", "tiny"]);
+    program.call(&["init", "tiny", "new/folder/x.toml"]).well();
+    program.call(&["plan", "new/folder/x.toml"]).well();
     program
-        .call(&["init", "tiny", "no/such/x.toml"])
-        .badly(5, &["no/such/x.toml"]);
+        .call(&["init", "tiny", "tiny.toml/x.toml"])
+        .badly(5, &["tiny.toml"]);
 }
 
 #[test]

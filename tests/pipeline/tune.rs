@@ -65,6 +65,12 @@ fn the_cheapest_settings_run_as_they_are_printed() {
     assert_eq!(impact["status"], "fresh", "{impact}");
 }
 
+#[test]
+fn an_error_above_the_whole_is_refused() {
+    let ended = program().call(&["tune", "study.toml", "--error", "5"]);
+    ended.badly(2, &["--error `5`", "\"5 %\" or 0.05"]);
+}
+
 /// Where a measured point is chosen, running it gives what was predicted.
 #[test]
 fn a_prediction_is_checked() {

@@ -30,7 +30,6 @@ use super::model::Case;
 use super::pass::Summation;
 use super::projection::correction::times;
 use super::projection::look::Sums;
-use super::projection::transposed::OfKernel;
 use super::projection::{Projection, Scheme, surface};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
@@ -123,9 +122,7 @@ impl<K: Kernel> Scheme for Isph<K> {
     type Kernel = K;
     /// Viscous acceleration, m/s^2.
     type Own = [f32; 3];
-    type Weight = OfKernel<K>;
     type Row = [f32; 6];
-    const COMPLETES: bool = true;
 
     fn completion(&self, case: &Case) -> surface::Completion {
         surface::Completion::of::<K>(case.sph.kernel, case.space, case.sph.smoothing)
@@ -280,12 +277,8 @@ impl<K: Kernel> Scheme for Isph<K> {
         });
     }
 
-    fn of_rings(&self) -> [Rings; 2] {
-        [Rings::default(); 2]
-    }
-
-    fn weight(p: &Projection<Self>) -> (OfKernel<K>, f64) {
-        (OfKernel(PhantomData), p.factor(1))
+    fn joining(&self) -> Rings {
+        Rings::default()
     }
 
     fn memory(&self) -> usize {

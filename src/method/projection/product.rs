@@ -18,7 +18,7 @@ use crate::space::parallel::each_mut;
 /// How much of 1 / diag A is added to the preconditioner of A, B = A^-1. On a lattice the matrix of
 /// (3) is between 0.1 and 1 times A, least where values alternate. With the addition the
 /// eigenvalues of B (3) are within a factor of 2.8 in two dimensions and 2.9 in three (ISPH,
-/// h = 1.5 s0, theta = 0.6), and of 2.5 and 2.3 (MPS, theta = 0.7).
+/// h = 1.5 s0, theta = 0.6), and of 2.3 (MPS, theta = 0.7).
 const ROUGHNESS: f64 = 4.0;
 
 impl<S: Scheme> Projection<S> {
@@ -62,6 +62,20 @@ impl<S: Scheme> Matrix for Product<'_, S> {
     }
 
     fn apply(&mut self, equation: &Equation, x: &mut [f64], out: &mut [f64]) {
+        let beta = share(self.0.settings.theta);
+        self.multiply(equation, [1.0 - beta, beta], x, out);
+    }
+}
+
+impl<S: Scheme> Product<'_, S> {
+    /// `out` = so much of D G `x` and so much of A / rho0 `x`.
+    pub fn multiply(
+        &mut self,
+        equation: &Equation,
+        [inner, outer]: [f64; 2],
+        x: &[f64],
+        out: &mut [f64],
+    ) {
         let this = &mut *self.0;
         let (n, count) = (this.liquid.len(), equation.len());
         let mut wide = std::mem::take(&mut this.transposed.wide);
@@ -80,14 +94,13 @@ impl<S: Scheme> Matrix for Product<'_, S> {
                 this.find_divergence(false, out);
             }
         }
-        let beta = share(this.settings.theta);
-        let scale = (1.0 - beta) / S::unit(this);
+        let scale = inner / S::unit(this);
         let (liquid, walls) = wide[..count].split_at_mut(n);
-        each_mut(liquid, |_, x| *x *= beta);
+        each_mut(liquid, |_, x| *x *= outer);
         let (flux, share_of) = (&out[n..], &this.walls.share);
         each_mut(walls, |g, x| {
             let f = share_of[g];
-            *x = beta * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
+            *x = outer * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
         });
         equation.fill(&mut wide);
         each_mut(&mut out[..n], |i, out| {

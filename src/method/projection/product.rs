@@ -22,6 +22,22 @@ use crate::space::parallel::each_mut;
 const ROUGHNESS: f64 = 4.0;
 
 impl<S: Scheme> Projection<S> {
+    /// Adds beta (A / rho0 - D G) P to the right-hand side.
+    pub(super) fn let_stand(&mut self) {
+        let beta = share(self.settings.theta);
+        let n = self.liquid.len();
+        let mut equation = std::mem::take(&mut self.equation);
+        let mut standing = std::mem::take(&mut self.unknown);
+        standing.clear();
+        standing.extend(self.own.standing.iter().map(|p| *p as f64));
+        standing.resize(equation.columns(), 0.0);
+        let mut product = std::mem::take(&mut self.transposed.flux);
+        product.resize(equation.len(), 0.0);
+        Product(self).multiply(&equation, [-beta, beta], &standing, &mut product);
+        each_mut(&mut equation.right[..n], |i, right| *right += product[i]);
+        (self.equation, self.unknown, self.transposed.flux) = (equation, standing, product);
+    }
+
     /// Adds to the liquid E^T of the entries of walls, which are over the diagonal already.
     pub(super) fn share_out(&mut self, right: &mut [f64]) {
         let n = self.liquid.len();

@@ -29,7 +29,7 @@
 //! half-space is that of a lattice.
 
 use super::links::Links;
-use super::product::{Product, extend};
+use super::product::extend;
 use super::{Projection, SURFACE, Scheme};
 use crate::effect::tension::pass::Pull;
 use crate::kernel::Kernel;
@@ -131,7 +131,7 @@ impl<K: Kernel> Pass<3> for PressureForce<K> {
 #[derive(Default)]
 pub(super) struct Transposed {
     /// D v*, by unknown.
-    flux: Vec<f64>,
+    pub flux: Vec<f64>,
     /// Whether the pressure of a liquid particle is given.
     pub given: Vec<bool>,
     /// o of [`super::product`] by group of wall particles, Pa.
@@ -318,22 +318,6 @@ impl<S: Scheme> Projection<S> {
             iterations: first.iterations + second.iterations,
             ..second
         }
-    }
-
-    /// Adds beta (A / rho0 - D G) P to the right-hand side.
-    fn let_stand(&mut self) {
-        let beta = share(self.settings.theta);
-        let n = self.liquid.len();
-        let mut equation = std::mem::take(&mut self.equation);
-        let mut standing = std::mem::take(&mut self.unknown);
-        standing.clear();
-        standing.extend(self.own.standing.iter().map(|p| *p as f64));
-        standing.resize(equation.columns(), 0.0);
-        let mut product = std::mem::take(&mut self.transposed.flux);
-        product.resize(equation.len(), 0.0);
-        Product(self).multiply(&equation, [-beta, beta], &standing, &mut product);
-        each_mut(&mut equation.right[..n], |i, right| *right += product[i]);
-        (self.equation, self.unknown, self.transposed.flux) = (equation, standing, product);
     }
 
     /// Gives `x` the pressures that are given.

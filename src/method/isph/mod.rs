@@ -30,6 +30,7 @@ use super::model::Case;
 use super::pass::Summation;
 use super::projection::correction::times;
 use super::projection::look::Sums;
+use super::projection::transposed::OfKernel;
 use super::projection::{Projection, Scheme, surface};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
@@ -122,7 +123,9 @@ impl<K: Kernel> Scheme for Isph<K> {
     type Kernel = K;
     /// Viscous acceleration, m/s^2.
     type Own = [f32; 3];
+    type Weight = OfKernel<K>;
     type Row = [f32; 6];
+    const COMPLETES: bool = true;
 
     fn completion(&self, case: &Case) -> surface::Completion {
         surface::Completion::of::<K>(case.sph.kernel, case.space, case.sph.smoothing)
@@ -277,8 +280,12 @@ impl<K: Kernel> Scheme for Isph<K> {
         });
     }
 
-    fn joining(&self) -> Rings {
-        Rings::default()
+    fn of_rings(&self) -> [Rings; 2] {
+        [Rings::default(); 2]
+    }
+
+    fn weight(p: &Projection<Self>) -> (OfKernel<K>, f64) {
+        (OfKernel(PhantomData), p.factor(1))
     }
 
     fn memory(&self) -> usize {

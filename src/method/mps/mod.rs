@@ -16,9 +16,7 @@
 //! it (Khayyer & Gotoh 2008) would leave nothing of a linear p on a lattice.
 //! `corrected` is (3) times (d / n0 SUM w r r / r^2)^-1, exact for linear p (Khayyer & Gotoh 2011;
 //! Tamai & Koshizuka 2014), but p_j + p_i where a surface is in the support; div v* likewise.
-//! `transposed` has the smooth kernel of h = r_e / 2 and p_j + p_i, in the pressure equation too
-//! (`projection::transposed`), near a surface whose tension has an energy as [`super::completed`]
-//! has it: with w / r^2 a liquid under pressure resists shear (docs/lab.md).
+//! `transposed` is (3) with p_j + p_i in the pressure equation too: `projection::transposed`.
 //! `blended` is `corrected` with the gradient of the smooth kernel in place of w / r^2 where a
 //! surface is in the support: spurious currents in a drop at rest are 0.4 of those, a splash is
 //! coarser.
@@ -46,7 +44,9 @@ use crate::kernel::WendlandC2;
 use crate::kernel::ring::Rings;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
 use crate::space::parallel::each_mut;
-use pass::{Around, Coupled, Look, NEAREST, Number, PressureSlope, Surface, Viscous, Weights};
+use pass::{
+    Around, Coupled, Look, NEAREST, Number, PressureSlope, Steep, Surface, Viscous, Weights,
+};
 
 /// The kernel of walls, of the free surface and of the shifting.
 pub type Smooth = WendlandC2;
@@ -92,11 +92,11 @@ pub(super) struct Mps {
     closure: MpsClosure,
     gradient: MpsGradient,
     pressure: MpsPressure,
-    /// The lattice at the first radius, and n0 lambda at the second, in squared spacings.
+    /// The lattice at the two radii.
     lattice: Lattice,
-    spread: f64,
-    /// Of rings: the kernel of the weight of the Laplacian.
-    rings: Option<Rings>,
+    laplacian: Lattice,
+    /// Of rings: kernels of the weights of gradients and of the Laplacian.
+    rings: Option<[Rings; 2]>,
     /// 1, or 0 where p = 0 is given, by unknown.
     inside: Vec<f32>,
     /// Least pressure about, Pa, by liquid and wall particle.
@@ -106,7 +106,18 @@ pub(super) struct Mps {
 impl Mps {
     pub fn new(settings: &Settings, case: &Case) -> Self {
         let is_axial = case.domain.is_axial();
-        let radius = settings.laplacian_radius;
+        let lattice = |radius: f64| match is_axial {
+            true => Lattice::of_rings(radius),
+            false => Lattice::of(radius, case.space),
+        };
+        let lengths = [
+            settings.radius,
+            settings.laplacian_radius,
+            settings.core,
+            1.0,
+        ];
+        let [gradient, laplacian, core, apart] = lengths.map(|x| x / case.sph.smoothing);
+        let core = core.max(NEAREST as f64);
         Mps {
             radius: settings.radius,
             laplacian_radius: settings.laplacian_radius,
@@ -115,12 +126,9 @@ impl Mps {
             closure: settings.closure,
             gradient: settings.gradient,
             pressure: settings.pressure,
-            lattice: Lattice::of(settings.radius, case.space),
-            spread: match is_axial {
-                true => rings::spread(radius),
-                false => Lattice::of(radius, case.space).spread,
-            },
-            rings: is_axial.then(|| rings::kernel([radius, 1.0].map(|x| x / case.sph.smoothing))),
+            lattice: lattice(settings.radius),
+            laplacian: lattice(settings.laplacian_radius),
+            rings: is_axial.then(|| rings::kernels([gradient, laplacian, core, apart])),
             inside: Vec::new(),
             least: Vec::new(),
         }
@@ -147,7 +155,7 @@ impl Mps {
 
     /// 2 d / (n0 lambda) of (4), 1/m^2.
     fn laplacian_factor(&self, case: &Case) -> f64 {
-        let spread = self.spread * case.spacing.powi(2);
+        let spread = self.laplacian.spread * case.spacing.powi(2);
         2.0 * case.space as f64 / spread
     }
 
@@ -203,6 +211,7 @@ impl Scheme for Mps {
     type Kernel = Smooth;
     /// n / n0.
     type Own = f32;
+    type Weight = Steep;
     /// The last: w of neighbours with p = 0.
     type Row = [f32; 7];
 
@@ -365,8 +374,17 @@ impl Scheme for Mps {
         });
     }
 
-    fn joining(&self) -> Rings {
+    fn of_rings(&self) -> [Rings; 2] {
         self.rings.unwrap_or_default()
+    }
+
+    fn weight(p: &Projection<Self>) -> (Steep, f64) {
+        let case = &p.liquid.case;
+        let weight = Steep {
+            reach: p.scheme.reach(case),
+            core: p.scheme.core(case),
+        };
+        (weight, p.scheme.gradient_factor(case) / case.h)
     }
 
     fn memory(&self) -> usize {

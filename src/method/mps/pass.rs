@@ -8,6 +8,7 @@ use crate::kernel::Kernel;
 use crate::method::pass::Moving;
 use crate::method::projection::correction::{AXES, IDENTITY, inverse};
 use crate::method::projection::look::{Local, Sums, complete, divergence};
+use crate::method::projection::transposed::Weight;
 use crate::payload;
 use crate::space::lane::{Real, dot};
 use crate::space::sparse::Couple;
@@ -32,6 +33,22 @@ fn weight<F: Real>(q2: F, reach: f32, core: f32) -> F {
 fn steep<F: Real>(q2: F, reach: f32, core: f32) -> F {
     let near = q2.splat(core * core);
     weight(q2, reach, core) / q2.max(near)
+}
+
+/// [`steep`] as the weight of gradients.
+#[derive(Clone, Copy)]
+pub struct Steep {
+    /// r_e / h.
+    pub reach: f32,
+    /// Where the weight stops growing, in h.
+    pub core: f32,
+}
+
+impl Weight for Steep {
+    #[inline(always)]
+    fn at<F: Real>(&self, q2: F) -> F {
+        steep(q2, self.reach, self.core)
+    }
 }
 
 /// What a pass over gradients knows of free surfaces.

@@ -134,7 +134,7 @@ impl<S: Scheme> Projection<S> {
                 *along = (matrix.dot(i, x) + own[a][i] * x[i]) / p.weight(i);
             });
         }
-        let factor = self.factor(1).powi(2) / self.liquid.case.density;
+        let factor = S::weight(self).1.powi(2) / self.liquid.case.density;
         let [push_r, push_z] = &*push;
         each_mut(out, |i, out| {
             let own = own[0][i] * push_r[i] + own[1][i] * push_z[i];

@@ -64,7 +64,7 @@ use look::{Local, Sums};
 use std::mem::size_of;
 use std::ops::Index;
 use surface::Completion;
-use transposed::Transposed;
+use transposed::{Transposed, Weight};
 use walls::Walls;
 
 /// Less of the support than this is liquid at the free surface: 0.75 or so in the top layer of a
@@ -77,10 +77,12 @@ pub(super) trait Scheme: Sized + Send + Sync {
     const NAME: &'static str;
     /// Whether particles move with the mean of old and new velocity at theta = 1 too.
     const TRAPEZOIDAL: bool;
-    /// The kernel of walls, free surface, shifting, and of the transposed gradient.
+    /// The kernel of walls, free surface and shifting.
     type Kernel: Kernel;
     /// What the explicit half sums beside the kernel.
     type Own: Entry;
+    /// The weight of gradients.
+    type Weight: Weight;
     /// Sums along a row of the equation: w q^2; w c of the neighbours; w d (3); w c of the target;
     /// the method's own.
     type Row: Copy + Default + Send + Sync + Index<usize, Output = f32>;
@@ -117,8 +119,13 @@ pub(super) trait Scheme: Sized + Send + Sync {
     fn unit(p: &Projection<Self>) -> f64;
     /// Fills `push` with -grad p / rho.
     fn slope(p: &mut Projection<Self>);
-    /// Of rings: the kernel K of which -K'/q is the weight of the equation.
-    fn joining(&self) -> Rings;
+    /// Of rings: kernels K of which -K'/q is the weight of gradients and that of the equation.
+    fn of_rings(&self) -> [Rings; 2];
+    /// Whether a density that is completed near a surface can take the place of the divergence:
+    /// gradients have the weight of the kernel.
+    const COMPLETES: bool = false;
+    /// The weight of gradients, and its factor c, 1/m.
+    fn weight(p: &Projection<Self>) -> (Self::Weight, f64);
     /// Bytes held.
     fn memory(&self) -> usize;
 }
@@ -128,8 +135,6 @@ columns! {
     pub(super) struct Own<T> as this {
         /// Pa; the last one is the first guess of the next.
         pub pressure: f64 => Role::Persistent("pressure"),
-        /// Pa; its mean over the last steps, where the gradient is transposed.
-        pub standing: f32 => Role::Persistent("standing_pressure"),
         /// Kernel sum at r^n, where mist is removed at the next rebuild.
         pub kernel_sum: f32 => Role::Persistent("kernel_sum"),
         pub around: Sums<T> => Role::Held,
@@ -207,10 +212,6 @@ impl<S: Scheme> Projection<S> {
         };
         let mut own = Own {
             pressure: vec![0.0; n],
-            standing: match scheme.is_transposed() {
-                true => vec![0.0; n],
-                false => Vec::new(),
-            },
             kernel_sum: Vec::new(),
             around: vec![Sums::default(); n],
             held: vec![[0.0; 3]; n],

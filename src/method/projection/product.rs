@@ -18,26 +18,10 @@ use crate::space::parallel::each_mut;
 /// How much of 1 / diag A is added to the preconditioner of A, B = A^-1. On a lattice the matrix of
 /// (3) is between 0.1 and 1 times A, least where values alternate. With the addition the
 /// eigenvalues of B (3) are within a factor of 2.8 in two dimensions and 2.9 in three (ISPH,
-/// h = 1.5 s0, theta = 0.6), and of 2.3 (MPS, theta = 0.7).
+/// h = 1.5 s0, theta = 0.6), and of 2.5 and 2.3 (MPS, theta = 0.7).
 const ROUGHNESS: f64 = 4.0;
 
 impl<S: Scheme> Projection<S> {
-    /// Adds beta (A / rho0 - D G) P to the right-hand side.
-    pub(super) fn let_stand(&mut self) {
-        let beta = share(self.settings.theta);
-        let n = self.liquid.len();
-        let mut equation = std::mem::take(&mut self.equation);
-        let mut standing = std::mem::take(&mut self.unknown);
-        standing.clear();
-        standing.extend(self.own.standing.iter().map(|p| *p as f64));
-        standing.resize(equation.columns(), 0.0);
-        let mut product = std::mem::take(&mut self.transposed.flux);
-        product.resize(equation.len(), 0.0);
-        Product(self).multiply(&equation, [-beta, beta], &standing, &mut product);
-        each_mut(&mut equation.right[..n], |i, right| *right += product[i]);
-        (self.equation, self.unknown, self.transposed.flux) = (equation, standing, product);
-    }
-
     /// Adds to the liquid E^T of the entries of walls, which are over the diagonal already.
     pub(super) fn share_out(&mut self, right: &mut [f64]) {
         let n = self.liquid.len();
@@ -78,20 +62,6 @@ impl<S: Scheme> Matrix for Product<'_, S> {
     }
 
     fn apply(&mut self, equation: &Equation, x: &mut [f64], out: &mut [f64]) {
-        let beta = share(self.0.settings.theta);
-        self.multiply(equation, [1.0 - beta, beta], x, out);
-    }
-}
-
-impl<S: Scheme> Product<'_, S> {
-    /// `out` = so much of D G `x` and so much of A / rho0 `x`.
-    pub fn multiply(
-        &mut self,
-        equation: &Equation,
-        [inner, outer]: [f64; 2],
-        x: &[f64],
-        out: &mut [f64],
-    ) {
         let this = &mut *self.0;
         let (n, count) = (this.liquid.len(), equation.len());
         let mut wide = std::mem::take(&mut this.transposed.wide);
@@ -110,13 +80,14 @@ impl<S: Scheme> Product<'_, S> {
                 this.find_divergence(false, out);
             }
         }
-        let scale = inner / S::unit(this);
+        let beta = share(this.settings.theta);
+        let scale = (1.0 - beta) / S::unit(this);
         let (liquid, walls) = wide[..count].split_at_mut(n);
-        each_mut(liquid, |_, x| *x *= outer);
+        each_mut(liquid, |_, x| *x *= beta);
         let (flux, share_of) = (&out[n..], &this.walls.share);
         each_mut(walls, |g, x| {
             let f = share_of[g];
-            *x = outer * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
+            *x = beta * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
         });
         equation.fill(&mut wide);
         each_mut(&mut out[..n], |i, out| {

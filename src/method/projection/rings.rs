@@ -1,8 +1,8 @@
 //! Projections of rings about an axis, with the kernel of two rings ([`crate::method::ring`]) and
 //! the gradient that is the transpose of the divergence:
 //! (1) (D v)_a = -SUM V_b (v_a . dK/dx_a + v_b . dK/dx_b),  (G p)_a = -1/rho0 SUM V_b (p_a + p_b)
-//!     dK/dx_a,  a itself among b,  K: the kernel of rings; near a surface whose tension has an
-//!     energy: [`crate::method::completed`]
+//!     dK/dx_a,  a itself among b,  K: that of which -K'/r is the weight of the method's gradients,
+//!     W for ISPH; near a surface whose tension has an energy: [`crate::method::completed`]
 //! (2) (A p)_a = 2 SUM V_b w (p_a - p_b) / (n_a n_b),  w: the mean of the weight over the angle
 //! (3) (lap v)_a as (2), of vectors, which turn with the angle
 //! Rows of the equation are multiplied by the masses of their rings: then it is symmetric, and the
@@ -36,14 +36,15 @@ impl<S: Scheme> Projection<S> {
         self.liquid.sum_at_walls(&pass, sums);
     }
 
-    /// Where rings are, with their kernel.
+    /// Where rings are, with the kernel of gradients.
     pub(super) fn sloping(&self) -> Radii<'_> {
-        self.liquid.flow.radii(self.liquid.case.h)
+        let [rings, _] = self.scheme.of_rings();
+        self.liquid.flow.radii_of(rings, self.liquid.case.h)
     }
 
     /// The same with that of the equation.
     fn joined(&self) -> Radii<'_> {
-        let rings = self.scheme.joining();
+        let [_, rings] = self.scheme.of_rings();
         self.liquid.flow.radii_of(rings, self.liquid.case.h)
     }
 
@@ -56,7 +57,7 @@ impl<S: Scheme> Projection<S> {
             self.pack_velocity(1.0);
             self.pack_no_slip(1.0);
             let factor = dynamic * S::unit(self);
-            let rings = self.scheme.joining();
+            let [_, rings] = self.scheme.of_rings();
             let radii = self.liquid.flow.radii_of(rings, self.liquid.case.h);
             let pass = Surrounded {
                 radii,
@@ -124,7 +125,7 @@ impl<S: Scheme> Projection<S> {
         );
         self.walls.number(&self.liquid.flow);
         let layout = self.walls.layout(&self.liquid.flow, self.liquid.case.h);
-        let rings = self.scheme.joining();
+        let [_, rings] = self.scheme.of_rings();
         let radii = self.liquid.flow.radii_of(rings, self.liquid.case.h);
         let e = &mut self.equation;
         let (sparse, degree) = (&mut e.coupling, &mut e.diagonal);
@@ -146,7 +147,7 @@ impl<S: Scheme> Projection<S> {
     pub(super) fn find_divergence_of_rings(&mut self, moving: bool, out: &mut [f64]) {
         let n = self.liquid.len();
         self.pack_flux(moving);
-        let factor = -self.factor(1);
+        let factor = -S::weight(self).1;
         let mut sums = std::mem::take(&mut self.transposed.rates);
         sums.resize(n.max(self.liquid.flow.walls()), [0.0; 3]);
         let (p, push) = (&self.liquid.flow.particles, &self.own.push);
@@ -235,7 +236,7 @@ impl<S: Scheme> Projection<S> {
         push.resize(n, [0.0; 3]);
         let radii = self.sloping();
         self.liquid.sum(&Pull { radii }, &mut push);
-        let factor = -self.factor(1) / self.liquid.case.density;
+        let factor = -S::weight(self).1 / self.liquid.case.density;
         let p = &self.liquid.flow.particles;
         each_mut(&mut push[..n], |i, push| {
             let own = p.weight(i) * value(i) * completed::alone_of(radii, i, &of(i));

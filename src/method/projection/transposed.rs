@@ -1,12 +1,10 @@
 //! The pressure whose gradient is the transpose of the divergence.
 //!
-//! (1) (D v)_a = -c SUM (v_a - v_b) . d_ab W'_ab / q,  a: a liquid particle or a group of wall
-//!     particles
-//! (2) (G p)_a = -c / rho0 SUM (p_a + p_b) d_ab W'_ab / q,  d_ab = (r_a - r_b) / h
-//! (3) v^(n+1) = v* + dt G p,  D G p + beta (A / rho0 - D G) (p - P) = (s - D v*) / dt
-//! W: the kernel, which must be smooth, else pressure resists shear (docs/lab.md); A: the Laplacian
-//! that [`Scheme::couple`] has, which is also what multigrid makes smooth; P: the mean of p over
-//! the last steps ([`NEW`]); s: what brings density back.
+//! (1) (D v)_a = c SUM (v_a - v_b) . d_ab g_ab,  a: a liquid particle or a group of wall particles
+//! (2) (G p)_a = c / rho0 SUM (p_a + p_b) d_ab g_ab,  d_ab = (r_a - r_b) / h
+//! (3) v^(n+1) = v* + dt G p,  [(1 - beta) D G + beta A / rho0] p = (s - D v*) / dt
+//! g: the weight of the method's gradients ([`Weight`]), c its factor; A: the Laplacian that
+//! [`Scheme::couple`] has, which is also what multigrid makes smooth; s: what brings density back.
 //!
 //! The work of (2), SUM m v . G p = m / rho0 SUM p D v, is that of the volumes and of nothing else.
 //! With A alone (beta = 1) (2) does not take away what (1) finds: where particles are in disorder
@@ -15,18 +13,10 @@
 //! particle up, every second down) have no pressure. A mixture keeps both: over a step of which
 //! theta is implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence,
 //! which is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
-//!
-//! Without P the mixture is a divergence wherever pressure differs between layers, as what is added
-//! to the equation of grids is for the same reason (Rhie & Chow 1983), and the more the longer
-//! steps are: the load of a surface thinned the third layer of a drop by 7 %, its pressure was 8 %
-//! high and waves on a tank were 5 % slow. With the last p in place of P, what the mixture takes
-//! from a mode comes back in the next step, when particles are elsewhere: a crater kept three times
-//! its kinetic energy.
-//!
 //! Walls: [`super::product`]. The matrix is applied by two passes over the pairs
-//! ([`PressureForce`], [`Divergence`]); with a tension that has an energy those near a surface are
-//! the ones of [`completed`]. What s brings back there is the density of [`super::surface`], whose
-//! half-space is that of a lattice.
+//! ([`PressureForce`], [`Divergence`]); with a tension that has an energy those of ISPH are the
+//! ones of [`completed`] near a surface. What s brings back there is the density of
+//! [`super::surface`], whose half-space is that of a lattice.
 
 use super::links::Links;
 use super::product::extend;
@@ -44,9 +34,6 @@ use std::marker::PhantomData;
 /// Part of the largest stable share of A in (3).
 const PART: f64 = 0.6;
 
-/// Part of p that enters P in a step: small beside 1, for P to have nothing of what A is there for.
-const NEW: f32 = 0.05;
-
 /// The solution that shows where liquid tears needs no more than so many times the tolerance, and
 /// no more than so much.
 const ROUGH: f64 = 10.0;
@@ -55,6 +42,23 @@ const ROUGHEST: f64 = 1e-2;
 /// beta of (3).
 pub(super) fn share(theta: f64) -> f64 {
     PART * (1.0 - 0.5 / theta)
+}
+
+/// The weight of gradients: grad f_a = -c SUM (f_b - f_a) d g with d = (r_a - r_b) / h.
+pub trait Weight: Copy + Send + Sync {
+    /// g from the squared distance over h.
+    fn at<F: Real>(&self, q2: F) -> F;
+}
+
+/// -W'(q) / q.
+#[derive(Clone, Copy)]
+pub struct OfKernel<K>(pub PhantomData<K>);
+
+impl<K: Kernel> Weight for OfKernel<K> {
+    #[inline(always)]
+    fn at<F: Real>(&self, q2: F) -> F {
+        q2.splat(0.0) - K::slope_lanes(q2.sqrt())
+    }
 }
 
 payload! {
@@ -74,19 +78,20 @@ payload! {
 }
 
 /// (1); for a wall particle its part of the group's.
-pub struct Divergence<K> {
-    /// c = V norm / h^(d+1), 1/m.
+pub struct Divergence<W> {
+    /// g.
+    pub weight: W,
+    /// c, 1/m.
     pub factor: f64,
-    /// The kernel.
-    pub kernel: PhantomData<K>,
 }
 
-impl<K: Kernel> Pass<1> for Divergence<K> {
+impl<W: Weight> Pass<1> for Divergence<W> {
     type Payload = Flowing;
     type Out = f64;
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        K::slope_alone(q2)
+        let weight = self.weight.at(q2);
+        [weight, weight]
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Flowing>, sum: &mut [F; 1]) {
@@ -95,24 +100,25 @@ impl<K: Kernel> Pass<1> for Divergence<K> {
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 1], out: &mut f64) {
-        *out = -self.factor * sum[0] as f64;
+        *out = self.factor * sum[0] as f64;
     }
 }
 
 /// (2).
-pub struct PressureForce<K> {
+pub struct PressureForce<W> {
+    /// g.
+    pub weight: W,
     /// c / rho0, m^2/kg.
     pub factor: f64,
-    /// The kernel.
-    pub kernel: PhantomData<K>,
 }
 
-impl<K: Kernel> Pass<3> for PressureForce<K> {
+impl<W: Weight> Pass<3> for PressureForce<W> {
     type Payload = Pressing;
     type Out = [f32; 3];
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        K::slope_alone(q2)
+        let weight = self.weight.at(q2);
+        [weight, weight]
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Pressing>, sum: &mut [F; 3]) {
@@ -123,7 +129,7 @@ impl<K: Kernel> Pass<3> for PressureForce<K> {
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
-        *out = sum.map(|s| (-self.factor * s as f64) as f32);
+        *out = sum.map(|s| (self.factor * s as f64) as f32);
     }
 }
 
@@ -131,7 +137,7 @@ impl<K: Kernel> Pass<3> for PressureForce<K> {
 #[derive(Default)]
 pub(super) struct Transposed {
     /// D v*, by unknown.
-    pub flux: Vec<f64>,
+    flux: Vec<f64>,
     /// Whether the pressure of a liquid particle is given.
     pub given: Vec<bool>,
     /// o of [`super::product`] by group of wall particles, Pa.
@@ -189,15 +195,15 @@ impl<S: Scheme> Projection<S> {
                 |_, _| still,
             );
         }
-        let (factor, kernel) = (self.factor(1), PhantomData::<S::Kernel>);
-        let pass = Divergence { factor, kernel };
+        let (weight, factor) = S::weight(self);
+        let pass = Divergence { weight, factor };
         match &self.transposed.completed[..] {
             [] => self.liquid.sum(&pass, &mut out[..n]),
             completed => {
-                let pass = completed::pass::Divergence {
+                let pass = completed::pass::Divergence::<S::Kernel> {
                     factor,
                     completed,
-                    kernel,
+                    kernel: PhantomData,
                 };
                 self.liquid.sum(&pass, &mut out[..n]);
             }
@@ -225,7 +231,7 @@ impl<S: Scheme> Projection<S> {
         let offset = |j: usize| if lifted { walls.offset[j] } else { 0.0 };
         let at_wall = |j: usize| value(n + walls.group[j] as usize) + offset(j);
         self.own.push.resize(n, [0.0; 3]);
-        let (factor, kernel) = (self.factor(1), PhantomData::<S::Kernel>);
+        let (weight, factor) = S::weight(self);
         let factor = factor / self.liquid.case.density;
         let flow = &mut self.liquid.flow;
         let completed = &self.transposed.completed;
@@ -236,23 +242,23 @@ impl<S: Scheme> Projection<S> {
                     pressure: at_wall(j),
                 },
             );
-            let pass = PressureForce { factor, kernel };
+            let pass = PressureForce { weight, factor };
             return self.liquid.sum(&pass, &mut self.own.push);
         }
         flow.repack(
             |_, i| completed[i].press(value(i)),
             |_, j| Completed::default().press(at_wall(j)),
         );
-        let pass = Pull {
+        let pass = Pull::<S::Kernel> {
             factor: -factor,
-            kernel,
+            kernel: PhantomData,
         };
         self.liquid.sum(&pass, &mut self.own.push);
     }
 
     /// Completes the density of particles near a surface.
     fn complete(&mut self) {
-        if !self.liquid.follows_energy() {
+        if !S::COMPLETES || !self.liquid.follows_energy() {
             return;
         }
         let (local, marks, h) = (&self.own.local, &self.own.marks, self.liquid.case.h);
@@ -286,7 +292,6 @@ impl<S: Scheme> Projection<S> {
         if self.liquid.flow.is_axial() {
             self.link_rings();
         }
-        self.let_stand();
         self.guess();
         let (tolerance, held) = (self.settings.tolerance, self.cohesion());
         let has_torn = self.own.pressure.iter().any(|p| *p <= -held);
@@ -330,12 +335,8 @@ impl<S: Scheme> Projection<S> {
         });
     }
 
-    /// `push` = G of the solution, which enters the mean of pressures.
+    /// `push` = G of the solution.
     pub(super) fn press_all(&mut self) {
-        let p = &self.unknown;
-        each_mut(&mut self.own.standing[..], |i, mean| {
-            *mean += NEW * (p[i] as f32 - *mean);
-        });
         let (mut x, n) = (std::mem::take(&mut self.unknown), self.liquid.len());
         self.equation.fill(&mut x);
         let Transposed { wide, beyond, .. } = &mut self.transposed;
@@ -348,12 +349,12 @@ impl<S: Scheme> Projection<S> {
         self.unknown = x;
     }
 
-    /// The right-hand side of (3) over the unit of the rows, `dt` s, but for P. What walls have
-    /// beyond the pressure of the liquid stays much the same: D G alone acts on it.
+    /// The right-hand side of (3) over the unit of the rows, `dt` s.
     fn set_right_transposed(&mut self, dt: f64, density: f64) {
         let mut flux = std::mem::take(&mut self.transposed.flux);
         let (n, count) = (self.liquid.len(), self.equation.len());
         flux.resize(count, 0.0);
+        let beta = share(self.settings.theta);
         let mut lift = std::mem::take(&mut self.equation.right);
         lift.clear();
         lift.resize(count, 0.0);
@@ -373,15 +374,16 @@ impl<S: Scheme> Projection<S> {
         let (this, unit) = (&*self, S::unit(self));
         let span = this.span(dt);
         each_mut(&mut lift[..count], |i, right| {
-            let flux = flux[i] + dt * *right;
+            let flux = flux[i] + (1.0 - beta) * dt * *right;
             if i >= n {
                 // What the rows of the liquid have of it, and of o.
                 let f = this.walls.share[i - n];
-                *right = -f * flux / (dt * unit) / this.equation.diagonal[i];
+                let own = -f * flux / (dt * unit) / this.equation.diagonal[i];
+                *right = own + beta * (2.0 - f) * beyond[i - n];
                 return;
             }
             let rate = this.mass(i) * density * this.excess(i) / span - flux;
-            *right = rate / (dt * unit);
+            *right = rate / (dt * unit) + beta * this.sums[i][1] as f64;
         });
         self.transposed.beyond = beyond;
         if count > n {

@@ -65,11 +65,6 @@ impl Completed {
         }
     }
 
-    /// n, of the kernel sum C away from a surface.
-    pub fn density(&self, sum: f32) -> f32 {
-        if self.value > 0.0 { self.value } else { sum }
-    }
-
     /// Its derivatives times a `pressure`.
     #[inline(always)]
     pub fn press(&self, pressure: f32) -> Energetic {

@@ -48,7 +48,7 @@ pub mod version {
                     parts.push(part("one-rate", 1));
                 }
             }
-            Method::Isph(_) => parts.push(part("isph", 3)),
+            Method::Isph(_) => parts.push(part("isph", 4)),
             Method::Mps(_) => parts.push(part("mps", 2)),
         }
         if let Some(wetting) = problem.effects.wetting {

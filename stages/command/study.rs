@@ -70,7 +70,7 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     if let Some(folder) = &arguments.into {
         create_folder(folder)?;
     }
-    let outcomes = || run_rest(&trials, failed, arguments);
+    let outcomes = || run_rest(&study, &trials, failed, arguments);
     match &study.error {
         Some(target) => tell_costs((&study, target), &trials, outcomes, arguments, &out),
         None if study.case.is_empty() => {
@@ -304,6 +304,7 @@ fn tell_promises(
 
 /// Runs all points of a study but those that failed elsewhere.
 fn run_rest(
+    study: &Study,
     trials: &[Trial],
     mut failed: Vec<Option<Outcome>>,
     arguments: &StudyArguments,
@@ -316,16 +317,23 @@ fn run_rest(
         .filter(|(_, failed)| failed.is_none());
     let rest: Vec<Trial> = rest.map(|(trial, _)| trial.clone()).collect();
     let jobs = arguments.jobs.unwrap_or(1);
-    let mut ran = run(&rest, arguments.place(), jobs, &stop)?.into_iter();
+    let needed: Vec<_> = study.columns().collect();
+    let mut ran = run(&rest, &needed, arguments.place(), jobs, &stop)?.into_iter();
     let all = failed
         .into_iter()
         .map(|failed| failed.or_else(|| ran.next()));
     Ok(all.flatten().collect())
 }
 
-/// Runs all points, `jobs` at a time; reports the result of each. Points that run when `stop` is
-/// set stop after a checkpoint.
-pub fn run(trials: &[Trial], place: Place, jobs: u16, stop: &AtomicBool) -> Result<Vec<Outcome>> {
+/// Runs all points, `jobs` at a time; reports the result of each, and which of the columns `needed`
+/// it lacks. Points that run when `stop` is set stop after a checkpoint.
+pub fn run(
+    trials: &[Trial],
+    needed: &[&str],
+    place: Place,
+    jobs: u16,
+    stop: &AtomicBool,
+) -> Result<Vec<Outcome>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = usize::from(jobs).min(trials.len().max(1));
     let threads = (cores / jobs).max(1);
@@ -348,6 +356,7 @@ pub fn run(trials: &[Trial], place: Place, jobs: u16, stop: &AtomicBool) -> Resu
                         trial.title,
                         told(&outcome)
                     );
+                    warn_of_missing(needed, trial, &outcome);
                     if outcome.is_err() {
                         next.store(trials.len(), Ordering::Relaxed);
                     }
@@ -369,6 +378,16 @@ pub fn run(trials: &[Trial], place: Place, jobs: u16, stop: &AtomicBool) -> Resu
         bail!(Stopped(text));
     }
     outcomes.into_iter().collect()
+}
+
+/// A wrong name is known after the first point, not after the last.
+fn warn_of_missing(needed: &[&str], trial: &Trial, outcome: &Result<Outcome>) {
+    let Some(measures) = outcome.as_ref().ok().and_then(Outcome::measures) else {
+        return;
+    };
+    for column in needed.iter().filter(|name| measures.column(name).is_none()) {
+        note!("warning: {} does not measure `{column}`", trial.title);
+    }
 }
 
 /// What became of a point, in a line.

@@ -48,7 +48,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         .into());
     };
     let stop = signals::stop_flag(STOPPING)?;
-    let outcomes = run(&trials, place(arguments), arguments.jobs, &stop)?;
+    let outcomes = run(&trials, &[], place(arguments), arguments.jobs, &stop)?;
     let cost = study.cost;
     let mut points = Points {
         cost,
@@ -237,7 +237,7 @@ fn check(
     stop: &AtomicBool,
 ) -> Result<(f64, f64)> {
     let trial = tuned.trial.clone();
-    let mut own = run(std::slice::from_ref(&trial), place(arguments), 1, stop)?;
+    let mut own = run(std::slice::from_ref(&trial), &[], place(arguments), 1, stop)?;
     if let Outcome::Failed { why, .. } = &own[0] {
         bail!("the chosen settings fail: {why}");
     }

@@ -91,6 +91,16 @@ impl Study {
         Ok(())
     }
 
+    /// Columns of the measures of a point that figures and curves need.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        let of_figures = self
+            .figure
+            .iter()
+            .flat_map(|f| [Some(&f.column), f.over.as_ref()]);
+        let of_curves = self.curves.iter().map(|curves| Some(&curves.column));
+        of_figures.chain(of_curves).flatten().map(String::as_str)
+    }
+
     /// Tables that figures and curves name, with the columns that they need.
     pub fn tables_of_figures(&self) -> impl Iterator<Item = (&Path, &str)> {
         let of_figures = self.figure.iter().flat_map(|f| {
@@ -131,12 +141,7 @@ pub fn measure(
     folder: &Path,
 ) -> Result<Vec<Vec<f64>>> {
     let known = || measured.iter().flatten().map(|point| &point.series);
-    let of_figures = study
-        .figure
-        .iter()
-        .flat_map(|f| [Some(&f.column), f.over.as_ref()]);
-    let of_curves = study.curves.iter().map(|curves| Some(&curves.column));
-    for column in of_figures.chain(of_curves).flatten() {
+    for column in study.columns() {
         if let Some(first) = known().next()
             && !known().any(|measures| measures.column(column).is_some())
         {

@@ -188,5 +188,5 @@ fn mistakes_in_figures_are_named() {
     let program = program(&study.replace("[71, 72]", "[71]"));
     program
         .call(&["study", "study.toml"])
-        .badly(2, &["`mess_kg`", "columns are time_s, "]);
+        .badly(2, &["does not measure `mess_kg`", "columns are time_s, "]);
 }

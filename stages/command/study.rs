@@ -356,7 +356,7 @@ pub fn run(
                         trial.title,
                         told(&outcome)
                     );
-                    warn_of_missing(needed, trial, &outcome);
+                    trial.warn_of_missing(needed, &outcome);
                     if outcome.is_err() {
                         next.store(trials.len(), Ordering::Relaxed);
                     }
@@ -378,16 +378,6 @@ pub fn run(
         bail!(Stopped(text));
     }
     outcomes.into_iter().collect()
-}
-
-/// A wrong name is known after the first point, not after the last.
-fn warn_of_missing(needed: &[&str], trial: &Trial, outcome: &Result<Outcome>) {
-    let Some(measures) = outcome.as_ref().ok().and_then(Outcome::measures) else {
-        return;
-    };
-    for column in needed.iter().filter(|name| measures.column(name).is_none()) {
-        note!("warning: {} does not measure `{column}`", trial.title);
-    }
 }
 
 /// What became of a point, in a line.

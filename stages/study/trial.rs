@@ -14,6 +14,7 @@ use coronet::scene::{Scene, file};
 use serde_json::Value;
 
 use crate::fault::{self, Stopped, Unreadable};
+use crate::print::note;
 
 /// Time between two checks for a request to stop.
 const POLL: Duration = Duration::from_millis(20);
@@ -145,6 +146,17 @@ fn reason(complaint: &str) -> Option<String> {
 }
 
 impl Trial {
+    /// Warns of the columns `needed` that it lacks: after the first point, not after the last.
+    pub fn warn_of_missing(&self, needed: &[&str], outcome: &Result<Outcome>) {
+        let Some(measures) = outcome.as_ref().ok().and_then(Outcome::measures) else {
+            return;
+        };
+        let is_missing = |name: &&&str| measures.column(name).is_none();
+        for column in needed.iter().filter(is_missing) {
+            note!("warning: {} does not measure `{column}`", self.title);
+        }
+    }
+
     pub fn scene(&self) -> Result<Scene> {
         Ok(file::load(&self.pipeline, &self.sets)?.scene)
     }

@@ -183,10 +183,15 @@ fn mistakes_in_figures_are_named() {
             .badly(2, &["study.toml", word]);
         assert!(!program.path("artifacts").exists());
     }
-    let study = STUDY.replace("mass_kg", "mess_kg");
+    let study = STUDY.replace(
+        "fastest\"\ncolumn = \"speed_max",
+        "fastest\"\ncolumn = \"speed_mux",
+    );
     let study = study.replace("\"wcsph\", \"isph\"", "\"wcsph\"");
     let program = program(&study.replace("[71, 72]", "[71]"));
+    let warning = "warning: wcsph, 71 does not measure `speed_mux_m_s`";
+    let error = "no point measures `speed_mux_m_s`; columns are time_s, ";
     program
         .call(&["study", "study.toml"])
-        .badly(2, &["does not measure `mess_kg`", "columns are time_s, "]);
+        .badly(2, &[warning, error]);
 }

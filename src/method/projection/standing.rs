@@ -3,8 +3,8 @@
 //!
 //! Without P the mixture is a divergence wherever pressure differs between layers, as what is added
 //! to the equation of grids is for the same reason (Rhie & Chow 1983), and the more the longer
-//! steps are: the load of a surface thins the third layer of a drop by 7 %. With the last p in place
-//! of P, what the mixture takes from a mode comes back in the next step, when particles are
+//! steps are: the load of a surface thins the third layer of a drop by 7 %. With the last p in
+//! place of P, what the mixture takes from a mode comes back in the next step, when particles are
 //! elsewhere, and feeds it. With all of P (kappa = 1) pools stir: D G has no say about every second
 //! particle (docs/lab.md). Tests: tests/validation/drop.rs, tests/validation/vibration.rs.
 

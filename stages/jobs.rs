@@ -48,7 +48,8 @@ pub mod version {
                     parts.push(part("one-rate", 1));
                 }
             }
-            Method::Isph(_) => parts.push(part("isph", 4)),
+            // 3 and 4 were trials (docs/lab.md).
+            Method::Isph(_) => parts.push(part("isph", 2)),
             Method::Mps(_) => parts.push(part("mps", 2)),
         }
         if let Some(wetting) = problem.effects.wetting {

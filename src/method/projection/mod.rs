@@ -39,7 +39,6 @@ mod report;
 mod rings;
 mod shift;
 mod solve;
-mod standing;
 mod step;
 pub mod surface;
 pub mod transposed;
@@ -136,8 +135,6 @@ columns! {
     pub(super) struct Own<T> as this {
         /// Pa; the last one is the first guess of the next.
         pub pressure: f64 => Role::Persistent("pressure"),
-        /// Pa: P of [`standing`], where there is one.
-        pub standing: f32 => Role::Persistent("standing_pressure"),
         /// Kernel sum at r^n, where mist is removed at the next rebuild.
         pub kernel_sum: f32 => Role::Persistent("kernel_sum"),
         pub around: Sums<T> => Role::Held,
@@ -215,10 +212,6 @@ impl<S: Scheme> Projection<S> {
         };
         let mut own = Own {
             pressure: vec![0.0; n],
-            standing: match dries && S::COMPLETES {
-                true => vec![0.0; n],
-                false => Vec::new(),
-            },
             kernel_sum: Vec::new(),
             around: vec![Sums::default(); n],
             held: vec![[0.0; 3]; n],

@@ -62,20 +62,6 @@ impl<S: Scheme> Matrix for Product<'_, S> {
     }
 
     fn apply(&mut self, equation: &Equation, x: &mut [f64], out: &mut [f64]) {
-        let beta = share(self.0.settings.theta);
-        self.multiply(equation, [1.0 - beta, beta], x, out);
-    }
-}
-
-impl<S: Scheme> Product<'_, S> {
-    /// `out` = so much of D G `x` and so much of A / rho0 `x`, over the unit of the rows.
-    pub fn multiply(
-        &mut self,
-        equation: &Equation,
-        [inner, outer]: [f64; 2],
-        x: &[f64],
-        out: &mut [f64],
-    ) {
         let this = &mut *self.0;
         let (n, count) = (this.liquid.len(), equation.len());
         let mut wide = std::mem::take(&mut this.transposed.wide);
@@ -94,13 +80,14 @@ impl<S: Scheme> Product<'_, S> {
                 this.find_divergence(false, out);
             }
         }
-        let scale = inner / S::unit(this);
+        let beta = share(this.settings.theta);
+        let scale = (1.0 - beta) / S::unit(this);
         let (liquid, walls) = wide[..count].split_at_mut(n);
-        each_mut(liquid, |_, x| *x *= outer);
+        each_mut(liquid, |_, x| *x *= beta);
         let (flux, share_of) = (&out[n..], &this.walls.share);
         each_mut(walls, |g, x| {
             let f = share_of[g];
-            *x = outer * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
+            *x = beta * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
         });
         equation.fill(&mut wide);
         each_mut(&mut out[..n], |i, out| {

@@ -3,7 +3,6 @@
 use super::product::Product;
 use super::walls::Halt;
 use super::{Projection, SURFACE, Scheme};
-use crate::method::completed::Completed;
 use crate::method::pass::Moving;
 use crate::method::pressure::multigrid::{Domain, pitch};
 use crate::method::pressure::{Outcome, Rows};
@@ -207,26 +206,6 @@ impl<S: Scheme> Projection<S> {
             };
         });
         self.equation.right = values;
-    }
-
-    /// Completes the density of particles near a surface.
-    pub(super) fn complete(&mut self) {
-        if !S::COMPLETES || !self.liquid.follows_energy() {
-            return;
-        }
-        let (local, marks, h) = (&self.own.local, &self.own.marks, self.liquid.case.h);
-        let share = &self.closure.share;
-        let completed = &mut self.transposed.completed;
-        completed.resize(self.liquid.flow.liquid(), Completed::default());
-        each_mut(&mut completed[..], |i, out| {
-            *out = match marks[i] > 0.0 {
-                false => Completed::default(),
-                true => {
-                    let gradient = local[i].slope.map(|s| h * s as f64);
-                    Completed::of(share, local[i].kernel_sum as f64, gradient)
-                }
-            };
-        });
     }
 
     /// How much too dense particle `i` is, over rho0. Spray is not too thin.

@@ -2,10 +2,9 @@
 //!
 //! (1) (D v)_a = c SUM (v_a - v_b) . d_ab g_ab,  a: a liquid particle or a group of wall particles
 //! (2) (G p)_a = c / rho0 SUM (p_a + p_b) d_ab g_ab,  d_ab = (r_a - r_b) / h
-//! (3) v^(n+1) = v* + dt G p,  D G p + beta (A / rho0 - D G) (p - kappa P) = (s - D v*) / dt
+//! (3) v^(n+1) = v* + dt G p,  [(1 - beta) D G + beta A / rho0] p = (s - D v*) / dt
 //! g: the weight of the method's gradients ([`Weight`]), c its factor; A: the Laplacian that
-//! [`Scheme::couple`] has, which is also what multigrid makes smooth; s: what brings density back;
-//! P, kappa: [`super::standing`].
+//! [`Scheme::couple`] has, which is also what multigrid makes smooth; s: what brings density back.
 //!
 //! The work of (2), SUM m v . G p = m / rho0 SUM p D v, is that of the volumes and of nothing else.
 //! With A alone (beta = 1) (2) does not take away what (1) finds: where particles are in disorder
@@ -14,7 +13,6 @@
 //! particle up, every second down) have no pressure. A mixture keeps both: over a step of which
 //! theta is implicit a mode that A does not see keeps 1 - 1 / (theta (1 - beta)) of its divergence,
 //! which is above -1 for beta < 1 - 1 / (2 theta) ([`share`]).
-//!
 //! Walls: [`super::product`]. The matrix is applied by two passes over the pairs
 //! ([`PressureForce`], [`Divergence`]); with a tension that has an energy those of ISPH are the
 //! ones of [`completed`] near a surface. What s brings back there is the density of
@@ -139,7 +137,7 @@ impl<W: Weight> Pass<3> for PressureForce<W> {
 #[derive(Default)]
 pub(super) struct Transposed {
     /// D v*, by unknown.
-    pub flux: Vec<f64>,
+    flux: Vec<f64>,
     /// Whether the pressure of a liquid particle is given.
     pub given: Vec<bool>,
     /// o of [`super::product`] by group of wall particles, Pa.
@@ -258,6 +256,26 @@ impl<S: Scheme> Projection<S> {
         self.liquid.sum(&pass, &mut self.own.push);
     }
 
+    /// Completes the density of particles near a surface.
+    fn complete(&mut self) {
+        if !S::COMPLETES || !self.liquid.follows_energy() {
+            return;
+        }
+        let (local, marks, h) = (&self.own.local, &self.own.marks, self.liquid.case.h);
+        let share = &self.closure.share;
+        let completed = &mut self.transposed.completed;
+        completed.resize(self.liquid.flow.liquid(), Completed::default());
+        each_mut(&mut completed[..], |i, out| {
+            *out = match marks[i] > 0.0 {
+                false => Completed::default(),
+                true => {
+                    let gradient = local[i].slope.map(|s| h * s as f64);
+                    Completed::of(share, local[i].kernel_sum as f64, gradient)
+                }
+            };
+        });
+    }
+
     /// Solves (3), `dt` s; `density`: the part of its deviation that goes. Liquid at a surface
     /// holds no more than its cohesion: where the first solution has a lower pressure, that one is
     /// given, and the rest solved again. The first is a rough one if the last step had such a
@@ -273,9 +291,6 @@ impl<S: Scheme> Projection<S> {
         self.set_right_transposed(dt, density);
         if self.liquid.flow.is_axial() {
             self.link_rings();
-        }
-        if self.stands() {
-            self.let_stand();
         }
         self.guess();
         let (tolerance, held) = (self.settings.tolerance, self.cohesion());
@@ -320,9 +335,8 @@ impl<S: Scheme> Projection<S> {
         });
     }
 
-    /// `push` = G of the solution, which enters the mean of pressures.
+    /// `push` = G of the solution.
     pub(super) fn press_all(&mut self) {
-        self.remember_pressure();
         let (mut x, n) = (std::mem::take(&mut self.unknown), self.liquid.len());
         self.equation.fill(&mut x);
         let Transposed { wide, beyond, .. } = &mut self.transposed;
@@ -335,16 +349,12 @@ impl<S: Scheme> Projection<S> {
         self.unknown = x;
     }
 
-    /// The right-hand side of (3) over the unit of the rows, `dt` s, but for P. What walls have
-    /// beyond the pressure of the liquid stays much the same: where P is, D G alone acts on it.
+    /// The right-hand side of (3) over the unit of the rows, `dt` s.
     fn set_right_transposed(&mut self, dt: f64, density: f64) {
         let mut flux = std::mem::take(&mut self.transposed.flux);
         let (n, count) = (self.liquid.len(), self.equation.len());
         flux.resize(count, 0.0);
-        let beta = match self.stands() {
-            true => 0.0,
-            false => share(self.settings.theta),
-        };
+        let beta = share(self.settings.theta);
         let mut lift = std::mem::take(&mut self.equation.right);
         lift.clear();
         lift.resize(count, 0.0);

@@ -317,7 +317,9 @@ fn run_rest(
         .filter(|(_, failed)| failed.is_none());
     let rest: Vec<Trial> = rest.map(|(trial, _)| trial.clone()).collect();
     let jobs = arguments.jobs.unwrap_or(1);
-    let needed: Vec<_> = study.columns().collect();
+    let mut needed: Vec<_> = study.columns().collect();
+    needed.sort_unstable();
+    needed.dedup();
     let mut ran = run(&rest, &needed, arguments.place(), jobs, &stop)?.into_iter();
     let all = failed
         .into_iter()

@@ -146,14 +146,15 @@ fn reason(complaint: &str) -> Option<String> {
 }
 
 impl Trial {
-    /// Warns of the columns `needed` that it lacks: after the first point, not after the last.
+    /// Warns of each column in `needed` that its measures lack.
     pub fn warn_of_missing(&self, needed: &[&str], outcome: &Result<Outcome>) {
         let Some(measures) = outcome.as_ref().ok().and_then(Outcome::measures) else {
             return;
         };
-        let is_missing = |name: &&&str| measures.column(name).is_none();
-        for column in needed.iter().filter(is_missing) {
-            note!("warning: {} does not measure `{column}`", self.title);
+        for column in needed {
+            if measures.column(column).is_none() {
+                note!("warning: {} does not measure `{column}`", self.title);
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 //! Ranks are threads of this process, so that messages cost copies and no network. Traffic is what
 //! a rank sends in a step, most of all ranks; the model of it: the particles within a support of
 //! its two faces. The speed is that of two ranks with a thread each over one rank with two threads,
-//! measured in turns.
+//! measured in turns; the memory that of a particle on rank 0 of two over that on a rank alone.
 
 use crate::median::median;
 use crate::meter::line;
@@ -155,16 +155,17 @@ fn advance(solver: &mut dyn Solver) -> (f64, f64) {
 fn speed(side: usize, preset: &str) {
     let scene = scene::block(side, preset, true);
     let advances = if side < 64 { 5 } else { 2 };
+    let mut share = 0.0;
     let mut gains: Vec<f64> = (0..3)
         .map(|_| {
-            let [mut one, mut two] =
-                [[1, 2], [2, 1]].map(|on| cost(&scene, side, on, advances).rates);
-            median(&mut two) / median(&mut one)
+            let [mut one, mut two] = [[1, 2], [2, 1]].map(|on| cost(&scene, side, on, advances));
+            share = two.memory / one.memory;
+            median(&mut two.rates) / median(&mut one.rates)
         })
         .collect();
-    let n = side.pow(3);
-    let name = format!("ranks.{preset}.two_over_one.n{n}");
-    line(&name, median(&mut gains), "x_two_threads");
+    let name = |what: &str| format!("ranks.{preset}.{what}.n{}", side.pow(3));
+    line(&name("two_over_one"), median(&mut gains), "x_two_threads");
+    line(&name("memory_over_share_of_2"), share, "1");
 }
 
 fn traffic(side: usize, preset: &str, size: usize) -> Cost {

@@ -146,16 +146,16 @@ impl Solver for Shared<'_> {
 
     fn state(&self) -> State {
         self.tell(Order::State);
-        collect(&*self.with, self.own().state())
-            .map(whole_state)
-            .expect(HAS_ALL)
+        let join = |whole: &mut State, part| join_states(whole, part, self.count);
+        collect(&*self.with, self.own().state(), join).expect(HAS_ALL)
     }
 
     fn frame(&self) -> Frame {
         self.tell(Order::Frame);
-        collect(&*self.with, self.own().frame())
-            .map(whole_frame)
-            .expect(HAS_ALL)
+        let join = |whole: &mut Frame, part| join_frames(whole, part, self.count);
+        let mut frame = collect(&*self.with, self.own().frame(), join).expect(HAS_ALL);
+        sort(&mut frame);
+        frame
     }
 
     fn unrest(&self) -> (f64, f64) {
@@ -202,10 +202,10 @@ fn going_on(order: Order) -> Option<Order> {
 fn answer(own: &dyn Solver, with: &dyn Communicator, order: Order) {
     match order {
         Order::State => {
-            collect(with, own.state());
+            collect(with, own.state(), |_, _| ());
         }
         Order::Frame => {
-            collect(with, own.frame());
+            collect(with, own.frame(), |_, _| ());
         }
         Order::Unrest => {
             own.unrest();
@@ -219,59 +219,61 @@ pub fn counted(with: &dyn Communicator, own: usize) -> usize {
     gather(with, &(own as u64)).iter().sum::<u64>() as usize
 }
 
-/// The state of all: particles in the order of the ranks.
-fn whole_state(parts: Vec<State>) -> State {
-    let mut parts = parts.into_iter();
-    let mut whole = parts.next().expect("at least one rank");
-    for part in parts {
-        append(&mut whole.particles, &part.particles);
-        for (array, (_, more)) in whole.arrays.iter_mut().zip(part.arrays) {
-            array.1.extend(more);
-        }
-    }
-    whole
-}
-
-fn append(whole: &mut Particles, part: &Particles) {
-    whole.id.extend(&part.id);
-    whole.body.extend(&part.body);
+/// Appends the part of a state that the next rank has; `count`: particles of all.
+fn join_states(whole: &mut State, part: State, count: usize) {
+    let (own, more) = (&mut whole.particles, part.particles);
+    append(&mut own.id, &more.id, count);
+    append(&mut own.body, &more.body, count);
     for a in 0..3 {
-        whole.position[a].extend(&part.position[a]);
-        whole.velocity[a].extend(&part.velocity[a]);
+        append(&mut own.position[a], &more.position[a], count);
+        append(&mut own.velocity[a], &more.velocity[a], count);
     }
-    whole.density.extend(&part.density);
-    whole.weight.extend(&part.weight);
+    append(&mut own.density, &more.density, count);
+    append(&mut own.weight, &more.weight, count);
+    for ((_, own), (_, more)) in whole.arrays.iter_mut().zip(&part.arrays) {
+        append(own, more, count);
+    }
 }
 
-/// The frame of all, sorted by id.
-fn whole_frame(parts: Vec<Frame>) -> Frame {
-    let ids: Vec<u32> = parts
-        .iter()
-        .flat_map(|part| part.id.iter().copied())
-        .collect();
-    let mut order: Vec<u32> = (0..ids.len() as u32).collect();
-    order.sort_unstable_by_key(|&k| ids[k as usize]);
-    fn merged<T: Copy>(parts: &[Frame], order: &[u32], of: impl Fn(&Frame) -> &Vec<T>) -> Vec<T> {
-        let all: Vec<T> = parts
-            .iter()
-            .flat_map(|part| of(part).iter().copied())
-            .collect();
-        match all.is_empty() {
-            true => all,
-            false => order.iter().map(|&k| all[k as usize]).collect(),
+/// The same of a frame.
+fn join_frames(whole: &mut Frame, part: Frame, count: usize) {
+    append(&mut whole.id, &part.id, count);
+    append(&mut whole.body, &part.body, count);
+    for a in 0..3 {
+        append(&mut whole.position[a], &part.position[a], count);
+        append(&mut whole.velocity[a], &part.velocity[a], count);
+    }
+    append(&mut whole.pressure, &part.pressure, count);
+    append(&mut whole.density, &part.density, count);
+    append(&mut whole.surface, &part.surface, count);
+    append(&mut whole.mass, &part.mass, count);
+}
+
+/// `count`: the length that `whole` will have, unless it stays empty.
+fn append<T: Copy>(whole: &mut Vec<T>, part: &[T], count: usize) {
+    if !part.is_empty() {
+        whole.reserve_exact(count.max(whole.len() + part.len()) - whole.len());
+        whole.extend_from_slice(part);
+    }
+}
+
+/// Sorts a frame by id.
+fn sort(frame: &mut Frame) {
+    let mut order: Vec<u32> = (0..frame.id.len() as u32).collect();
+    order.sort_unstable_by_key(|&k| frame.id[k as usize]);
+    fn sorted<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
+        if !column.is_empty() {
+            *column = order.iter().map(|&k| column[k as usize]).collect();
         }
     }
-    let (parts, order) = (&parts[..], &order[..]);
-    Frame {
-        time: parts[0].time,
-        id: merged(parts, order, |f| &f.id),
-        body: merged(parts, order, |f| &f.body),
-        position: [0, 1, 2].map(|a| merged(parts, order, |f| &f.position[a])),
-        velocity: [0, 1, 2].map(|a| merged(parts, order, |f| &f.velocity[a])),
-        pressure: merged(parts, order, |f| &f.pressure),
-        density: merged(parts, order, |f| &f.density),
-        surface: merged(parts, order, |f| &f.surface),
-        mass: merged(parts, order, |f| &f.mass),
-        scalars: parts[0].scalars.clone(),
+    sorted(&mut frame.id, &order);
+    sorted(&mut frame.body, &order);
+    for a in 0..3 {
+        sorted(&mut frame.position[a], &order);
+        sorted(&mut frame.velocity[a], &order);
     }
+    sorted(&mut frame.pressure, &order);
+    sorted(&mut frame.density, &order);
+    sorted(&mut frame.surface, &order);
+    sorted(&mut frame.mass, &order);
 }

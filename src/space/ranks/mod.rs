@@ -198,16 +198,25 @@ pub fn gather<T: Serialize + DeserializeOwned>(with: &dyn Communicator, own: &T)
     all.iter().map(|bytes| decoded(bytes)).collect()
 }
 
-/// What every rank has, in their order, on rank 0; nothing on the others.
-pub fn collect<T: Serialize + DeserializeOwned>(with: &dyn Communicator, own: T) -> Option<Vec<T>> {
+/// What all ranks have, joined on rank 0, which holds one part at a time beside the whole; nothing
+/// on the others. `join` appends a part; they come in the order of the ranks.
+pub fn collect<T: Serialize + DeserializeOwned>(
+    with: &dyn Communicator,
+    own: T,
+    mut join: impl FnMut(&mut T, T),
+) -> Option<T> {
     if with.rank() > 0 {
-        with.exchange(&[(0, encoded(&own))], &[]);
+        let bytes = encoded(&own);
+        drop(own);
+        with.exchange(&[(0, bytes)], &[]);
         return None;
     }
-    let others: Vec<usize> = (1..with.size()).collect();
-    let parts = with.exchange(&[], &others).into_iter();
-    let parts = parts.map(|bytes| decoded(&bytes));
-    Some(std::iter::once(own).chain(parts).collect())
+    let mut whole = own;
+    for rank in 1..with.size() {
+        let part = decoded(&with.exchange(&[], &[rank])[0]);
+        join(&mut whole, part);
+    }
+    Some(whole)
 }
 
 /// Gives all ranks what the rank `from` has, which alone has a value.

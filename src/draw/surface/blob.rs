@@ -14,11 +14,15 @@ use rayon::prelude::*;
 
 use super::points::Points;
 use crate::draw::smooth_step;
+use crate::scene::{Domain, Side};
 
 /// Smoothing length of a particle inside, spacings.
 const SMOOTHING: f32 = 1.3;
 /// R of (1), spacings.
 pub(super) const REACH: f32 = 2.5;
+/// Part of the particles of a full cell, REACH wide, that each cell about a particle deep inside
+/// has: a surface is then two spacings away at least, beyond which no ellipsoid is flat.
+const CROWDED: f32 = 0.8;
 /// Largest ratio of two axes of an ellipsoid.
 const RATIO: f32 = 4.0;
 /// Largest extent of an ellipsoid, spacings: 2 h times the longest axis, `RATIO^(2/3)`.
@@ -37,17 +41,38 @@ pub(super) struct Blob {
     pub turns: usize,
 }
 
-/// The blobs of all points, in their order.
-pub(super) fn blobs(points: &Points, spacing: f32, is_flat: bool) -> Vec<Blob> {
-    let all = points.at.par_iter();
-    match is_flat {
-        true => all
-            .map(|p| Blob::round(*p, SMOOTHING * spacing, flat_strength()))
-            .collect(),
-        false => all
-            .map(|p| Blob::new(points, *p, spacing, |_| 1.0))
-            .collect(),
+/// The blobs of all points, in their order: an image has that of its particle, mirrored.
+/// `position`: of the particles, m.
+pub(super) fn blobs(
+    points: &Points,
+    domain: &Domain,
+    position: &[Vec<f32>; 3],
+    spacing: f32,
+    is_flat: bool,
+) -> Vec<Blob> {
+    let all = points.at.par_iter().zip(&points.source);
+    if is_flat {
+        let round = |p: &Vector3<f32>| Blob::round(*p, SMOOTHING * spacing, flat_strength());
+        return all.map(|(p, _)| round(p)).collect();
     }
+    // Far from surfaces nothing is to be looked for.
+    let crowded = points.crowded(CROWDED * REACH.powi(3));
+    let mut is_there = vec![false; position[0].len()];
+    for source in &points.source {
+        is_there[*source as usize] = true;
+    }
+    let own: Vec<Blob> = (0..position[0].len())
+        .into_par_iter()
+        .map(|i| {
+            let p = Vector3::from([0, 1, 2].map(|a| position[a][i]));
+            match !is_there[i] || crowded[points.place(&p)] {
+                true => Blob::round(p, SMOOTHING * spacing, strength(SMOOTHING)),
+                false => Blob::new(points, p, spacing, |_| 1.0),
+            }
+        })
+        .collect();
+    all.map(|(p, source)| own[*source as usize].at(domain, *p))
+        .collect()
 }
 
 /// Of a kernel in the plane: `7 / (4 pi h^2)`.
@@ -81,6 +106,22 @@ impl Blob {
             strength,
             extent: Vector3::repeat(2.0 * h),
             turns: 0,
+        }
+    }
+
+    /// That of the image at `p`: mirrored in each wall that is between.
+    fn at(&self, domain: &Domain, p: Vector3<f32>) -> Blob {
+        let sign = [0, 1, 2].map(|a| {
+            let side = domain.boundary[a][usize::from(p[a] > self.centre[a])];
+            match p[a] != self.centre[a] && side != Side::Periodic {
+                true => -1.0,
+                false => 1.0,
+            }
+        });
+        Blob {
+            centre: p,
+            inverse: Matrix3::from_fn(|i, j| sign[i] * sign[j] * self.inverse[(i, j)]),
+            ..*self
         }
     }
 

@@ -103,7 +103,7 @@ impl Field {
         let margin = (EXTENT + REACH).min(8.0) * spacing;
         let points = Points::new(&scene.domain, &frame.position, margin, REACH * spacing);
         let mut field = Field::empty(scene, frame, cell)?;
-        let blobs = blobs(&points, spacing, is_flat);
+        let blobs = blobs(&points, &scene.domain, &frame.position, spacing, is_flat);
         field.sum(&blobs, &points.source, colours);
         field.smooth(0.0);
         field.bound();

@@ -61,6 +61,32 @@ impl Points {
         points
     }
 
+    /// By cell: whether it and those around it have at least `least` points each.
+    pub fn crowded(&self, least: f32) -> Vec<bool> {
+        let count = |cell: [usize; 3]| {
+            let k = self.index(cell);
+            self.start[k + 1] - self.start[k]
+        };
+        let [nx, ny, nz] = self.cells;
+        let around = |x: usize, n: usize| x.saturating_sub(1)..(x + 2).min(n);
+        let all = |[x, y, z]: [usize; 3]| {
+            let is_inside = [(x, nx), (y, ny), (z, nz)]
+                .iter()
+                .all(|(x, n)| *x > 0 && x + 1 < *n);
+            is_inside
+                && around(x, nx).all(|i| {
+                    around(y, ny).all(|j| around(z, nz).all(|k| count([i, j, k]) as f32 >= least))
+                })
+        };
+        let cells = (0..nx * ny * nz).map(|k| [k / (ny * nz), k / nz % ny, k % nz]);
+        cells.map(all).collect()
+    }
+
+    /// Number of the cell of a point.
+    pub fn place(&self, p: &Vector3<f32>) -> usize {
+        self.index(self.cell_of(p))
+    }
+
     fn cell_of(&self, p: &Vector3<f32>) -> [usize; 3] {
         [0, 1, 2].map(|a| (((p[a] - self.low[a]) / self.cell) as usize).min(self.cells[a] - 1))
     }

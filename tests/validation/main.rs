@@ -78,7 +78,17 @@ pub fn presets(name: &str, case: impl Fn(&str) -> Result<bool, Diverged>) {
             );
             let found = format!("diverged at {:.2e} s", e.time);
             let method = method_name();
-            keep([name, &method, preset, "", &found, "", "diverged", "", "no"]);
+            keep([
+                name,
+                &method,
+                preset,
+                "whole run",
+                &found,
+                "",
+                "diverged",
+                "",
+                "no",
+            ]);
             false
         });
         kept &= good || preset != "modern";

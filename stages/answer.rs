@@ -108,6 +108,20 @@ pub fn of_result(folder: &Path, stamp: &Stamp) -> Result<Option<Figures>> {
     }
 }
 
+/// Whether a note of a stage is told as a warning too: of a relaxation while it runs, of an
+/// evaluation at the end ([`warnings`]).
+pub fn is_warned(stage: &str, note: &str) -> bool {
+    match stage {
+        "relax" => note.starts_with(UNREST),
+        // A loss begins with the key that it is about; bodies not at rest are told by name.
+        "post" => {
+            let is_restless = note.starts_with("body `") && note.contains(UNREST);
+            note.starts_with(MISSED) || note.starts_with('`') || is_restless
+        }
+        _ => false,
+    }
+}
+
 /// What a user should know of a run before the figures are believed.
 pub fn warnings(reports: &[Report], figures: Option<&Figures>) -> Vec<String> {
     let mut warnings = Vec::new();

@@ -48,6 +48,13 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     error.chain().find_map(code_of).unwrap_or(FAILED)
 }
 
+fn of_manifest(error: &ManifestError) -> u8 {
+    match error {
+        ManifestError::Invalid { .. } => UNTRUSTED,
+        ManifestError::File(_) => FILES,
+    }
+}
+
 fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
     if let Some(error) = error.downcast_ref::<PipelineError>() {
         return match error {
@@ -61,11 +68,13 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
             | PipelineError::NoNames { .. }
             | PipelineError::NotAStore { .. } => Some(USAGE),
             PipelineError::Busy { .. } => Some(BUSY),
-            PipelineError::Manifest(ManifestError::Invalid { .. }) => Some(UNTRUSTED),
-            PipelineError::Manifest(ManifestError::File(_)) => Some(FILES),
+            PipelineError::Manifest(error) => Some(of_manifest(error)),
             PipelineError::File(_) => Some(FILES),
             _ => None,
         };
+    }
+    if let Some(error) = error.downcast_ref() {
+        return Some(of_manifest(error));
     }
     if let Some(error) = error.downcast_ref::<StampError>() {
         return match error {

@@ -12,6 +12,7 @@ use coronet::record::log;
 use coronet::scene::input::PostInput;
 
 use crate::journal::FRAMES;
+use crate::print::counted;
 use crate::relax::UNREST;
 use crate::settings::Forecast;
 use crate::stop::STOPPED;
@@ -178,7 +179,10 @@ impl Post<'_> {
             let (wall, cpu) = (stamp.wall_seconds, stamp.cpu_seconds);
             add(
                 "time",
-                format!("{wall:.1} s, {cpu:.1} s of CPU, {} threads", stamp.threads),
+                format!(
+                    "{wall:.1} s, {cpu:.1} s of CPU, {}",
+                    counted(stamp.threads, "thread")
+                ),
             );
             for note in &stamp.notes {
                 add("note", note.clone());

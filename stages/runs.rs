@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Error, Result};
 use coronet::file::{changed, exists};
 use coronet::measure::answer::Figures;
 use coronet::pipeline::latest::{self, MANIFEST};
@@ -74,17 +74,7 @@ impl Run {
         }
         let path = Path::new(text);
         if !exists(path)? {
-            let latest = latest::folder(store, "");
-            let known = latest::pipelines(store)?;
-            let known = match known.is_empty() {
-                true => "no names".to_string(),
-                false => known.join(", "),
-            };
-            return Err(Usage(format!(
-                "{text:?} is neither a name in {} nor the folder of a result; there are {known}",
-                latest.display()
-            ))
-            .into());
+            return Err(unknown(store, text));
         }
         let folders = match thing(path)? {
             Thing::Result(folder) => vec![folder],
@@ -178,6 +168,35 @@ pub fn folder_named(store: &Store, text: &str) -> Result<Option<PathBuf>> {
     }
     let folder = latest::folder(store, text);
     Ok(exists(&folder.join(MANIFEST))?.then_some(folder))
+}
+
+/// What a user means: a path that exists, or the folder of a name under `latest/`.
+///
+/// # Errors
+/// If there is neither.
+pub fn meant(store: &Store, path: &Path) -> Result<PathBuf> {
+    if exists(path)? {
+        return Ok(path.to_path_buf());
+    }
+    let text = path.to_string_lossy();
+    match folder_named(store, &text)? {
+        Some(folder) => Ok(folder),
+        None => Err(unknown(store, &text)),
+    }
+}
+
+/// That a text is neither a name nor a path.
+fn unknown(store: &Store, text: &str) -> Error {
+    let known = latest::pipelines(store).unwrap_or_default();
+    let known = match known.is_empty() {
+        true => "no names".to_string(),
+        false => known.join(", "),
+    };
+    let latest = latest::folder(store, "");
+    let latest = latest.display();
+    let text =
+        format!("{text:?} is neither a name in {latest} nor a path of results; there are {known}");
+    Usage(text).into()
 }
 
 /// Adds a result and all that it was made from.

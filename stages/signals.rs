@@ -3,10 +3,14 @@
 use std::io::{ErrorKind, Read as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 
 use crate::print::note;
+
+/// Time within which further signals belong to the first.
+const ECHO: Duration = Duration::from_millis(500);
 
 /// A flag that Ctrl-C and termination signals set. A second signal ends the program at once; the
 /// last checkpoint stays valid. A signal that was ignored when the program started, as the hang-up
@@ -50,10 +54,15 @@ pub fn stop_at_end_of_input(stop: &Arc<AtomicBool>) -> Result<()> {
     Ok(())
 }
 
-fn ask(stop: &AtomicBool, words: &str) {
-    if stop.swap(true, Ordering::Relaxed) {
-        std::process::exit(i32::from(crate::fault::INTERRUPTED));
+/// `first`: when the first signal came. What follows it within [`ECHO`] is the same request, sent
+/// to a process and to its group.
+fn ask(stop: &AtomicBool, first: &mut Option<Instant>, words: &str) {
+    match first {
+        Some(first) if first.elapsed() < ECHO => return,
+        Some(_) => std::process::exit(i32::from(crate::fault::INTERRUPTED)),
+        None => *first = Some(Instant::now()),
     }
+    stop.store(true, Ordering::Relaxed);
     note!("{words}; once more to stop at once");
 }
 
@@ -67,8 +76,9 @@ fn listen(stop: &Arc<AtomicBool>, words: &'static str) -> Result<()> {
     let mut signals = signal_hook::iterator::Signals::new(heard)?;
     let stop = stop.clone();
     let wait = move || {
+        let mut first = None;
         for _ in signals.forever() {
-            ask(&stop, words);
+            ask(&stop, &mut first, words);
         }
     };
     let thread = std::thread::Builder::new().name("signals".into());
@@ -88,5 +98,6 @@ fn is_ignored(signal: i32) -> bool {
 #[cfg(not(unix))]
 fn listen(stop: &Arc<AtomicBool>, words: &'static str) -> Result<()> {
     let stop = stop.clone();
-    Ok(ctrlc::set_handler(move || ask(&stop, words))?)
+    let mut first = None;
+    Ok(ctrlc::set_handler(move || ask(&stop, &mut first, words))?)
 }

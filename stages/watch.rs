@@ -8,6 +8,7 @@ use coronet::pipeline::{Event, Progress, Report, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
+use crate::answer;
 use crate::print::{note, out, plain, shown};
 
 /// Least time between two plain lines.
@@ -158,9 +159,10 @@ fn print_line(report: &Report) {
     }
     let (wall, cpu) = (duration(report.seconds), duration(report.cpu_seconds));
     out!("{word:8} {label:20} {digest}  {wall} ({cpu} of CPU)");
-    for note in &report.stamp.notes {
-        out!("{:8}   {note}", "");
-    }
+    let notes = report.stamp.notes.iter();
+    notes
+        .filter(|note| !answer::is_warned(&report.stage, note))
+        .for_each(|note| out!("{:8}   {note}", ""));
 }
 
 fn print_json(report: &Report) {

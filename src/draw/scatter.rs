@@ -180,6 +180,9 @@ impl Scatter {
         let shown = |c: &&Cloud| !c.points.is_empty();
         let clouds: Vec<&Cloud> = self.clouds.iter().filter(shown).collect();
         let labels = clouds.iter().map(|c| c.label.as_str());
+        if clouds.iter().all(|cloud| cloud.label.is_empty()) {
+            return Ok(letters.ems(3.1));
+        }
         legend(root, letters, 1.0, labels, |k, at| {
             root.draw(&clouds[k].sample(at))
         })
@@ -231,12 +234,24 @@ fn room(
     place
 }
 
-/// 1, 2 and 5 of every decade in a range.
+/// 1, 2 and 5 of every decade in a range; of a narrow one, closer numbers.
 fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
     let decades = range.start.log10().floor() as i32..=range.end.log10() as i32;
-    let all = decades.flat_map(|k| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(k)));
-    all.filter(|tick| range.contains(tick)).collect()
+    let of = |digits: &[f64]| -> Vec<f64> {
+        let all = decades
+            .clone()
+            .flat_map(|k| digits.iter().map(move |digit| digit * 10f64.powi(k)));
+        all.filter(|tick| range.contains(tick)).collect()
+    };
+    let steps = |count: u32| (count..10 * count).map(move |k| f64::from(k) / f64::from(count));
+    let each = |count: u32| of(&steps(count).collect::<Vec<_>>());
+    let coarse = [of(&[1.0, 2.0, 5.0]), each(1), each(2), each(10)];
+    let mut enough = coarse.into_iter().filter(|ticks| ticks.len() >= ENOUGH);
+    enough.next().unwrap_or_else(|| each(20))
 }
+
+/// Least number of ticks.
+const ENOUGH: usize = 3;
 
 /// At most three digits, without an exponent.
 fn plain(value: f64) -> String {

@@ -1,10 +1,13 @@
 //! What makes the figures of a run doubtful: liquid that left the box, liquid detached from the
-//! main body, which most measures do not include, and a crater that ends at the floor.
+//! main body, which most measures do not include, a crater that ends at the floor, figures that
+//! still grow, and energy that nothing explains.
 //!
 //! Test: tests/engine/measure_loss.rs.
 
+use super::conservation;
 use super::series::Series;
 use super::summary::digits;
+use crate::scene::quantity::{Unit, human};
 use crate::scene::sanity::Warning;
 use crate::scene::{Body, Scene, Shape};
 
@@ -15,6 +18,13 @@ const LOST: f64 = 1e-3;
 /// volume: 1 % is a third of a per cent of a length, below the accuracy of any measure here
 /// (docs/results/validation.md).
 const WORTH: f64 = 0.01;
+
+/// Last part of a run in which a figure that still grows gains more than [`WORTH`] of its value.
+const LATE: f64 = 0.1;
+
+/// Part of the energy at the start that may be unexplained at the end without a word: more than the
+/// hard cases promise (3 %), with room for coarse spacings.
+const MISSING: f64 = 0.1;
 
 /// Reports losses during a run: from [`WORTH`] on, and again whenever they have doubled.
 #[derive(Debug, Default)]
@@ -75,7 +85,66 @@ pub fn warnings(scene: &Scene, series: &Series, contact: Option<f64>) -> Vec<War
                       finer `pack.spacing`";
         all.push(Warning::new("detached_part", percent(part), why, remedy));
     }
+    if has_met {
+        all.extend(growing(scene, series));
+    }
+    all.extend(unexplained(scene, series));
     all
+}
+
+/// Figures that are still growing when the run ends.
+fn growing(scene: &Scene, series: &Series) -> Option<Warning> {
+    let (start, end) = (*series.time().first()?, *series.time().last()?);
+    let grows = |(column, least): (&str, f64)| {
+        let (value, time) = series.maximum(column)?;
+        let before = series.at(column, end - LATE * (end - start)).unwrap_or(0.0);
+        (time == end && value > least && value - before > WORTH * value).then_some(())
+    };
+    let spacing = scene.spacing;
+    let figures = [
+        ("crater depth", ("crater_depth_m", spacing)),
+        ("crown height", ("crown_height_m", spacing)),
+        ("spread factor", ("spread_factor", 0.0)),
+    ];
+    let names: Vec<&str> = figures
+        .into_iter()
+        .filter_map(|(name, column)| grows(column).map(|()| name))
+        .collect();
+    if names.is_empty() {
+        return None;
+    }
+    let why = match names[..] {
+        [name] => format!("the largest {name} is that of the last frame: it still grows"),
+        _ => {
+            let names = names.join(" and ");
+            format!("the largest {names} are those of the last frame: they still grow")
+        }
+    };
+    let remedy = "set a later end; the run continues from where it ended";
+    Some(Warning::new(
+        "impact.end",
+        human(scene.impact.end, Unit::Time),
+        &why,
+        remedy,
+    ))
+}
+
+/// Energy that came from nowhere or is missing at the end.
+fn unexplained(scene: &Scene, series: &Series) -> Option<Warning> {
+    let mass = *series.column("mass_kg")?.first()?;
+    let [_, part] = conservation::unexplained_part(scene, series, mass);
+    if part.is_nan() || part <= MISSING {
+        return None;
+    }
+    let value = series.column("energy_unexplained_J")?.last()?;
+    let why = format!(
+        "{} of the energy at the start, which neither forces nor losses explain: energies are that \
+         uncertain",
+        percent(part)
+    );
+    let remedy = "compare with a finer `pack.spacing`, or with another method";
+    let value = format!("{} J", digits(*value));
+    Some(Warning::new("energy_unexplained_J", value, &why, remedy))
 }
 
 /// A crater down to the floor of a pool.
@@ -91,7 +160,7 @@ fn floor(scene: &Scene, series: &Series) -> Option<Warning> {
     }
     let key = format!("body.{name}.layer.depth");
     let why = format!(
-        "the crater reaches the floor at {} mm: its depth is that of the pool",
+        "the crater, {} mm deep, comes within 1.5 spacings of the floor, which limits its depth",
         digits(1e3 * deepest)
     );
     let remedy = "for the depth of a crater in deep liquid make the pool, and the box, deeper";

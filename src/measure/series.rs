@@ -42,8 +42,19 @@ pub enum SeriesError {
         /// Names of its columns.
         found: String,
     },
+    /// Two columns have the same name.
+    #[error("{path}: two columns are named `{column}`; rename or remove one")]
+    Twice {
+        /// The file.
+        path: PathBuf,
+        /// Their name.
+        column: String,
+    },
     /// A cell is not a number.
-    #[error("{path}, line {line}: `{column}` is `{value}`; give a number or leave it blank")]
+    #[error(
+        "{path}, line {line}: `{column}` is `{value}`; give a number between -1e30 and 1e30 or \
+         leave it blank"
+    )]
     NotANumber {
         /// The file.
         path: PathBuf,
@@ -221,7 +232,7 @@ impl Series {
     /// As [`Series::read`], with the clock from the name of the column of times; in the series it
     /// is `time_s`. Of a table with both columns it is the one `wanted`, else the start.
     fn read_with_clock(path: &Path, wanted: Option<Clock>) -> Result<(Series, Clock), SeriesError> {
-        let content = file::read(path, LONGEST_REFERENCE)?;
+        let content = file::read_text(path, LONGEST_REFERENCE)?;
         let fail = |source| SeriesError::Read {
             path: path.to_owned(),
             source,
@@ -236,15 +247,9 @@ impl Series {
             .iter()
             .map(str::to_owned)
             .collect();
-        let places = times(&names);
+        let places = times(path, &names)?;
         let is_wanted = |(_, clock): &&(usize, Clock)| Some(*clock) == wanted;
-        let Some(&(time, clock)) = places.iter().find(is_wanted).or(places.first()) else {
-            let found = names.join(", ");
-            return Err(SeriesError::NoTime {
-                path: path.to_owned(),
-                found,
-            });
-        };
+        let (time, clock) = *places.iter().find(is_wanted).unwrap_or(&places[0]);
         // The other clock has no time before the contact.
         let may_be_blank = places.len() > 1 && clock == Clock::Contact;
         let mut columns = vec![Vec::new(); names.len()];
@@ -257,7 +262,7 @@ impl Series {
             for (place, cell) in record.iter().enumerate() {
                 let number = match cell {
                     "" => f64::NAN,
-                    _ => cell.parse().map_err(|_| SeriesError::NotANumber {
+                    _ => number(cell).ok_or_else(|| SeriesError::NotANumber {
                         path: path.to_owned(),
                         line,
                         column: names[place].clone(),
@@ -291,14 +296,33 @@ impl Series {
     }
 }
 
-/// Places of the columns of times, with their clocks.
-fn times(names: &[String]) -> Vec<(usize, Clock)> {
+/// The number of a cell. Plots are of single precision, and nothing that is measured is greater.
+fn number(cell: &str) -> Option<f64> {
+    let number: f64 = cell.parse().ok()?;
+    (number.is_nan() || number.abs() <= 1e30).then_some(number)
+}
+
+/// Places of the columns of times, one or both, with their clocks.
+fn times(path: &Path, names: &[String]) -> Result<Vec<(usize, Clock)>, SeriesError> {
+    let path = path.to_owned();
+    let twice = (1..names.len()).find(|&k| names[..k].contains(&names[k]));
+    if let Some(k) = twice {
+        let column = names[k].clone();
+        return Err(SeriesError::Twice { path, column });
+    }
     let clocks = Clock::COLUMNS.iter();
     let found = clocks.filter_map(|(name, clock)| {
         let place = names.iter().position(|n| n == name)?;
         Some((place, *clock))
     });
-    found.collect()
+    let found: Vec<(usize, Clock)> = found.collect();
+    match found.is_empty() {
+        true => Err(SeriesError::NoTime {
+            path,
+            found: names.join(", "),
+        }),
+        false => Ok(found),
+    }
 }
 
 /// Whether a column is one of times.

@@ -155,6 +155,9 @@ fn start(
     Ok(Some(format!("the result for {free} = {value}")))
 }
 
+/// Results that differ in more settings are of another scene: the differences are no reasons.
+const ALIKE: usize = 12;
+
 /// Whether a work folder contains a checkpoint from which a run can continue.
 pub(super) fn has_checkpoint(work: &Path) -> Result<bool, FileError> {
     let is_checkpoint = |path: PathBuf| path.extension().is_some_and(|e| e == CHECKPOINT);
@@ -212,7 +215,14 @@ fn reasons(
         None if waiting.is_empty() => vec!["never ran".to_string()],
         None => waiting,
         Some((list, _)) => {
-            waiting.extend(list);
+            match list.len() > ALIKE {
+                true if waiting.is_empty() => waiting.push(format!(
+                    "never ran; the nearest result differs in {} settings",
+                    list.len()
+                )),
+                true => {}
+                false => waiting.extend(list),
+            }
             if waiting.is_empty() {
                 waiting.push("its result is gone".to_string());
             }

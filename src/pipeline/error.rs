@@ -128,7 +128,8 @@ pub enum PipelineError {
     /// The name is not valid for a pipeline.
     #[error(
         "{name:?} cannot be the name of results: a name, and each part of it between slashes, does \
-         not start with a dot and has no backslash or control character; choose another with --name"
+         not start with a dot, has at most 200 bytes and no backslash or control character; choose \
+         another with --name"
     )]
     Name {
         /// The name.

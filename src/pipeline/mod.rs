@@ -34,6 +34,7 @@ pub mod latest;
 pub mod lock;
 pub mod machine;
 pub mod name;
+mod need;
 pub mod progress;
 mod publish;
 pub mod remote;

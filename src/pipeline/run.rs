@@ -10,6 +10,7 @@ use super::context::{Context, Input, Relative, Spent};
 use super::decide::{Done, decide, relatives};
 use super::machine::Clock;
 use super::name::is_name;
+use super::need::needed;
 use super::progress::Teller;
 use super::remote::Remote;
 use super::report::{Ended, Report, Status};
@@ -26,7 +27,7 @@ pub struct Run<'a> {
     pub pipeline: &'a Pipeline<'a>,
     /// Another name of the results besides that of the pipeline.
     pub also: Option<&'a str>,
-    /// Name of the last stage to run; all if `None`.
+    /// Name of the stage to run, with all that it needs; all if `None`.
     pub until: Option<&'a str>,
     /// Set to stop the run at the next restartable instant.
     pub stop: &'a AtomicBool,
@@ -40,16 +41,27 @@ pub struct Run<'a> {
     pub program: String,
 }
 
+impl Run<'_> {
+    /// Whether its names can be used and its last stage exists.
+    ///
+    /// # Errors
+    /// If not.
+    pub fn check(&self) -> Result<(), PipelineError> {
+        if let Some(name) = names(self).find(|name| !is_name(name)) {
+            let name = name.to_string();
+            return Err(PipelineError::Name { name });
+        }
+        needed(self.pipeline, self.until).map(drop)
+    }
+}
+
 /// Brings every job up to date, in order.
 ///
 /// # Errors
 /// If a job fails, or the store cannot be used.
 pub fn run(run: &Run) -> Result<Ended, PipelineError> {
-    if let Some(name) = names(run).find(|name| !is_name(name)) {
-        let name = name.to_string();
-        return Err(PipelineError::Name { name });
-    }
-    let last = last_job(run)?;
+    run.check()?;
+    let needed = needed(run.pipeline, run.until)?;
     let _shared = run.store.share(&mut |holder| {
         run.watch.event(&Event::Waiting { job: "run", holder });
         !run.stop.load(Ordering::Relaxed)
@@ -60,8 +72,9 @@ pub fn run(run: &Run) -> Result<Ended, PipelineError> {
         repaired: HashSet::new(),
     };
     walk.done.resize_with(run.pipeline.jobs.len(), || None);
-    let ended = (0..=last).try_for_each(|job| walk.ensure(job));
-    let whole = ended.is_ok() && last + 1 == run.pipeline.jobs.len();
+    let mut wanted = (0..needed.len()).filter(|job| needed[*job]);
+    let ended = wanted.try_for_each(|job| walk.ensure(job));
+    let whole = ended.is_ok() && !needed.contains(&false);
     let reports: Vec<_> = walk.done.into_iter().flatten().collect();
     let named = name_results(run, &reports, whole);
     ended?;
@@ -87,24 +100,6 @@ fn name_results(run: &Run, reports: &[Report], whole: bool) -> Result<(), FileEr
         }
     }
     Ok(())
-}
-
-/// Place of the last job to run.
-fn last_job(run: &Run) -> Result<usize, PipelineError> {
-    let jobs = &run.pipeline.jobs;
-    let Some(name) = run.until else {
-        return Ok(jobs.len() - 1);
-    };
-    jobs.iter()
-        .rposition(|stage| stage.name() == name)
-        .ok_or_else(|| {
-            let mut known: Vec<_> = jobs.iter().map(|stage| stage.name()).collect();
-            known.dedup();
-            PipelineError::UnknownStage {
-                name: name.to_string(),
-                known: known.join(", "),
-            }
-        })
 }
 
 struct Walk<'a> {

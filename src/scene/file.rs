@@ -102,7 +102,10 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
 pub fn read(text: &str, path: &Path, sets: &[String]) -> Result<Loaded, SceneError> {
     let sources = Sources::new(text, path, sets);
     let tree = Tree::parse(&sources)?;
-    if tree.get("pipeline").is_some() && tree.get("box").is_none() {
+    let is_study = ["pipeline", "axis", "case"]
+        .iter()
+        .any(|key| tree.get(key).is_some());
+    if is_study && tree.get("box").is_none() {
         return Err(SceneError::OtherKind {
             path: path.to_path_buf(),
             kind: "study",

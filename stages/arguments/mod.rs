@@ -171,7 +171,7 @@ pub struct RunArguments {
     /// keep a name of their own, as `pipeline,body.drop.velocity=2.42_m_s`]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
-    /// Stop after this stage
+    /// Run only this stage and the stages that it needs
     #[arg(long, value_name = "STAGE")]
     pub until: Option<String>,
     /// Threads; results do not depend on their number [default: one per core]
@@ -300,8 +300,12 @@ pub struct InitArguments {
 
 #[derive(Debug, Args)]
 pub struct ShowArguments {
-    /// A checkpoint, a log, or the folder of a result or of a pipeline's latest results
+    /// A name in `latest/`, a checkpoint, a log, or the folder of a result or of a run
+    #[arg(value_name = "RUN")]
     pub path: PathBuf,
+    /// Folder of all results
+    #[arg(long, value_name = "DIR", default_value = "artifacts")]
+    pub artifacts: PathBuf,
     /// One JSON object on standard output, for scripts
     #[arg(long)]
     pub json: bool,

@@ -16,16 +16,16 @@ pub struct ExportArguments {
     #[arg(long, value_name = "FORMAT")]
     pub to: Format,
     /// Folder for the files; those of an earlier export there are removed, whatever their format
-    /// [default: `export` in the current folder]
     #[arg(long, value_name = "DIR", default_value = "export")]
     pub output: PathBuf,
-    /// Only the frame nearest to this time from the start, as \"10 ms\"; repeatable, or several
+    /// Only the frame nearest to this time from the start, as "10 ms"; repeatable, or several
     /// with commas. The times that were found are printed
     #[arg(long, value_name = "TIME", value_parser = render::time, value_delimiter = ',',
+          allow_hyphen_values = true,
           conflicts_with = "every")]
     pub at: Vec<f64>,
     /// Only the frames nearest to the multiples of this time
-    #[arg(long, value_name = "TIME", value_parser = export::step)]
+    #[arg(long, value_name = "TIME", value_parser = export::step, allow_hyphen_values = true)]
     pub every: Option<f64>,
     /// Only the particles of this body; repeatable
     #[arg(long, value_name = "NAME")]
@@ -59,17 +59,17 @@ pub struct RenderArguments {
     #[arg(long, short, value_name = "FILE", default_value = "render.png")]
     pub output: PathBuf,
     /// The frame nearest to this time from the start [default: all in a film, else the last]
-    #[arg(long, value_name = "TIME", value_parser = render::time,
+    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true,
           conflicts_with_all = ["from", "until", "every"])]
     pub at: Option<f64>,
     /// First time of a film or of a series of numbered files
-    #[arg(long, value_name = "TIME", value_parser = render::time)]
+    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true)]
     pub from: Option<f64>,
     /// Last time
-    #[arg(long, value_name = "TIME", value_parser = render::time)]
+    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true)]
     pub until: Option<f64>,
     /// Least time between two frames
-    #[arg(long, value_name = "TIME", value_parser = render::time)]
+    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true)]
     pub every: Option<f64>,
     /// Pictures a second of a film
     #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = render::rate)]
@@ -92,9 +92,10 @@ pub struct RenderArguments {
           allow_hyphen_values = true)]
     pub elevation: f64,
     /// Enlarges what is in the middle of the picture
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = render::zoom)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = render::zoom,
+          allow_hyphen_values = true)]
     pub zoom: f64,
-    /// Point in the middle of the picture, as \"20 mm, 20 mm, 10 mm\" [default: of the liquid]
+    /// Point in the middle of the picture, as "20 mm, 20 mm, 10 mm" [default: of the liquid]
     #[arg(long, value_name = "X, Y, Z", value_parser = render::point,
           allow_hyphen_values = true)]
     pub target: Option<[f64; 3]>,

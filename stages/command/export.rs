@@ -15,8 +15,8 @@ use super::place::{Thing, thing};
 use crate::arguments::{ExportArguments, Format};
 use crate::fault::Usage;
 use crate::journal::FRAMES;
-use crate::print::{out, shown};
-use crate::runs::folder_named;
+use crate::print::{counted, out, shown};
+use crate::runs::meant;
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -62,8 +62,8 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
             revolve: arguments.revolve,
         },
     };
-    let path = meant(arguments)?;
-    let thing = thing(&path)?;
+    let store = Store::new(&arguments.store.artifacts);
+    let thing = thing(&meant(&store, &arguments.path)?)?;
     fs::create_dir_all(order.folder)
         .with_context(|| format!("cannot create the folder {}", order.folder.display()))?;
     let exported = match thing {
@@ -89,17 +89,6 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
     Ok(())
 }
 
-/// The path that is given, or the folder of the run with that name.
-fn meant(arguments: &ExportArguments) -> Result<PathBuf> {
-    let path = arguments.path.clone();
-    if exists(&path)? {
-        return Ok(path);
-    }
-    let store = Store::new(&arguments.store.artifacts);
-    let named = path.to_str().map(|name| folder_named(&store, name));
-    Ok(named.transpose()?.flatten().unwrap_or(path))
-}
-
 fn print(arguments: &ExportArguments, exported: &Exported) {
     let (files, times) = (&exported.files, &exported.times);
     if arguments.store.json {
@@ -117,7 +106,8 @@ fn print(arguments: &ExportArguments, exported: &Exported) {
         line += &format!("; frames at {}", times.collect::<Vec<_>>().join(", "));
     }
     if exported.removed > 0 {
-        line += &format!("; {} files of an earlier export removed", exported.removed);
+        let files = counted(exported.removed, "file");
+        line += &format!("; {files} of an earlier export removed");
     }
     out!("{line}");
 }

@@ -12,7 +12,7 @@ use serde_json::json;
 use super::verify::existing;
 use crate::arguments::SweepArguments;
 use crate::jobs;
-use crate::print::{note, out, size};
+use crate::print::{counted, note, out, size};
 
 pub fn sweep(arguments: &SweepArguments) -> Result<()> {
     let store = existing(&arguments.store.artifacts)?;
@@ -102,5 +102,6 @@ fn print_list(swept: &Swept, json: bool, word: &str) {
         return;
     }
     let bytes = swept.removed.iter().map(|(_, _, bytes)| bytes).sum();
-    out!("{word} {} results, {}", swept.removed.len(), size(bytes));
+    let results = counted(swept.removed.len(), "result");
+    out!("{word} {results}, {}", size(bytes));
 }

@@ -10,7 +10,7 @@ use coronet::record::atomic::create_folder;
 
 use crate::arguments::InitArguments;
 use crate::fault::Usage;
-use crate::print::out;
+use crate::print::{out, quoted};
 use crate::table;
 
 /// A scene: its name, what it is, and its text.
@@ -76,7 +76,7 @@ pub fn init(arguments: &InitArguments) -> Result<()> {
     };
     write(&path, &text(sample))?;
     out!("wrote    {} ({})", path.display(), title(sample.text));
-    let shown = path.display();
+    let shown = quoted(&path.to_string_lossy());
     out!("next     `coronet plan {shown}` tells how long it takes, `coronet run {shown}` runs it");
     Ok(())
 }

@@ -1,6 +1,8 @@
 //! `coronet run`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, Error, Result};
 use coronet::measure::answer::Figures;
@@ -18,7 +20,7 @@ use super::rest::Rest;
 use crate::answer;
 use crate::arguments::RunArguments;
 use crate::fault::Usage;
-use crate::print::{note, out};
+use crate::print::{counted, note, out};
 use crate::watch::Screen;
 use crate::{PROGRAM, impact, jobs, journal, live, post, ranks, remote, signals, stop};
 
@@ -71,14 +73,8 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
     if makes {
         plan::fits(&decisions, plan::shared_here(&loaded.scene))?;
     }
-    if !arguments.store.json {
-        announce(&loaded, &decisions, threads);
-    }
     let also = own_name(arguments, &pipeline.name);
-    let stop = signals::stop_flag(STOPPING)?;
-    if arguments.stop_at_end_of_input {
-        signals::stop_at_end_of_input(&stop)?;
-    }
+    let stop = stop_flag(arguments)?;
     let screen = Screen::new(arguments.store.json);
     let all = Run {
         store: &store,
@@ -91,6 +87,10 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
         threads,
         program: PROGRAM.to_string(),
     };
+    all.check()?;
+    if !arguments.store.json {
+        announce(&loaded, &decisions, threads);
+    }
     // On one of the threads: outside, each parallel loop would wait for another thread to wake up.
     let ended = match rayon::scope(|_| pipeline::run(&all)) {
         Err(stopped @ PipelineError::Interrupted { .. }) => {
@@ -136,11 +136,20 @@ fn still_missing(
     }
 }
 
+/// Set when the run shall stop.
+fn stop_flag(arguments: &RunArguments) -> Result<Arc<AtomicBool>> {
+    let stop = signals::stop_flag(STOPPING)?;
+    if arguments.stop_at_end_of_input {
+        signals::stop_at_end_of_input(&stop)?;
+    }
+    Ok(stop)
+}
+
 /// What is done before the stages run.
 fn announce(loaded: &Loaded, decisions: &[Decision], threads: usize) {
-    let plan = plan::text(decisions);
+    let (plan, threads) = (plan::text(decisions), counted(threads, "thread"));
     out!(
-        "{}\n{}Plan\n{plan}Run with {threads} threads",
+        "{}\n{}Plan\n{plan}Run with {threads}",
         loaded.scene.title,
         numbers::of(&loaded.scene)
     );

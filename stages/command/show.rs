@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Error, Result};
-use coronet::pipeline::{Stamp, stamp};
+use coronet::pipeline::{Stamp, Store, stamp};
 use coronet::record::checkpoint::{self, Array};
 use coronet::record::log::{self};
 use coronet::scene::error::SceneError;
@@ -14,6 +14,7 @@ use super::place::{Thing, thing};
 use crate::answer;
 use crate::arguments::ShowArguments;
 use crate::print::{note, out, shown, size};
+use crate::runs::meant;
 
 /// Facts in the order of printing.
 type Facts = Vec<(&'static str, Value)>;
@@ -22,7 +23,8 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
     let json = arguments.json;
     // What else a result holds is shown whatever becomes of its figures.
     let mut lacks = None;
-    let things: Vec<Facts> = match thing(&arguments.path)? {
+    let store = Store::new(&arguments.artifacts);
+    let things: Vec<Facts> = match thing(&meant(&store, &arguments.path)?)? {
         Thing::Checkpoint(path) => vec![checkpoint_facts(&path)?],
         Thing::Log(path) => vec![log_facts(&path)?],
         Thing::Result(folder) => vec![result_facts(&folder, json, &mut lacks)?],

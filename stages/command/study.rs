@@ -29,7 +29,7 @@ use crate::study::points::{Study, load};
 use crate::study::promise::Verdict;
 use crate::study::target::Target;
 use crate::study::trial::{Outcome, Place, Trial};
-use crate::study::{figures, finding, verdict};
+use crate::study::{doubt, figures, finding, verdict};
 use crate::watch::duration;
 
 /// The table, one row for each point.
@@ -115,6 +115,7 @@ fn tell_costs(
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
     write_table(&out.join(TABLE), &table, arguments, &outcomes)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
+    let page = page + &doubt::section(trials, &outcomes);
     write_file(&out.join(COSTS), page.as_bytes())?;
     let style = FigureStyle::default();
     let figure = figure(study, target, trials, &samples, &on_front).sheet(&style)?;
@@ -164,13 +165,15 @@ fn tell_figures(
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
     let measured = figures::from_contact(trials, outcomes)?;
     let found = figures::measure(study, &measured, folder)?;
+    let missing = figures::missing(study, &measured);
     let drawn = figures::plots(study, trials, &measured, folder)?;
     make(out, arguments)?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
     let rows = figures::table(study, trials, outcomes, &found)?;
     write_table(&table, &rows, arguments, outcomes)?;
     let page = figures::page(study, trials, outcomes, &found);
-    write_file(&read, page.as_bytes())?;
+    let whole = page.clone() + &doubt::section(trials, outcomes);
+    write_file(&read, whole.as_bytes())?;
     let mut plots = Vec::new();
     for plot in drawn {
         if plot.has_points() {
@@ -186,7 +189,7 @@ fn tell_figures(
             json!({ "table": text(&table), "page": text(&read), "points": trials.len(),
                     "plots": plots.iter().map(|plot| text(plot)).collect::<Vec<_>>() })
         );
-        return Ok(());
+        return missing;
     }
     out!("{}", page.trim_end());
     out!("table    {}", table.display());
@@ -194,7 +197,7 @@ fn tell_figures(
     for plot in plots {
         out!("plot     {}", plot.display());
     }
-    Ok(())
+    missing
 }
 
 /// Writes a table, and with its origin into the folder that `--into` names.
@@ -311,10 +314,8 @@ fn run_rest(
 ) -> Result<Vec<Outcome>> {
     let stop = signals::stop_flag(STOPPING)?;
     failed.resize_with(trials.len(), || None);
-    let rest = trials
-        .iter()
-        .zip(&failed)
-        .filter(|(_, failed)| failed.is_none());
+    let pairs = trials.iter().zip(&failed);
+    let rest = pairs.filter(|(_, failed)| failed.is_none());
     let rest: Vec<Trial> = rest.map(|(trial, _)| trial.clone()).collect();
     let jobs = arguments.jobs.unwrap_or(1);
     let mut needed: Vec<_> = study.columns().collect();
@@ -324,7 +325,9 @@ fn run_rest(
     let all = failed
         .into_iter()
         .map(|failed| failed.or_else(|| ran.next()));
-    Ok(all.flatten().collect())
+    let all: Vec<Outcome> = all.flatten().collect();
+    doubt::tell(trials, &all);
+    Ok(all)
 }
 
 /// Runs all points, `jobs` at a time; reports the result of each, and which of the columns `needed`

@@ -43,7 +43,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
     let Some(target) = &study.error else {
         let path = arguments.study.display();
         return Err(Usage(format!(
-            "{path}: has cases but no [error]; tune needs a study of errors"
+            "{path}: has no [error]; tune needs a study of errors"
         ))
         .into());
     };

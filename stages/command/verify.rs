@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::arguments::StoreArguments;
 use crate::fault::{Unreadable, Untrusted, Usage};
-use crate::print::{out, size};
+use crate::print::{counted, out, size};
 
 pub fn verify(arguments: &StoreArguments) -> Result<()> {
     let store = existing(&arguments.artifacts)?;
@@ -23,7 +23,8 @@ pub fn verify(arguments: &StoreArguments) -> Result<()> {
             json!({"results": results, "bytes": bytes, "problems": count})
         );
     } else {
-        out!("{results} results, {}, {count} problems", size(bytes));
+        let (results, count) = (counted(results, "result"), counted(count, "problem"));
+        out!("{results}, {}, {count}", size(bytes));
     }
     let damaged = problems.iter().filter(|problem| problem.damaged).count();
     if damaged > 0 {

@@ -72,7 +72,7 @@ const MEASURE: [f64; 2] = [1.8e-6, 25e-6];
 const MEASURE_FLAT: f64 = 1.1e-6;
 /// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// number of checkpoints that stay.
-const MEMORY: [f64; 2] = [1300.0, 2500.0];
+const MEMORY: [f64; 2] = [1100.0, 1800.0];
 const FRAME: f64 = 35.0;
 /// Bytes of memory of the program itself.
 const BASE: f64 = 2.8e7;

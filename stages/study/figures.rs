@@ -131,15 +131,11 @@ pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option
         .collect()
 }
 
-/// The figures of each point, NaN where it has none; `folder`: of the study file.
+/// An error about the first column that no point measures; its figures are blank.
 ///
 /// # Errors
-/// A column that no point measures; a reference that cannot be read.
-pub fn measure(
-    study: &Study,
-    measured: &[Option<Measured>],
-    folder: &Path,
-) -> Result<Vec<Vec<f64>>> {
+/// That one.
+pub fn missing(study: &Study, measured: &[Option<Measured>]) -> Result<()> {
     let known = || measured.iter().flatten().map(|point| &point.series);
     for column in study.columns() {
         if let Some(first) = known().next()
@@ -151,6 +147,18 @@ pub fn measure(
             )));
         }
     }
+    Ok(())
+}
+
+/// The figures of each point, NaN where it has none; `folder`: of the study file.
+///
+/// # Errors
+/// A reference that cannot be read.
+pub fn measure(
+    study: &Study,
+    measured: &[Option<Measured>],
+    folder: &Path,
+) -> Result<Vec<Vec<f64>>> {
     let mut rows = vec![Vec::new(); measured.len()];
     for figure in &study.figure {
         let reference = match &figure.reference {

@@ -311,7 +311,9 @@ pub fn sentence(cost: Cost, name: &str, samples: &[Sample], group: usize) -> Opt
     let mut parts = Vec::new();
     if let Some(order) = growth.order {
         parts.push(format!("error ~ s0^{order:.2}"));
-        if order < LEVEL {
+        if order < -LEVEL {
+            parts.push("it grows as the spacing decreases".to_string());
+        } else if order < LEVEL {
             parts.push("it hardly decreases with the spacing".to_string());
         }
     }

@@ -1,6 +1,7 @@
 //! Studies: tables of runs over one store, with figures, promises and plots.
 
 pub mod cost;
+pub mod doubt;
 pub mod figures;
 pub mod finding;
 pub mod origin;

@@ -151,6 +151,24 @@ impl Study {
             return Err("[[curves]] go with [[figure]], of which there is none".to_string());
         }
         let labels: Vec<String> = self.points()?.iter().map(|p| p.0.join(", ")).collect();
+        if let Some(k) = (1..labels.len()).find(|&k| labels[..k].contains(&labels[k])) {
+            let label = &labels[k];
+            return Err(format!(
+                "two points are `{label}`: give each value of an axis once"
+            ));
+        }
+        for set in &self.set {
+            let key = set.split('=').next().unwrap_or_default().trim();
+            if self
+                .axis
+                .iter()
+                .any(|axis| axis.key.as_deref() == Some(key))
+            {
+                return Err(format!(
+                    "set: an axis changes `{key}`; remove one of the two"
+                ));
+            }
+        }
         if let Some(label) = self.except.iter().find(|label| !labels.contains(label)) {
             let labels = labels.join("; ");
             return Err(format!(

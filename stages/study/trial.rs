@@ -61,7 +61,9 @@ pub enum Outcome {
         memory_bytes: Option<u64>,
         /// `fresh` if nothing had to run, `fetched` if that came from a remote store, or `ran`.
         did: &'static str,
-        made: Made,
+        made: Box<Made>,
+        /// What makes its figures doubtful.
+        warnings: Vec<String>,
     },
     Failed {
         /// [`reason`].
@@ -121,6 +123,14 @@ impl Outcome {
         match self {
             Outcome::Done { made, .. } => Some(made),
             Outcome::Failed { .. } => None,
+        }
+    }
+
+    /// What makes the figures of a finished point doubtful.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Outcome::Done { warnings, .. } => warnings,
+            Outcome::Failed { .. } => &[],
         }
     }
 
@@ -234,7 +244,14 @@ impl Trial {
             wall_seconds: stamp.wall_seconds,
             memory_bytes: stamp.memory_bytes,
             did: did(stages().filter_map(|line| line["status"].as_str())),
-            made: Made::of(&stamp),
+            made: Box::new(Made::of(&stamp)),
+            warnings: lines
+                .last()
+                .and_then(|line| line["warnings"].as_array())
+                .into_iter()
+                .flatten()
+                .filter_map(|text| Some(text.as_str()?.to_string()))
+                .collect(),
         })
     }
 }

@@ -67,6 +67,47 @@ fn what_is_missing_at_the_end_is_named_with_its_part() {
 }
 
 #[test]
+fn what_still_grows_at_the_end_is_told() {
+    let ended = |depth: [f64; 3]| {
+        let mut series = Series::default();
+        for (time, depth) in depth.into_iter().enumerate() {
+            let row = [("time_s", time as f64), ("spread_factor", depth)];
+            series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
+        }
+        warned(&series, None)
+    };
+    assert_eq!(ended([0.0, 2.0, 1.0]), []);
+    assert_eq!(ended([0.0, 1.99, 2.0]), []);
+    let growing = ended([0.0, 1.0, 2.0]);
+    assert_eq!(growing.len(), 1);
+    assert_eq!(growing[0].key, "impact.end");
+    assert!(growing[0].why.contains("spread factor"), "{}", growing[0]);
+}
+
+#[test]
+fn energy_that_nothing_explains_is_told() {
+    let ended = |unexplained: f64| {
+        let mut series = Series::default();
+        for (time, unexplained) in [(0.0, 0.0), (1.0, unexplained)] {
+            let row = [
+                ("time_s", time),
+                ("mass_kg", 1.0),
+                ("kinetic_energy_J", 2.0),
+                ("energy_unexplained_J", unexplained),
+            ];
+            series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
+        }
+        warned(&series, None)
+    };
+    assert_eq!(ended(-0.1), []);
+    let text = ended(-0.5)[0].to_string();
+    assert!(
+        text.contains("energy_unexplained_J") && text.contains("25.0 %"),
+        "{text}"
+    );
+}
+
+#[test]
 fn what_is_lost_on_the_way_is_told_once_and_again_when_it_has_doubled() {
     let mut watch = Watch::default();
     let mut told = Vec::new();

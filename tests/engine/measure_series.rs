@@ -95,6 +95,11 @@ fn a_bad_reference_is_named_with_line_and_column() {
     let bad = message("time_s,crater_depth_m\n0,1\n1,deep\n");
     assert!(bad.contains("line 3") && bad.contains("crater_depth_m") && bad.contains("deep"));
     assert!(message("time_s,a\n1,1\n0,1\n").contains("does not increase"));
+    assert!(message("time_s,a,a\n0,1,1\n").contains("two columns are named `a`"));
+    for wrong in ["inf", "1e300"] {
+        let text = message(&format!("time_s,a\n0,{wrong}\n"));
+        assert!(text.contains("line 2") && text.contains(wrong), "{text}");
+    }
     let missing = Series::read(&folder.path().join("none.csv")).unwrap_err();
     assert!(matches!(missing, SeriesError::File(_)) && missing.to_string().contains("none"));
 }
@@ -115,6 +120,16 @@ fn a_reference_counts_as_its_column_or_its_clock_says() {
         assert_eq!(reference.table.names, ["time_s", "a"]);
         assert_eq!(reference.table.time(), [0.0, 1.0]);
     }
+}
+
+#[test]
+fn a_table_of_a_spreadsheet_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.csv");
+    std::fs::write(&path, "\u{feff}time_s,a\r\n0,1\r\n1,2\r\n").unwrap();
+    let table = Series::read(&path).unwrap();
+    assert_eq!(table.time(), [0.0, 1.0]);
+    assert_eq!(table.column("a"), Some(&[1.0, 2.0][..]));
 }
 
 /// As `measures.csv`: both clocks, no time before contact.

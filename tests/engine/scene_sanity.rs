@@ -109,6 +109,16 @@ const NONSENSE: &[(&[&str], &str, &str)] = &[
         "effects.wetting.angle",
     ),
     (&["box.x='mirror'"], "box.x", "box.symmetry"),
+    (
+        &["body.drop.velocity='4e8 m/s'"],
+        "body.drop.velocity",
+        "compressible",
+    ),
+    (
+        &["effects.gravity.acceleration='1e20 m/s^2'"],
+        "effects.gravity.acceleration",
+        "million",
+    ),
 ];
 
 #[test]

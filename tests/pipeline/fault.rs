@@ -215,7 +215,18 @@ fn wrong_arguments_and_files_end_with_code_2() {
         .badly(2, &["impact.end"]);
     program
         .call(&["run", "tiny.toml", "--until", "impakt"])
-        .badly(2, &["impakt", "impact"]);
+        .badly(
+            2,
+            &["impakt", "it has pack, relax, calibrate, impact, post"],
+        );
+    for command in [
+        &["show", "nobody"][..],
+        &["export", "nobody", "--to", "csv"],
+    ] {
+        program
+            .call(command)
+            .badly(2, &["\"nobody\"", "a name in artifacts/latest"]);
+    }
     program
         .call(&["run", "missing.toml"])
         .badly(2, &["missing.toml"]);
@@ -246,8 +257,8 @@ fn a_store_that_cannot_be_a_folder_is_an_error() {
 #[test]
 fn what_no_memory_holds_is_refused_before_it_starts() {
     let program = Program::new();
-    // 1e9 particles of more than a kilobyte each.
-    let fine = ["tiny.toml", "--set", "pack.spacing=0.2 um"];
+    // 2e9 particles of more than a kilobyte each.
+    let fine = ["tiny.toml", "--set", "pack.spacing=0.15 um"];
     for command in [&["plan"][..], &["plan", "--json"], &["run"]] {
         let ended = program.call(&[command, &fine[..]].concat());
         ended.badly(2, &["pack pool", "TB of memory", "pack.spacing"]);

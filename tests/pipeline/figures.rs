@@ -158,6 +158,12 @@ fn mistakes_in_figures_are_named() {
         ),
         ("of = \"when\"", "of = \"whan\"", "whan"),
         ("\"table.csv\"", "\"tuble.csv\"", "tuble.csv"),
+        ("[71, 72]", "[71, 71]", "each value of an axis once"),
+        (
+            "impact.end=2 ms",
+            "pack.seed=3",
+            "an axis changes `pack.seed`",
+        ),
         (
             "\"mass_kg\"\nat",
             "\"kinetic_energy_J\"\nat",
@@ -183,6 +189,10 @@ fn mistakes_in_figures_are_named() {
             .badly(2, &["study.toml", word]);
         assert!(!program.path("artifacts").exists());
     }
+}
+
+#[test]
+fn a_column_that_no_point_measures_is_told_and_leaves_the_other_figures() {
     let study = STUDY.replace(
         "fastest\"\ncolumn = \"speed_max",
         "fastest\"\ncolumn = \"speed_mux",
@@ -194,4 +204,37 @@ fn mistakes_in_figures_are_named() {
     program
         .call(&["study", "study.toml"])
         .badly(2, &[warning, error]);
+    // The other figures are kept.
+    let table = fs::read_to_string(program.path("artifacts/latest/study/figures.csv")).unwrap();
+    let (head, row) = table.split_once('\n').unwrap();
+    let cell = |name: &str| {
+        let place = head.split(',').position(|head| head == name).unwrap();
+        row.trim_end().split(',').nth(place).unwrap().to_string()
+    };
+    assert_eq!(cell("fastest"), "");
+    let other = cell("mass at 0.3 ms over that of a table");
+    assert!(!other.is_empty(), "{table}");
+}
+
+#[test]
+fn warnings_of_points_are_told_and_kept() {
+    let study = "title = \"ends\"\npipeline = \"tiny.toml\"\n\
+                 set = [\"relax.time=0.2 ms\", \"impact.end=2 ms\", \"post.panels=[]\"]\n\
+                 [[axis]]\nname = \"speed\"\nkey = \"body.drop.velocity\"\n\
+                 values = [\"1 m/s\", \"0.5 m/s\"]\n\
+                 [[figure]]\nname = \"depth\"\ncolumn = \"crater_depth_m\"\n";
+    let program = program(study);
+    let told = program.call(&["study", "study.toml"]).well();
+    let warned = |line: &&str| line.starts_with("warning: ") && line.contains(" of 2 points (");
+    let lines: Vec<&str> = told.err.lines().filter(warned).collect();
+    let restless = "warning: 2 of 2 points (1 m/s; 0.5 m/s): relax drop: not at rest";
+    let count = lines.iter().filter(|line| line.starts_with(restless));
+    assert_eq!(count.count(), 1, "{}", told.err);
+    let page = fs::read_to_string(program.path("artifacts/latest/study/figures.md")).unwrap();
+    for line in lines {
+        assert!(
+            page.contains(line.trim_start_matches("warning: ")),
+            "{page}"
+        );
+    }
 }

@@ -151,10 +151,10 @@ fn damage_and_what_cannot_be_read_have_their_own_exit_codes() {
             .badly(4, &[name]);
     }
     for name in ["missing.mcap", "missing"] {
-        program.call(&["show", name]).badly(5, &[name]);
+        program.call(&["show", name]).badly(2, &[name]);
         program
             .call(&["export", name, "--to", "csv"])
-            .badly(5, &[name]);
+            .badly(2, &[name]);
     }
     for name in ["empty", "tiny.toml", "/dev/null"] {
         program.call(&["show", name]).badly(2, &[name]);

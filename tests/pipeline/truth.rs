@@ -149,6 +149,8 @@ fn a_body_that_did_not_come_to_rest_is_in_the_report() {
         "{}",
         first.err
     );
+    // Only there, not beside the stage too.
+    assert!(!first.out.contains("not at rest"), "{}", first.out);
     // Also where the relaxation is an earlier run's.
     let more = ["--set", "body.drop.velocity=1.1 m/s"];
     let second = program
@@ -182,6 +184,7 @@ fn liquid_that_left_the_box_is_told_on_the_way_and_at_the_end() {
             told.err
         );
     }
+    assert!(!told.out.contains("`mass_removed_kg`"), "{}", told.out);
     let on_the_way = |line: &str| {
         line.starts_with("warning: impact: ") && line.contains("of the liquid has left the box")
     };

@@ -55,8 +55,27 @@ impl Post {
                 )
             })
         });
+        let end = self.series.time().last().copied().unwrap_or(0.0);
+        let late = self.references.iter().filter_map(|(label, reference)| {
+            let shift = reference.shift(self.shift);
+            let times = reference.table.time();
+            let is_late = times
+                .iter()
+                .all(|time| !(0.0..=end).contains(&(time + shift)));
+            is_late.then(|| {
+                let range = match times {
+                    [] => "it has no row".to_string(),
+                    [first, .., last] => {
+                        format!("its times, {first} to {last} s, are not those of the run")
+                    }
+                    [only] => format!("its time, {only} s, is not one of the run"),
+                };
+                format!("Nothing of the reference {label}: {range}.")
+            })
+        });
         let mut missed = [of("panel", &self.panels), of("field", &self.fields)].concat();
         missed.extend(strange);
+        missed.extend(late);
         missed
     }
 }

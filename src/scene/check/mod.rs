@@ -350,7 +350,15 @@ fn figures(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
             return Err(tree.fault(&key, problem, "give 30 mm to 500 mm"));
         }
     }
-    Ok(())
+    // Titles of axes and legends need so many ems.
+    let most = (style.width / 24.0).min(style.height / 18.5) * 72.0 / 0.0254;
+    if style.font_size <= most {
+        return Ok(());
+    }
+    let [width, height] = [style.width, style.height].map(|length| human(length, Unit::Length));
+    let problem = format!("leaves no room for curves in a plot of {width} by {height}");
+    let remedy = format!("give at most {:.1}, or larger figures", most - 0.05);
+    Err(tree.fault("post.figures.font_size", &problem, &remedy))
 }
 
 fn references(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneError> {
@@ -358,12 +366,13 @@ fn references(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), Scene
         let key = format!("post.references[{index}].path");
         let path = folder.join(&reference.path);
         let remedy = "give a CSV file, relative to the scene file";
-        let content = crate::file::read(&path, LONGEST_REFERENCE).map_err(|error| {
-            match error.is_not_found() {
-                true => tree.fault(&key, &error.to_string(), remedy),
-                false => error.into(),
-            }
-        })?;
+        let content =
+            crate::file::read_text(&path, LONGEST_REFERENCE).map_err(|error| {
+                match error.is_not_found() {
+                    true => tree.fault(&key, &error.to_string(), remedy),
+                    false => error.into(),
+                }
+            })?;
         let text = String::from_utf8_lossy(&content);
         let head = text
             .lines()

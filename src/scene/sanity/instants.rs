@@ -32,7 +32,8 @@ pub(super) fn pictures(scene: &Scene) -> Vec<Warning> {
         let nearest = (at / interval - 0.5)
             .ceil()
             .min((scene.impact.end / interval).floor());
-        let nearest = numbers::short(nearest * interval, Unit::Time);
+        // No negative zero.
+        let nearest = numbers::short(nearest.abs() * interval, Unit::Time);
         let why = format!(
             "no frame is taken then; the picture shows the frame at {nearest}, the nearest"
         );

@@ -5,6 +5,7 @@
 
 mod course;
 mod instants;
+mod values;
 
 use std::fmt;
 
@@ -16,13 +17,6 @@ use super::quantity::{Unit, human};
 use super::{AXES, Body, Dimension, Motion, Scene, Shape, Side, TensionForm};
 use course::Course;
 
-/// Densities of liquids, kg/m^3: hydrogen at 20 K has 71, osmium at 3300 K 20,000 (Lide, CRC
-/// Handbook of Chemistry and Physics).
-const DENSITIES: [f64; 2] = [60.0, 22_000.0];
-/// Surface tensions of liquids, N/m: helium at 2 K has 0.0003, tungsten at 3700 K 2.5 (the same).
-const TENSIONS: [f64; 2] = [1e-4, 3.0];
-/// Viscosities of liquids, Pa s: helium at 4 K 3e-6, pitch 2e8 (Edgeworth, Dalton & Parnell 1984).
-const VISCOSITIES: [f64; 2] = [1e-6, 1e9];
 /// Spacings across a sheet below which it has surfaces but no interior.
 const THIN: f64 = 3.0;
 /// Contact angle of a wall without one, degrees.
@@ -67,7 +61,7 @@ impl Warning {
 
 /// All warnings about a scene; empty if it is plausible.
 pub fn warnings(scene: &Scene) -> Vec<Warning> {
-    let mut all = liquid(scene);
+    let mut all = values::all(scene);
     all.extend(gravity(scene));
     all.extend(floor(scene));
     all.extend(flows_out(scene));
@@ -79,43 +73,6 @@ pub fn warnings(scene: &Scene) -> Vec<Warning> {
     all.extend(dry_walls(scene));
     all.extend(mirrors(scene));
     all
-}
-
-/// Properties far from those of any liquid: mostly a missing unit.
-fn liquid(scene: &Scene) -> Vec<Warning> {
-    let properties = [
-        (
-            "liquid.density",
-            Some(scene.density),
-            Unit::Density,
-            DENSITIES,
-        ),
-        (
-            "effects.tension.coefficient",
-            scene.effects.sigma(),
-            Unit::Tension,
-            TENSIONS,
-        ),
-        (
-            "effects.viscosity.dynamic",
-            scene.effects.mu(),
-            Unit::Viscosity,
-            VISCOSITIES,
-        ),
-    ];
-    let far = properties
-        .into_iter()
-        .filter_map(|(key, value, unit, [least, most])| {
-            let value = value.filter(|value| !(least..=most).contains(value))?;
-            let [least, most] = [least, most].map(|bound| human(bound, unit));
-            let why = format!("no liquid has such a value: they have {least} to {most}");
-            let remedy = format!(
-                "a bare number is in SI units: write the unit, as in {}",
-                unit.example()
-            );
-            Some(Warning::new(key, human(value, unit), &why, &remedy))
-        });
-    far.collect()
 }
 
 fn is_layer(body: &Body) -> bool {

@@ -1,0 +1,57 @@
+//! What makes the figures of a study doubtful: the warnings at the end of its points.
+//!
+//! Test: tests/pipeline/figures.rs.
+
+use crate::print::note;
+use crate::relax::UNREST;
+use crate::study::trial::{Outcome, Trial};
+
+/// Points that are named; further ones are counted.
+const NAMED: usize = 3;
+
+/// The warnings of all points, one line for each kind: how many points have it, and its first text.
+fn warnings(trials: &[Trial], outcomes: &[Outcome]) -> Vec<String> {
+    let mut kinds: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (trial, outcome) in trials.iter().zip(outcomes) {
+        for text in outcome.warnings() {
+            match kinds
+                .iter_mut()
+                .find(|(first, _)| kind(first) == kind(text))
+            {
+                Some((_, points)) => points.push(&trial.title),
+                None => kinds.push((text, vec![&trial.title])),
+            }
+        }
+    }
+    let line = |(text, points): &(&str, Vec<&str>)| {
+        let (count, all) = (points.len(), trials.len());
+        let named = points[..count.min(NAMED)].join("; ");
+        let more = match count > NAMED {
+            true => format!("; {} more", count - NAMED),
+            false => String::new(),
+        };
+        format!("{count} of {all} points ({named}{more}): {text}")
+    };
+    kinds.iter().map(line).collect()
+}
+
+/// Prints them.
+pub fn tell(trials: &[Trial], outcomes: &[Outcome]) {
+    let all = warnings(trials, outcomes);
+    all.iter().for_each(|text| note!("warning: {text}"));
+}
+
+/// The key that a warning is about, or the body that did not come to rest.
+fn kind(text: &str) -> &str {
+    let end = text.find(" = ").or_else(|| text.find(UNREST));
+    &text[..end.unwrap_or(text.len())]
+}
+
+/// The warnings as a section of a page; empty without any.
+pub fn section(trials: &[Trial], outcomes: &[Outcome]) -> String {
+    let all = warnings(trials, outcomes);
+    match all.is_empty() {
+        true => String::new(),
+        false => format!("\n## Warnings\n\n* {}\n", all.join("\n* ")),
+    }
+}

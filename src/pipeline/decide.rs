@@ -49,8 +49,9 @@ impl Decision {
     }
 }
 
-/// Setting that distinguishes earlier results in estimates of time.
-const METHOD: &str = "method.name";
+/// Settings that earlier results share with one whose time they correct: rings and quarters have
+/// other costs than whole boxes.
+const KIND: [&str; 3] = ["method.name", "dimension", "box.x"];
 
 /// A finished input: its key and the digest of what it contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -308,7 +309,7 @@ fn input_difference(name: &str, old: Option<&InputStamp>, new: &Done) -> String 
     format!("result of {name} {before} -> {}", new.digest.short())
 }
 
-/// Wall time, s: the stage's estimate, corrected by the time of earlier results of the same method;
+/// Wall time, s: the stage's estimate, corrected by the time of earlier results of the same kind;
 /// without an estimate the time of its newest result.
 fn estimate(work: Option<Work>, stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
     let stamps = stamps.iter().map(|(_, stamp)| stamp);
@@ -319,10 +320,13 @@ fn estimate(work: Option<Work>, stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) 
     // A job shorter than a second is not significant, nor is one in another unit.
     let ratio = |stamp: &Stamp| Some(stamp.cpu_seconds / stamp.forecast_seconds?);
     let known = |stamp: &&Stamp| ratio(stamp).is_some_and(|r| (0.1..10.0).contains(&r));
-    let method = stage.settings().into_iter().find(|s| s.name == METHOD);
+    let settings = stage.settings();
     let same = |stamp: &&Stamp| {
-        let own = stamp.settings.iter().find(|s| s.name == METHOD);
-        own.map(|s| &s.value) == method.as_ref().map(|s| &s.shown)
+        KIND.iter().all(|name| {
+            let own = stamp.settings.iter().find(|s| s.name == *name);
+            let new = settings.iter().find(|s| s.name == *name);
+            own.map(|s| &s.value) == new.map(|s| &s.shown)
+        })
     };
     let long = |stamp: &&Stamp| stamp.cpu_seconds > 1.0;
     let longest = stamps

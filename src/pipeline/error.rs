@@ -145,7 +145,7 @@ pub enum PipelineError {
         path: PathBuf,
     },
     /// The folder is not a store.
-    #[error("{} is not a store of Coronet: it has no {mark}{remedy}", path.display())]
+    #[error("{} is not a store of Coronet: it has no valid {mark}{remedy}", path.display())]
     NotAStore {
         /// The folder.
         path: PathBuf,

@@ -250,12 +250,19 @@ impl Check<'_> {
     fn count(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
         let least = schema["minimum"].as_f64().unwrap_or(0.0);
         let most = schema["maximum"].as_f64().unwrap_or(f64::INFINITY);
-        let given = match value.get_ref() {
-            DeValue::Integer(_) => number(value.get_ref()),
-            _ => None,
+        let most = most.min(i64::MAX as f64);
+        let wanted = match most < i64::MAX as f64 {
+            true => format!("a whole number from {least} to {most}"),
+            false => format!("a whole number from {least} to {}", i64::MAX),
         };
-        if !given.is_some_and(|given| given >= least && given <= most.min(i64::MAX as f64)) {
-            self.unfit(value, key, &format!("a whole number of at least {least}"));
+        match value.get_ref() {
+            DeValue::Integer(_) => {
+                let given = number(value.get_ref());
+                if !given.is_some_and(|given| (least..=most).contains(&given)) {
+                    self.fault(value, key, "is out of range", &format!("write {wanted}"));
+                }
+            }
+            _ => self.unfit(value, key, &wanted),
         }
     }
 

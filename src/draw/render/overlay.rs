@@ -2,11 +2,15 @@
 
 use crate::draw::canvas::{Anchor, Canvas, Colour, INK};
 use crate::draw::scale::Scale;
+use crate::draw::sheet::font::Weight;
 
 /// Texts on a dark background.
 const PALE: Colour = [240, 242, 245];
 /// Lengths of scale bars, over a power of ten.
 const STEPS: [f64; 3] = [1.0, 2.0, 5.0];
+
+/// Part of the width that a text in the middle may have beside the scale bar.
+const BESIDE: f32 = 0.45;
 
 /// A picture to write on.
 pub struct Overlay<'a> {
@@ -34,14 +38,18 @@ impl<'a> Overlay<'a> {
             .text(at, self.size, &text, Anchor::Left, self.ink);
     }
 
-    /// A text in the middle of the lower edge.
+    /// A text in the middle of the lower edge, in smaller letters if it is long; above the scale
+    /// bar if it would meet that.
     pub fn caption(&mut self, text: &str) {
-        let at = [
-            0.5 * self.canvas.width as f32,
-            self.canvas.height as f32 - self.size,
-        ];
-        self.canvas
-            .text(at, self.size, text, Anchor::Middle, self.ink);
+        let [width, height] = [self.canvas.width, self.canvas.height].map(|size| size as f32);
+        let ems = Weight::Regular.length(text) as f32;
+        let size = self.size.min(0.94 * width / ems);
+        let row = match size * ems > BESIDE * width {
+            true => 3.0,
+            false => 1.0,
+        };
+        let at = [0.5 * width, height - row * self.size];
+        self.canvas.text(at, size, text, Anchor::Middle, self.ink);
     }
 
     /// A bar of a round length in the lower left corner; `pixel`: metres.

@@ -5,6 +5,8 @@ A cube of water of SIDE^3 particles, one thread, the same kernel length and spee
 particle-steps a CPU second, CPU seconds to the same instant and memory, medians of turns, and adds
 them to the CSV that CORONET_INTO names. DualSPHysics is fetched from its repository, or taken from
 DUALSPHYSICS, a folder with its sources, and built for this processor with its own makefile.
+CPU seconds are those of its whole process, of Coronet those of the impact; memory is the largest of
+each process, which in Coronet has packed before.
 
 Needs git, make and g++, and `cargo build --release` of Coronet (or CORONET, its program).
 """
@@ -259,7 +261,7 @@ def report(found):
         rates = [count * turn["steps"] / turn["cpu"] for turn in turns]
         middle[name] = statistics.median(rates), statistics.median(t["cpu"] for t in turns)
         rows += [
-            [name, "step", count, 1, f"{middle[name][0]:.4g}", "particle-steps/s/core"],
+            [name, "step", count, 1, f"{middle[name][0] / 1e6:.3f}e6", "particle-steps/s/core"],
             [name, "cpu", count, 1, f"{middle[name][1]:.4g}", "s"],
             [name, "steps", count, 1, turns[0]["steps"], "1"],
             [name, "memory", count, 1, f"{turns[0]['memory'] / count:.0f}", "B/particle"],

@@ -68,7 +68,7 @@ const UPRIGHT: f64 = 0.1;
 const CALIBRATE: [f64; 2] = [2e-6, 4.0];
 /// CPU seconds of measuring a frame: per particle, and over N^(2/3) for the surface; in 2-D per
 /// particle.
-const MEASURE: [f64; 2] = [1.8e-6, 25e-6];
+const MEASURE: [f64; 2] = [1.2e-6, 20e-6];
 const MEASURE_FLAT: f64 = 1.1e-6;
 /// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// number of checkpoints that stay.

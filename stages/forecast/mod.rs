@@ -72,7 +72,7 @@ const MEASURE: [f64; 2] = [1.2e-6, 20e-6];
 const MEASURE_FLAT: f64 = 1.1e-6;
 /// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// number of checkpoints that stay.
-const MEMORY: [f64; 2] = [1100.0, 1800.0];
+const MEMORY: [f64; 2] = [1500.0, 2600.0];
 const FRAME: f64 = 35.0;
 /// Bytes of memory of the program itself.
 const BASE: f64 = 2.8e7;
@@ -81,7 +81,7 @@ const CHECKPOINTS: f64 = 5.0;
 
 /// Bytes that rank 0 needs beside for each particle of all while it gathers a frame or a state; of
 /// a wall particle, which every rank has.
-const WHOLE: f64 = 230.0;
+const WHOLE: f64 = 350.0;
 const WALL_MEMORY: f64 = 300.0;
 
 /// Number of particles of the whole scene.

@@ -68,14 +68,14 @@ const UPRIGHT: f64 = 0.1;
 const CALIBRATE: [f64; 2] = [2e-6, 4.0];
 /// CPU seconds of measuring a frame: per particle, and over N^(2/3) for the surface; in 2-D per
 /// particle.
-const MEASURE: [f64; 2] = [1.2e-6, 20e-6];
+const MEASURE: [f64; 2] = [1e-6, 10e-6];
 const MEASURE_FLAT: f64 = 1.1e-6;
 /// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
 /// number of checkpoints that stay.
 const MEMORY: [f64; 2] = [1500.0, 2600.0];
 const FRAME: f64 = 35.0;
 /// Bytes of memory of the program itself.
-const BASE: f64 = 2.8e7;
+const BASE: f64 = 3.5e7;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 

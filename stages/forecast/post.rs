@@ -8,7 +8,7 @@ use coronet::scene::{Dimension, FigureStyle, Scene};
 use super::{BASE, frames, measure, whole, work};
 
 /// CPU seconds of an instant that the report plays, and per particle; per ring.
-const SHOT: [f64; 2] = [0.05, 4.6e-6];
+const SHOT: [f64; 2] = [0.05, 2e-6];
 const SHOT_OF_RINGS: f64 = 10e-6;
 /// CPU seconds of a section over its pixels, up to the highest body; of a view and of the title
 /// picture over the square of a section's width; of the surface in each of them per particle;
@@ -16,7 +16,7 @@ const SHOT_OF_RINGS: f64 = 10e-6;
 const SECTION: f64 = 0.09e-6;
 const VIEW: f64 = 3.9e-6;
 const TITLE: f64 = 6.5e-6;
-const SURFACE: f64 = 5e-6;
+const SURFACE: f64 = 4e-6;
 const DRY: f64 = 0.45;
 const ROUND: f64 = 0.42;
 const FIELD: f64 = 0.12;
@@ -28,7 +28,7 @@ const PLOTS_BYTES: f64 = 6e5;
 const PANEL_BYTES: f64 = 8e5;
 const SHOT_BYTES: f64 = 5e4;
 /// Bytes of memory of a particle of the whole that is drawn.
-const PICTURE: f64 = 550.0;
+const PICTURE: f64 = 1100.0;
 
 /// CPU seconds of the liquid of the report's player.
 fn shots(scene: &Scene) -> f64 {

@@ -18,7 +18,6 @@ import json
 import os
 import pathlib
 import re
-import resource
 import shutil
 import statistics
 import subprocess
@@ -131,7 +130,7 @@ sound_speed_factor = 10
 
 
 def run(words, **more):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, **more)
+    done = subprocess.run(words, capture_output=True, text=True, **more)
     if done.returncode:
         sys.exit(f"{words[0]} ended with {done.returncode}\n{done.stdout[-3000:]}{done.stderr}")
     return done.stdout
@@ -157,29 +156,22 @@ def built(folder):
     return program.resolve(), writer
 
 
-def measured(words, **more):
+def measured(words):
     """Output, CPU seconds and largest memory in bytes of a command."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    text = run(["/usr/bin/env", "python3", "-c", PEAK, *words], **more)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    text, _, peak = text.rstrip().rpartition("\n")
-    return text, after.ru_utime - before.ru_utime, 1024 * int(peak)
-
-
-# Runs a command and prints the largest memory it had, in KiB, after its output.
-PEAK = """
-import resource, subprocess, sys
-code = subprocess.run(sys.argv[1:]).returncode
-print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, flush=True)
-sys.exit(code)
-"""
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as child:
+        text = child.stdout.read()
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        sys.exit(f"{words[0]} ended with {child.returncode}\n{text[-3000:]}")
+    return text, usage.ru_utime, 1024 * usage.ru_maxrss
 
 
 def peer(folder, program, writer, side, end):
     """Prepares DualSPHysics; what runs it to an instant."""
     h, speed = SMOOTHING * SPACING, 10 * impact_speed(side)
     b = 1000 * speed**2 / 7
-    fixed, liquid = map(int, run([writer, folder, side, SPACING, h, b]).split())
+    fixed, liquid = map(int, run([writer, folder, *map(str, [side, SPACING, h, b])]).split())
     facts = dict(fixed=fixed, liquid=liquid, all=fixed + liquid, gravity=GRAVITY, spacing=SPACING)
     text = CASE.format(**facts, h=h, b=b, mass=1000 * SPACING**3, end=end)
     (folder / "dam.xml").write_text(text)

@@ -11,7 +11,7 @@ const DENSITIES: [f64; 2] = [60.0, 22_000.0];
 const TENSIONS: [f64; 2] = [1e-4, 3.0];
 /// Viscosities of liquids, Pa s: helium at 4 K 3e-6, pitch 2e8 (Edgeworth, Dalton & Parnell 1984).
 const VISCOSITIES: [f64; 2] = [1e-6, 1e9];
-/// Speed of a body that is told, m/s; drops of the fastest rain erosion tests have 700.
+/// Speed of a body that is told, m/s: two thirds of that of sound in water.
 const FAST: f64 = 1000.0;
 /// Gravity that is told, m/s^2; ultracentrifuges reach a million times that of the earth.
 const HEAVY: f64 = 1e7;

@@ -17,6 +17,7 @@ use crate::kernel::ring::{Radii, between, mass_apart, places};
 use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
+use crate::space::room::resize;
 use crate::space::sparse::Couple;
 use crate::space::sweep::{Pair, Pass};
 
@@ -278,7 +279,7 @@ impl Liquid {
             true => flow.pack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
             false => flow.repack(|p, i| heavy(p.weight(i)), |w, j| heavy(w.weight(j))),
         }
-        sums.resize(self.len(), [0.0; 4]);
+        resize(sums, self.len(), [0.0; 4]);
         let radii = self.flow.radii(self.case.h);
         self.sum(&Look { radii, wanted }, sums);
         let p = &self.flow.particles;

@@ -154,7 +154,7 @@ impl Solver for Shared<'_> {
         self.tell(Order::Frame);
         let join = |whole: &mut Frame, part| join_frames(whole, part, self.count);
         let mut frame = collect(&*self.with, self.own().frame(), join).expect(HAS_ALL);
-        sort(&mut frame);
+        frame.sort();
         frame
     }
 
@@ -172,8 +172,9 @@ impl Solver for Shared<'_> {
     }
 }
 
-/// On the other ranks: does what rank 0 says, until it drops its solver.
-pub fn serve(mut own: Box<dyn Solver>, with: &dyn Communicator) {
+/// On the other ranks: does what rank 0 says, until it drops its solver; how many particles this
+/// rank has then.
+pub fn serve(mut own: Box<dyn Solver>, with: &dyn Communicator) -> usize {
     loop {
         match broadcast(with, 0, None) {
             Order::Meet(interval) => own.meet(interval),
@@ -186,7 +187,7 @@ pub fn serve(mut own: Box<dyn Solver>, with: &dyn Communicator) {
                 });
                 counted(with, own.len());
             }
-            Order::End => return,
+            Order::End => return own.len(),
             order => answer(&*own, with, order),
         }
     }
@@ -255,25 +256,4 @@ fn append<T: Copy>(whole: &mut Vec<T>, part: &[T], count: usize) {
         whole.reserve_exact(count.max(whole.len() + part.len()) - whole.len());
         whole.extend_from_slice(part);
     }
-}
-
-/// Sorts a frame by id.
-fn sort(frame: &mut Frame) {
-    let mut order: Vec<u32> = (0..frame.id.len() as u32).collect();
-    order.sort_unstable_by_key(|&k| frame.id[k as usize]);
-    fn sorted<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
-        if !column.is_empty() {
-            *column = order.iter().map(|&k| column[k as usize]).collect();
-        }
-    }
-    sorted(&mut frame.id, &order);
-    sorted(&mut frame.body, &order);
-    for a in 0..3 {
-        sorted(&mut frame.position[a], &order);
-        sorted(&mut frame.velocity[a], &order);
-    }
-    sorted(&mut frame.pressure, &order);
-    sorted(&mut frame.density, &order);
-    sorted(&mut frame.surface, &order);
-    sorted(&mut frame.mass, &order);
 }

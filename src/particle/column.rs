@@ -6,6 +6,7 @@
 
 use super::State;
 pub use super::scalar::{Scalar, Scalars};
+use crate::space::room::make_room;
 use crate::space::sort::Cells;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -86,7 +87,8 @@ pub trait Visitor {
 /// What looks at all columns of a struct.
 pub trait Viewer {
     /// Called with each column.
-    fn view<T: Entry>(&mut self, role: Role, column: &[T]);
+    #[expect(clippy::ptr_arg, reason = "its room is memory, too")]
+    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>);
 }
 
 /// Arrays of one entry a particle, and their roles.
@@ -283,7 +285,7 @@ struct Remember<'a> {
 }
 
 impl Viewer for Remember<'_> {
-    fn view<T: Entry>(&mut self, role: Role, column: &[T]) {
+    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>) {
         if !is_rolled_back(role) {
             return;
         }
@@ -293,6 +295,7 @@ impl Viewer for Remember<'_> {
         let copy = self.kept[self.next].0.downcast_mut::<Vec<T>>();
         let copy = copy.expect("columns in the order of before");
         copy.clear();
+        make_room(copy, column.len());
         copy.extend_from_slice(column);
         self.next += 1;
     }
@@ -318,7 +321,7 @@ impl Visitor for Restore<'_> {
 pub struct Save<'a>(pub &'a mut State);
 
 impl Viewer for Save<'_> {
-    fn view<T: Entry>(&mut self, role: Role, column: &[T]) {
+    fn view<T: Entry>(&mut self, role: Role, column: &Vec<T>) {
         let Role::Persistent(name) = role else {
             return;
         };
@@ -361,7 +364,7 @@ pub struct Memory {
 }
 
 impl Viewer for Memory {
-    fn view<T: Entry>(&mut self, _: Role, column: &[T]) {
-        self.bytes += std::mem::size_of_val(column);
+    fn view<T: Entry>(&mut self, _: Role, column: &Vec<T>) {
+        self.bytes += size_of::<T>() * column.capacity();
     }
 }

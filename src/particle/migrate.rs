@@ -2,6 +2,7 @@
 
 use super::column::{Entry, Role, Visitor};
 use crate::space::ranks::{decoded, encoded};
+use crate::space::room::make_room;
 
 /// Takes entries of particles to other ranks, column by column.
 pub struct Emigrate {
@@ -66,14 +67,19 @@ impl Visitor for Immigrate {
         if role == Role::Scratch {
             return;
         }
-        let before = std::mem::take(column);
-        for (rank, columns) in self.all.iter().enumerate() {
-            if rank != self.own {
-                column.extend(decoded::<Vec<T>>(&columns[self.next]));
-            } else if !before.is_empty() {
-                column.extend(self.kept.iter().map(|&i| before[i as usize]));
-            }
-        }
+        let (before, own) = (std::mem::take(column), self.own);
+        let others = self.all.iter().enumerate().filter(|(rank, _)| *rank != own);
+        let mut coming: Vec<Vec<T>> = others
+            .map(|(_, columns)| decoded(&columns[self.next]))
+            .collect();
+        let kept = match before.is_empty() {
+            true => Vec::new(),
+            false => self.kept.iter().map(|&i| before[i as usize]).collect(),
+        };
+        drop(before);
+        coming.insert(own, kept);
+        make_room(column, coming.iter().map(Vec::len).sum());
+        coming.iter().for_each(|part| column.extend(part));
         self.next += 1;
     }
 }

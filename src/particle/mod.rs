@@ -181,3 +181,29 @@ pub struct Frame {
     /// (`kinetic_energy_J`, `mass_kg`, `mass_removed_kg`, `time_step_s` ...), in a fixed order.
     pub scalars: Vec<(String, f64)>,
 }
+
+impl Frame {
+    /// Sorts the particles by id. Bodies follow each other, and usually ids do, too: then there is
+    /// nothing to do.
+    pub fn sort(&mut self) {
+        if self.id.is_sorted() {
+            return;
+        }
+        let mut order: Vec<u32> = (0..self.id.len() as u32).collect();
+        order.sort_by_key(|&i| self.id[i as usize]);
+        fn sorted<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
+            if !column.is_empty() {
+                *column = order.iter().map(|&i| column[i as usize]).collect();
+            }
+        }
+        sorted(&mut self.id, &order);
+        sorted(&mut self.body, &order);
+        for component in self.position.iter_mut().chain(&mut self.velocity) {
+            sorted(component, &order);
+        }
+        for column in [&mut self.pressure, &mut self.density, &mut self.mass] {
+            sorted(column, &order);
+        }
+        sorted(&mut self.surface, &order);
+    }
+}

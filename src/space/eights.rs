@@ -4,6 +4,7 @@
 //! Tests: tests/engine/space_eights.rs.
 
 use super::lane::WIDTH;
+use super::room::make_room;
 use std::ops::Range;
 
 /// [`Packed::base`] of a group that is among the wide ones.
@@ -101,16 +102,6 @@ impl Eights {
             packed: &self.packed[range],
             wide: &self.wide,
         }
-    }
-}
-
-/// Room for `more` entries. It grows by an eighth and not to the double, as a vector would: rows
-/// and couplings are the largest arrays that there are.
-#[inline(always)]
-pub(super) fn make_room<T>(all: &mut Vec<T>, more: usize) {
-    let room = all.len() + more;
-    if room > all.capacity() {
-        all.reserve_exact(more + room / 8);
     }
 }
 

@@ -16,6 +16,7 @@ pub mod larger;
 pub mod mirror;
 pub mod parallel;
 pub mod ranks;
+pub mod room;
 pub mod row;
 pub mod sort;
 pub mod sparse;

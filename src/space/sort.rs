@@ -2,6 +2,7 @@
 
 use super::grid::Grid;
 use super::parallel::each_mut;
+use super::room::{make_room, resize};
 use rayon::prelude::*;
 
 /// Particles counted into cells.
@@ -18,8 +19,8 @@ impl Cells {
     /// Counts `position` into cells and finds the order along them (ties keep their order).
     pub fn sort(&mut self, grid: &Grid, position: &[Vec<f64>; 3]) {
         let n = position[0].len();
-        self.key.resize(n, 0);
-        self.order.resize(n, 0);
+        resize(&mut self.key, n, 0);
+        resize(&mut self.order, n, 0);
         self.start.clear();
         self.start.resize(grid.cells() + 1, 0);
         each_mut(&mut self.key[..n], |i, key| {
@@ -47,6 +48,8 @@ impl Cells {
     /// Puts `data` into the order of the last sort; `scratch` is swapped with it.
     pub fn permute<T: Copy + Send + Sync>(&self, data: &mut Vec<T>, scratch: &mut Vec<T>) {
         let old = |&old: &u32| data[old as usize];
+        scratch.clear();
+        make_room(scratch, self.order.len());
         self.order
             .par_iter()
             .with_min_len(4096)

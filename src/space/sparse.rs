@@ -4,9 +4,10 @@
 //! product has the same bits for any number of threads. Weights are f32 (half the memory traffic,
 //! which is all that a product costs), sums are f64.
 
-use super::eights::{Eights, Group, Groups, make_room};
+use super::eights::{Eights, Group, Groups};
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, WIDTH};
+use super::room::make_room;
 use super::row::{CHUNK, Rows};
 use super::sweep::{Pair, Payload, Records, STAGED, Stage, TOO_FEW, carried, splat};
 use num_traits::AsPrimitive;

@@ -82,5 +82,6 @@ mod scene_wetting;
 mod space_component;
 mod space_eights;
 mod space_lane;
+mod space_load;
 mod space_refused;
 mod space_row;

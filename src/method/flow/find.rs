@@ -4,6 +4,7 @@ use super::{Flow, HASTE, LEAST};
 use crate::space::dilate::dilate;
 use crate::space::mirror::Points;
 use crate::space::parallel::each_mut;
+use crate::space::room::{make_room, resize};
 use crate::space::row::{Search, Source, Sources};
 
 impl Flow {
@@ -42,7 +43,7 @@ impl Flow {
     fn allow(&mut self) -> f64 {
         let (n, support, late) = (self.liquid(), self.lengths.support, self.lengths.late);
         let equal = 0.5 * (self.slack * support + late);
-        self.allowed.resize(n, 0.0);
+        resize(&mut self.allowed, n, 0.0);
         self.reach.clear();
         if self.lasting == 0.0 {
             self.allowed.fill(equal as f32);
@@ -66,7 +67,7 @@ impl Flow {
         }
         let longest = support - late + 2.0 * most;
         dilate(peaks, scratch, &self.grid, longest);
-        self.reach.resize(n + self.wall.position[0].len(), 0.0);
+        resize(&mut self.reach, n + self.wall.position[0].len(), 0.0);
         let (grid, peaks, base) = (&self.grid, &self.scratch.peaks, (support - late) as f32);
         let allowed = &self.allowed;
         let (liquid, wall) = (&self.particles.position, &self.wall.position);
@@ -94,6 +95,7 @@ impl Flow {
         let n = self.liquid();
         for (home, at) in self.home.iter_mut().zip(&self.at) {
             home.clear();
+            make_room(home, n);
             home.extend_from_slice(&at[..n]);
         }
         let mut rows = std::mem::take(&mut self.rows);

@@ -13,7 +13,7 @@ mod rings;
 mod wall;
 
 use crate::effect::surface::Extra;
-use crate::particle::column::{Columns, Sort, Spare};
+use crate::particle::column::{Columns, Memory, Sort, Spare};
 use crate::particle::{Particles, Wall};
 use crate::scene::{Dimension, Domain, Pairs, Side};
 use crate::space::column;
@@ -24,6 +24,7 @@ use crate::space::mirror::{Mirror, Planes};
 use crate::space::parallel::{each_mut, three};
 use crate::space::ranks::Ranks;
 use crate::space::ranks::halo::Halo;
+use crate::space::room::resize;
 use crate::space::row::Rows;
 use crate::space::sort::Cells;
 use crate::space::sweep::Records;
@@ -351,7 +352,7 @@ impl Flow {
     pub fn place(&mut self) {
         let (n, m, others) = (self.liquid(), self.walls(), self.others());
         for a in 0..3 {
-            self.at[a].resize(n + m + others + WIDTH, 0);
+            resize(&mut self.at[a], n + m + others + WIDTH, 0);
             let (liquid, wall) = (&self.particles.position[a], &self.wall.position[a]);
             let (own, rest) = self.at[a].split_at_mut(n);
             for (x, at) in [(liquid, own), (wall, &mut rest[..m])] {
@@ -372,7 +373,9 @@ impl Flow {
         let n = self.liquid().max(1) as f64;
         let own =
             12 * self.home[0].capacity() + 4 * (self.allowed.capacity() + self.reach.capacity());
-        let p = 8.0 * 7.0 + 5.0 + own as f64 / n;
+        let mut memory = Memory::default();
+        self.particles.view(&mut memory);
+        let p = (memory.bytes + own) as f64 / n;
         let records = (self.records.capacity() * 32 + self.at[0].capacity() * 12) as f64 / n;
         let cells = (self.liquid_cells.order.capacity() * 8
             + self.liquid_cells.start.capacity() * 4) as f64

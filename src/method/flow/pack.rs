@@ -5,6 +5,7 @@ use crate::particle::{Particles, Wall};
 use crate::space::grid::Grid;
 use crate::space::lane::{Record, WIDTH};
 use crate::space::parallel::each_mut;
+use crate::space::room::resize;
 use crate::space::sweep::{Payload, words_of};
 use rayon::prelude::*;
 
@@ -18,7 +19,7 @@ impl Flow {
         let (n, m) = (self.liquid(), self.walls());
         let count = n + m + self.others() + WIDTH;
         let records = self.records.carry::<P>();
-        records.resize(count, Record::default());
+        resize(records, count, Record::default());
         let (p, w) = (&self.particles, &self.wall);
         let (own, rest) = records.split_at_mut(n);
         write(&self.grid, &p.position, own, |i| liquid(p, i));

@@ -98,7 +98,7 @@ impl Flow {
         }
     }
 
-    /// Gives every rank about the same number of particles from the next sort on.
+    /// Gives every rank about the same work from the next sort on.
     pub fn balance(&mut self) {
         let Some(ranks) = &mut self.ranks else {
             return;
@@ -115,7 +115,7 @@ impl Flow {
             true => 0..=grid.count[0],
             false => slab(0.0).ceil() as usize..=slab(self.domain.size[0]).floor() as usize,
         };
-        ranks.balance(&counts, within);
+        ranks.balance(counts, &within);
     }
 
     /// Gives particles to the ranks that own their slabs, with `own` columns and what is `held`

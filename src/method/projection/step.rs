@@ -5,6 +5,7 @@ use crate::method::pass::{Mark, Marked, Moving};
 use crate::method::{Diverged, frame};
 use crate::particle::weight_of;
 use crate::space::parallel::{each_mut, max, sum_mut, three};
+use crate::space::room::resize;
 
 /// Halvings of a step whose pressure cannot be found, or that throws a particle.
 const HALVINGS: usize = 5;
@@ -119,6 +120,7 @@ impl<S: Scheme> Projection<S> {
         // All vectors that are held are found again before they are used.
         self.liquid.confine(&mut self.own);
         self.liquid.ledger.removal += self.stored() - before;
+        self.liquid.flow.balance();
         self.liquid.sort(&mut self.own);
         if self.walls.own.is_empty() && S::walls_are_dense(self) {
             self.look_along_walls();
@@ -156,7 +158,7 @@ impl<S: Scheme> Projection<S> {
     /// (1) without the step: viscosity, gravity, tension at r^n.
     pub(super) fn hold(&mut self, ahead: f64) {
         self.liquid.set_body_force(ahead);
-        self.own.held.resize(self.liquid.len(), [0.0; 3]);
+        resize(&mut self.own.held, self.liquid.len(), [0.0; 3]);
         match self.liquid.flow.is_axial() {
             true => self.look_around_rings(),
             false => S::look_around(self),

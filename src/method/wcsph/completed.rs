@@ -11,6 +11,7 @@ use crate::method::completed::pass;
 use crate::method::completed::ring::alone_of;
 use crate::method::pass::Spared;
 use crate::space::parallel::each_mut;
+use crate::space::room::resize;
 use std::marker::PhantomData;
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
@@ -19,7 +20,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// [`crate::method::flow::Flow::pack_moving`].
     pub(super) fn complete(&mut self, has_moved: bool) {
         let mut completed = std::mem::take(&mut self.own.completed);
-        completed.resize(self.liquid.len(), Completed::default());
+        resize(&mut completed, self.liquid.len(), Completed::default());
         self.look_completed(has_moved, &mut completed);
         self.own.completed = completed;
     }

@@ -7,6 +7,7 @@ use crate::kernel::Kernel;
 use crate::method::Diverged;
 use crate::method::shifting::Shifting;
 use crate::space::parallel::{each_mut, sum_mut, three};
+use crate::space::room::resize;
 
 /// Most acoustic steps in one advective step.
 const MOST: f64 = 20.0;
@@ -122,9 +123,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.pack_force(0.0);
         self.book_walls(dt, is_first);
         if shifts {
-            self.own
-                .driven
-                .resize(self.liquid.len(), Default::default());
+            resize(&mut self.own.driven, self.liquid.len(), Default::default());
             self.pair_force_and_gradient();
         } else {
             self.pair_force(());

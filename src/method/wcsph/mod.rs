@@ -40,6 +40,7 @@ use crate::particle::column::{Entry, Role, Scalars};
 use crate::particle::{Frame, Particles, State};
 use crate::scene::{TimeStepping, WallPressure};
 use crate::space::parallel::{each_mut, max};
+use crate::space::room::resize;
 use std::marker::PhantomData;
 
 /// Kernel sums below this mark the free surface: a flat one has 0.77 (cubic spline, h = 1.3 s0),
@@ -225,7 +226,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     /// sort inside an advective step are needed at its end.
     fn sort(&mut self) {
         self.liquid.sort(&mut self.own);
-        self.own.force.resize(self.liquid.len(), [0.0; 3]);
+        resize(&mut self.own.force, self.liquid.len(), [0.0; 3]);
         self.liquid.flow.find();
     }
 }

@@ -241,7 +241,7 @@ impl Frames {
                 cloud::decode(&message.data, body, &mut frame).map_err(&foreign)?;
             } else if message.is_measures() {
                 (frame.time, frame.scalars) = self.measures.decode(&message).map_err(foreign)?;
-                sort_by_id(&mut frame);
+                frame.sort();
                 return Ok(Some(frame));
             }
         }
@@ -259,29 +259,6 @@ impl Iterator for Frames {
         let frame = self.advance().transpose();
         self.done = !matches!(frame, Some(Ok(_)));
         frame
-    }
-}
-
-/// Bodies follow each other, and usually ids do, too: then there is nothing to sort.
-fn sort_by_id(frame: &mut Frame) {
-    if frame.id.is_sorted() {
-        return;
-    }
-    let mut order: Vec<usize> = (0..frame.id.len()).collect();
-    order.sort_by_key(|i| frame.id[*i]);
-    fn permute<T: Copy>(values: &mut Vec<T>, order: &[usize]) {
-        *values = order.iter().map(|i| values[*i]).collect();
-    }
-    permute(&mut frame.id, &order);
-    permute(&mut frame.body, &order);
-    for component in frame.position.iter_mut().chain(&mut frame.velocity) {
-        permute(component, &order);
-    }
-    permute(&mut frame.pressure, &order);
-    permute(&mut frame.density, &order);
-    permute(&mut frame.surface, &order);
-    if !frame.mass.is_empty() {
-        permute(&mut frame.mass, &order);
     }
 }
 

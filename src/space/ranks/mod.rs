@@ -10,10 +10,12 @@
 //! Tests: tests/engine/method_ranks.rs.
 
 pub mod halo;
+pub mod load;
 pub mod local;
 pub mod span;
 
-use super::grid::{Grid, WIDE};
+use super::grid::Grid;
+use load::Load;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use span::Span;
@@ -63,6 +65,7 @@ pub struct Ranks {
     pub cuts: Vec<usize>,
     /// First particle of each rank in the order of all, and their number.
     pub first: Arc<[usize]>,
+    load: Load,
 }
 
 impl Ranks {
@@ -70,10 +73,12 @@ impl Ranks {
     pub fn new(with: Arc<dyn Communicator>, grid: &Grid, count: usize) -> Self {
         let mut cuts = vec![grid.count[0]; with.size() + 1];
         cuts[0] = 0;
+        let load = Load::new(with);
         let mut ranks = Ranks {
-            with,
+            with: load.with(),
             cuts,
             first: Arc::new([]),
+            load,
         };
         ranks.count(count);
         ranks
@@ -118,32 +123,15 @@ impl Ranks {
         Span::shared(&self.with, &starts, starts[self.rank()])
     }
 
-    /// Gives every rank slabs with about the same number of particles: `counts` are those of this
-    /// rank in each slab. Slabs that sums look at together stay together, and no rank begins
-    /// outside of those `within`.
-    pub fn balance(&mut self, counts: &[u32], within: RangeInclusive<usize>) {
-        let all = self.gather(&counts.to_vec());
-        let mut counts = vec![0u64; counts.len()];
-        for of_rank in all {
-            counts
-                .iter_mut()
-                .zip(of_rank)
-                .for_each(|(sum, c)| *sum += c as u64);
-        }
-        let total: u64 = counts.iter().sum();
-        let (mut slab, mut before) = (0, 0);
-        for rank in 1..self.size() {
-            let wanted = total * rank as u64 / self.size() as u64;
-            while slab < counts.len() {
-                let end = (slab + WIDE).min(counts.len());
-                let here: u64 = counts[slab..end].iter().sum();
-                // The nearer of the two sides of a block.
-                if before + here / 2 >= wanted && within.contains(&slab) {
-                    break;
-                }
-                (slab, before) = (end, before + here);
-            }
-            self.cuts[rank] = slab;
+    /// Gives every rank slabs that take it about the same time: `counts` are the particles of this
+    /// rank in each slab; no rank begins outside of those `within`. Call it at the start of a step.
+    pub fn balance(&mut self, counts: Vec<u32>, within: &RangeInclusive<usize>) {
+        let own = counts.iter().map(|count| *count as usize).sum();
+        let cost = self.load.lap(own);
+        let costs = load::costs(&self.gather(&(counts, cost)));
+        let cuts = load::cuts(&costs, self.size(), within);
+        if load::is_worth(&costs, &self.cuts, &cuts) {
+            self.cuts = cuts;
         }
     }
 

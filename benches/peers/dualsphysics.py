@@ -25,7 +25,6 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 REPOSITORY = "https://github.com/DualSPHysics/DualSPHysics"
-# Version 5.4.355.
 COMMIT = "ef3721a861fda961f0e2f9ec4cd317b19de99086"
 OPTIONS = [
     "COMPILE_CHRONO=NO",
@@ -141,8 +140,12 @@ def built(folder):
     source = os.environ.get("DUALSPHYSICS")
     top = pathlib.Path(source) if source else folder / "DualSPHysics"
     if not top.exists():
-        run(["git", "clone", "--filter=blob:none", "--no-checkout", REPOSITORY, top])
-        run(["git", "checkout", COMMIT, "--", "src/source"], cwd=top)
+        # Under another name until it is whole.
+        part = folder / "DualSPHysics.part"
+        shutil.rmtree(part, ignore_errors=True)
+        run(["git", "clone", "--filter=blob:none", "--no-checkout", REPOSITORY, part])
+        run(["git", "checkout", COMMIT, "--", "src/source"], cwd=part)
+        part.rename(top)
     code = top / "src" / "source"
     place = top / "bin" / "linux"
     place.mkdir(parents=True, exist_ok=True)
@@ -164,7 +167,7 @@ def measured(words):
         child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode:
         sys.exit(f"{words[0]} ended with {child.returncode}\n{text[-3000:]}")
-    return text, usage.ru_utime, 1024 * usage.ru_maxrss
+    return text, usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss
 
 
 def peer(folder, program, writer, side, end):
@@ -181,7 +184,8 @@ def peer(folder, program, writer, side, end):
         text, cpu, memory = measured(words)
         steps = re.search(r"Steps of simulation\.*: ([\d.,']+)", text)
         steps = int(re.sub(r"\D", "", steps[1]))
-        return {"steps": steps, "cpu": cpu, "memory": memory, "particles": liquid}
+        version = re.search(r"v(\d+\.\d+\.\d+)", text)[1]
+        return {"steps": steps, "cpu": cpu, "memory": memory, "particles": liquid, "of": version}
 
     return turn
 
@@ -268,15 +272,17 @@ def report(found):
         print(*row)
     if into:
         stamp = found["coronet paper"][0]["stamp"]
-        pathlib.Path(into).write_text(headed(stamp, rows))
+        version = found["DualSPHysics"][0]["of"]
+        pathlib.Path(into).write_text(headed(stamp, version, rows))
 
 
-def headed(stamp, rows):
+def headed(stamp, version, rows):
     """A table with its origin, as the tables of docs/results need it."""
     here = stamp["machine"]
     part = re.search(r'part\("wcsph", (\d+)\)', (ROOT / "stages/jobs.rs").read_text())[1]
+    fetched = "" if "DUALSPHYSICS" in os.environ else f", commit {COMMIT[:12]}"
     head = {
-        "version": f"{stamp['program']}; DualSPHysics 5.4.355, commit {COMMIT[:12]}",
+        "version": f"{stamp['program']}; DualSPHysics {version}{fetched}",
         "flow": stamp["version"],
         "parts": f"wcsph {part}",
         "machine": f"{here['processor']}, {here['cores']} cores, {here['system']}",

@@ -65,6 +65,7 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
             PipelineError::UnknownStage { .. }
             | PipelineError::UnknownPipeline { .. }
             | PipelineError::Name { .. }
+            | PipelineError::Within { .. }
             | PipelineError::NoNames { .. }
             | PipelineError::NotAStore { .. } => Some(USAGE),
             PipelineError::Busy { .. } => Some(BUSY),

@@ -7,7 +7,7 @@
 //! shorter run are exactly the first frames of a longer one, with any interruptions.
 
 use coronet::measure::series::Row;
-use coronet::measure::{gauge, loss};
+use coronet::measure::{kind, loss};
 use coronet::method::frame::Schedule;
 use coronet::method::{self, Phase, Solver};
 use coronet::particle::wall;
@@ -69,6 +69,11 @@ impl Stage for Impact<'_> {
 
     fn extends(&self) -> Option<&str> {
         Some("impact.end")
+    }
+
+    fn begins_from(&self, relatives: &[Relative]) -> Option<usize> {
+        let instants = self.instants(relatives, f64::NEG_INFINITY).ok()?;
+        instants.first().map(|(_, index, _)| *index)
     }
 
     fn work(&self) -> Option<Work> {
@@ -225,11 +230,16 @@ impl Impact<'_> {
         })
     }
 
-    /// The latest usable instant after `since` of a finished run with another end.
-    fn relative(&self, context: &Context, since: f64) -> Result<Option<Start>, StageError> {
+    /// Instants after `since` of finished runs with another end from which this one can start, the
+    /// latest first: time, index of the run, file.
+    fn instants<'a>(
+        &self,
+        relatives: &'a [Relative],
+        since: f64,
+    ) -> Result<Vec<(f64, usize, &'a str)>, StageError> {
         let end = self.input.impact.end;
         let mut candidates = Vec::new();
-        for relative in &context.relatives {
+        for (index, relative) in relatives.iter().enumerate() {
             for output in &relative.stamp.outputs {
                 let path = relative.folder.join(&output.file);
                 let is_state = output.file == STATE || output.file.starts_with(flight::KEPT);
@@ -247,12 +257,18 @@ impl Impact<'_> {
                 // this end; of other instants only those before this end are useful.
                 let shorter = output.file == STATE && run_end(relative).is_some_and(|e| e <= end);
                 if peek.time > since && (peek.time < end || shorter) {
-                    candidates.push((peek.time, relative, output.file.as_str()));
+                    candidates.push((peek.time, index, output.file.as_str()));
                 }
             }
         }
         candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
-        for (_, relative, file) in candidates {
+        Ok(candidates)
+    }
+
+    /// The latest usable instant after `since` of a finished run with another end.
+    fn relative(&self, context: &Context, since: f64) -> Result<Option<Start>, StageError> {
+        for (_, index, file) in self.instants(&context.relatives, since)? {
+            let relative = &context.relatives[index];
             match adopt(context, relative, file)? {
                 Ok(start) => return Ok(Some(start)),
                 Err(what) => {
@@ -295,7 +311,7 @@ impl Impact<'_> {
         } = &self.input;
         let (wall, text) = (wall::build(problem), self.text.to_string());
         let setup = LogSetup {
-            contact: gauge::contact(&self.input.scene().whole()),
+            contact: kind::contact(&self.input.scene().whole()),
             ..LogSetup::new(problem, frames, &wall, text, provenance)
         };
         let segment = next_segment(context)?;

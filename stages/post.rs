@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use coronet::draw::post;
+use coronet::measure::series::Reference;
 use coronet::particle::Frame;
 use coronet::pipeline::stamp::StampError;
 use coronet::pipeline::{
     Context, Identity, Output, Progress, Stage, StageError, Stamp, Store, Work,
 };
 use coronet::record::log;
-use coronet::scene::input::PostInput;
+use coronet::scene::input::{Curve, PostInput};
 
 use crate::journal::FRAMES;
 use crate::print::counted;
@@ -41,6 +42,19 @@ pub struct Post<'a> {
     pub identity: Identity,
 }
 
+impl Post<'_> {
+    /// The tables of the curves, of the bytes that the key knows.
+    fn references(&self) -> Result<Vec<(String, Reference)>, StageError> {
+        let curves = self.input.post.references.iter();
+        let table = |curve: &Curve| {
+            let path = self.folder.join(&curve.path);
+            let table = Reference::parse(&path, &curve.bytes, curve.clock);
+            Ok((curve.label.clone(), table.map_err(StageError::failed)?))
+        };
+        curves.map(table).collect()
+    }
+}
+
 impl Stage for Post<'_> {
     fn identity(&self) -> &Identity {
         &self.identity
@@ -58,9 +72,9 @@ impl Stage for Post<'_> {
         let path = context.verified(0, FRAMES)?;
         let scene = &self.input.scene();
         let out = context.output();
-        let mut post = post::Post::new(scene, self.folder, &out).map_err(StageError::failed)?;
+        let mut post = post::Post::new(scene, self.references()?, &out);
         for text in unrest(context)? {
-            post.remark(format!("Warning: {text}."));
+            post.warn(format!("{text}."));
             context.note(text);
         }
         for text in ends(context) {
@@ -130,7 +144,8 @@ fn unrest(context: &Context) -> Result<Vec<String>, StageError> {
             Ok(None) | Err(_) => continue,
         };
         let restless = stamp.notes.iter().filter(|note| note.starts_with(UNREST));
-        texts.extend(restless.map(|note| format!("body `{}` starts {note}", input.body)));
+        texts
+            .extend(restless.map(|note| format!("body `{}` begins the impact {note}", input.body)));
     }
     Ok(texts)
 }

@@ -7,8 +7,8 @@ use std::time::SystemTime;
 use anyhow::{Context as _, Error, Result};
 use coronet::file::{changed, exists};
 use coronet::measure::answer::Figures;
-use coronet::pipeline::latest::{self, MANIFEST};
-use coronet::pipeline::name::is_name;
+use coronet::pipeline::latest;
+use coronet::pipeline::name::{MANIFEST, is_name};
 use coronet::pipeline::progress::Unfinished;
 use coronet::pipeline::{Stamp, Store};
 
@@ -110,7 +110,8 @@ impl Run {
             .transpose()
     }
 
-    /// Names and values of all settings. Where stages differ in one, the later stage counts.
+    /// Names and values of all settings. Where stages differ in one, the impact counts, then the
+    /// evaluation.
     pub fn settings(&self) -> Vec<(String, String)> {
         let order = ["impact", "post", "pack", "relax", "calibrate"];
         let place = |stage: &str| order.iter().position(|known| *known == stage);

@@ -1,7 +1,7 @@
 //! The plots of a scene, with the reference curves in them.
 
 use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
-use crate::measure::gauge::Kind;
+use crate::measure::kind::Kind;
 use crate::measure::series::{Reference, Series};
 use crate::measure::summary;
 use crate::scene::Scene;

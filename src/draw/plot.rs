@@ -81,10 +81,15 @@ impl Letters {
         ("sans-serif", self.em * UNIT).into_font().color(&TEXT)
     }
 
-    /// Larger and bold.
-    pub fn title(self) -> TextStyle<'static> {
-        let font = ("sans-serif", 1.2 * self.em * UNIT).into_font();
-        font.style(FontStyle::Bold).color(&TEXT)
+    /// Draws a title, larger and bold, as large as there is room for.
+    pub fn title(self, root: &Area, title: &str) -> Result<(), Failure> {
+        let at = (self.ems(0.9), self.ems(0.7));
+        let room = root.dim_in_pixel().0 as i32 - 2 * at.0;
+        let wide = 1.2 * self.em * UNIT * Weight::Bold.length(title);
+        let fit = (f64::from(room) / wide).min(1.0);
+        let font = ("sans-serif", 1.2 * fit * self.em * UNIT).into_font();
+        let style = font.style(FontStyle::Bold).color(&TEXT);
+        root.draw(&Text::new(title.to_string(), at, style))
     }
 
     /// A length in ems, in units of the library.
@@ -169,8 +174,7 @@ impl Plot {
         let mut sheet = Sheet::new(size);
         let recorder = Recorder { sheet: &mut sheet };
         let root = recorder.into_drawing_area();
-        let at = (letters.ems(0.9), letters.ems(0.7));
-        root.draw(&Text::new(self.title.clone(), at, letters.title()))?;
+        letters.title(&root, &self.title)?;
         let below = self.draw_legend(&root, letters)?;
         let [x, y] = self.ranges();
         // Marks about six ems apart along x, three along y.

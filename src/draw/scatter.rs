@@ -101,8 +101,7 @@ impl Scatter {
         };
         let mut sheet = Sheet::new(plot_size(style));
         let root = Recorder { sheet: &mut sheet }.into_drawing_area();
-        let at = (letters.ems(0.9), letters.ems(0.7));
-        root.draw(&Text::new(self.title.clone(), at, letters.title()))?;
+        letters.title(&root, &self.title)?;
         let below = self.draw_legend(&root, letters)?;
         let axis = |axis: usize| {
             let range = self.range(axis);
@@ -163,6 +162,11 @@ impl Scatter {
         let points = self.clouds.iter().flat_map(|cloud| &cloud.points);
         let about = |(x, y): (i32, i32)| [x - half, y - half, x + half, y + half];
         let mut taken: Vec<[i32; 4]> = points.map(|(p, _)| about(place(p))).collect();
+        // Beyond the edges there is no room.
+        let (wide, high) = root.dim_in_pixel();
+        let (wide, high) = (wide as i32, high as i32);
+        taken.push([wide, 0, 2 * wide, high]);
+        taken.push([-wide, 0, 0, high]);
         for cloud in self.clouds.iter().filter(|c| c.mark == Mark::Disc) {
             let [r, g, b] = cloud.colour;
             let colour = RGBColor(r, g, b);

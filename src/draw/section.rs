@@ -12,6 +12,24 @@ pub fn width(scene: &Scene) -> usize {
     ((8.0 * particles) as usize * 2).clamp(520, 880)
 }
 
+/// What slice and view show, a sentence.
+pub fn words(scene: &Scene) -> String {
+    match (scene.dimension, scene.domain.is_axial()) {
+        (_, true) => "Section through the axis, and bird's-eye view.".into(),
+        (Dimension::Two, _) => "All particles of the plane.".into(),
+        (Dimension::Three, _) => {
+            let thickness = 1e3 * thickness(scene);
+            format!("Section of {thickness:.3} mm through the axis, and bird's-eye view.")
+                .replace(".000 mm", " mm")
+        }
+    }
+}
+
+/// m.
+fn thickness(scene: &Scene) -> f64 {
+    THICKNESS.max(scene.spacing)
+}
+
 /// The particles of the slice at one instant.
 pub struct Section {
     /// Label of the picture.
@@ -23,7 +41,7 @@ pub struct Section {
 impl Section {
     /// `at`: lateral y of the axis, m.
     pub fn new(scene: &Scene, frame: &Frame, at: f64, label: String) -> Section {
-        let half = 0.5 * THICKNESS.max(scene.spacing);
+        let half = 0.5 * thickness(scene);
         let flat = scene.dimension == Dimension::Two;
         let [x, y, z] = &frame.position;
         let near = |&i: &usize| flat || (f64::from(y[i]) - at).abs() <= half;

@@ -77,15 +77,8 @@ pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
 }
 
 /// The content of a text file without the byte order mark with which spreadsheets begin one.
-///
-/// # Errors
-/// Those of [`read`].
-pub fn read_text(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
-    let mut content = read(path, limit)?;
-    if content.starts_with(b"\xef\xbb\xbf") {
-        content.drain(..3);
-    }
-    Ok(content)
+pub fn without_mark(content: &[u8]) -> &[u8] {
+    content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(content)
 }
 
 /// As [`read`], but the last component of `path` must not be a symbolic link.

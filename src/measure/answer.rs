@@ -3,7 +3,7 @@
 //!
 //! Test: tests/pipeline/runs.rs.
 
-use super::gauge::{self, Kind, strikes_wall};
+use super::kind::{self, Kind, strikes_wall};
 use super::series::Series;
 use super::summary::{digits, jet_crosses, leaves_wall, period};
 use super::{conservation, loss};
@@ -95,7 +95,7 @@ impl Figures {
     /// Of a run of `scene` with these measures.
     pub fn new(scene: &Scene, measures: Series) -> Figures {
         let whole = scene.whole();
-        let meeting = gauge::contact(&whole);
+        let meeting = kind::contact(&whole);
         let contact = meeting.unwrap_or(0.0);
         Figures {
             answers: of(&whole, Kind::new(&whole), &measures, contact),

@@ -7,7 +7,10 @@ use super::raster::Raster;
 impl Raster {
     /// Area of the surface, m^2 (length, m, in 2-D): the integral of |∇G(φ)| with
     /// `G = φ − sin(2πφ)/2π`, which goes from 0 to 1 and is insensitive to ripples at both ends.
-    pub fn surface_area(&self) -> f64 {
+    ///
+    /// `weight`: of what lies at x, m; 1, or pi times the distance from the axis through which the
+    /// raster is a section.
+    pub fn surface_area(&self, weight: impl Fn(f64) -> f64 + Sync) -> f64 {
         let cell: f64 = (0..3)
             .filter(|&a| self.edge[a] > 1)
             .map(|a| self.spacing[a])
@@ -16,7 +19,7 @@ impl Raster {
             .into_par_iter()
             .map(|block| {
                 if self.is_summed(block) {
-                    self.block_area(block)
+                    self.block_area(block, &weight)
                 } else {
                     0.0
                 }
@@ -27,7 +30,7 @@ impl Raster {
 
     /// Sum over the cells whose low corner is a node of the block. Differences of G along the axes
     /// are exact across a flat surface however few nodes it spans.
-    fn block_area(&self, block: usize) -> f64 {
+    fn block_area(&self, block: usize, weight: &impl Fn(f64) -> f64) -> f64 {
         let mut total = 0.0;
         self.for_nodes(block, |node| {
             let Some(corner) = self.corners(node) else {
@@ -50,7 +53,9 @@ impl Raster {
                 let difference = corner.iter().enumerate().map(signed).sum::<f64>() / 4.0;
                 square += (difference / self.spacing[axis]).powi(2);
             }
-            total += square.sqrt();
+            // A cell begins at its node.
+            let x = self.coordinate(0, node[0]) + 0.5 * self.spacing[0];
+            total += weight(x) * square.sqrt();
         });
         total
     }

@@ -2,7 +2,8 @@
 //!
 //! Shape: semi-axes of the ellipsoid with the body's second moments,
 //! `a = √((d + 2) (⟨x²⟩ + s0²/12))`: each particle represents a cube of side s0. The amplitude of
-//! the n = 2 oscillation follows from `r = R (1 + ε P2)` in 3-D, `r = R (1 + ε cos 2θ)` in 2-D.
+//! the n = 2 oscillation follows from `r = R (1 + ε P2)` in 3-D, `r = R (1 + ε cos 2θ)` in 2-D. Of
+//! a body of revolution, of which there is the section, ⟨x²⟩ is half of ⟨r²⟩.
 //!
 //! Spread on a dry wall: diameter of the area within the outer contact line over the drop's; holes
 //! in the film count as film. Front: dam break.
@@ -21,24 +22,33 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// `None` without particles.
-    pub fn new(frame: &Frame, dimension: Dimension, particle_spacing: f64) -> Option<Shape> {
-        let n = frame.id.len();
-        if n == 0 {
+    /// `None` without particles. `is_revolved`: the frame is a section through an axis.
+    pub fn new(
+        frame: &Frame,
+        dimension: Dimension,
+        is_revolved: bool,
+        particle_spacing: f64,
+    ) -> Option<Shape> {
+        let mass = |i: usize| frame.mass.get(i).map_or(1.0, |mass| f64::from(*mass));
+        let n = (0..frame.id.len()).map(mass).sum::<f64>();
+        if n <= 0.0 {
             return None;
         }
-        let factor = dimension.count() as f64 + 2.0;
+        let sides = if is_revolved { 3 } else { dimension.count() };
+        let factor = sides as f64 + 2.0;
         let mut shape = Shape {
             centre: [0.0; 3],
             semi_axes: [0.0; 3],
         };
         for axis in 0..3 {
             let x = &frame.position[axis];
-            let mean = x.iter().fold(0.0, |sum, &x| sum + f64::from(x)) / n as f64;
-            let square = x
-                .iter()
-                .fold(0.0, |sum, &x| sum + (f64::from(x) - mean).powi(2))
-                / n as f64;
+            let each = || x.iter().enumerate().map(|(i, &x)| (mass(i), f64::from(x)));
+            let mean = each().fold(0.0, |sum, (m, x)| sum + m * x) / n;
+            let square = each().fold(0.0, |sum, (m, x)| sum + m * (x - mean).powi(2)) / n;
+            let square = match is_revolved && axis == 0 {
+                true => 0.5 * square,
+                false => square,
+            };
             shape.centre[axis] = mean;
             if axis != 1 || dimension == Dimension::Three {
                 let filled = square + particle_spacing.powi(2) / 12.0;
@@ -53,10 +63,10 @@ impl Shape {
         self.semi_axes[2] / self.lateral(dimension)
     }
 
-    /// Amplitude ε of the n = 2 mode, positive when upright.
-    pub fn amplitude(&self, dimension: Dimension) -> f64 {
+    /// Amplitude ε of the n = 2 mode in `space`, positive when upright; `dimension`: of the frame.
+    pub fn amplitude(&self, dimension: Dimension, space: Dimension) -> f64 {
         let (a, b) = (self.semi_axes[2], self.lateral(dimension));
-        match dimension {
+        match space {
             // a = R (1 + ε), b = R (1 − ε/2).
             Dimension::Three => 2.0 * (a - b) / (a + 2.0 * b),
             Dimension::Two => (a - b) / (a + b),

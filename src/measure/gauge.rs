@@ -4,154 +4,16 @@ use super::contact::Contact;
 use super::drop::{Front, Shape, Spread};
 use super::energy;
 use super::force::{self, Impulse};
+use super::kind::{Kind, contact, other_drops};
+use super::piece::Whole;
 use super::pool::{self, Axis, Pool};
 use super::raster::Raster;
 use super::region::Region;
 use super::series::Row;
 use crate::particle::Frame;
-use crate::scene::{Body, Clock, Dimension, Motion, Scene, Shape as Geometry, Side};
-
-/// Kind of a scene, from its bodies.
-#[derive(Clone, Copy, Debug)]
-pub enum Kind {
-    /// A drop falls into a pool: crater, crown, jet.
-    Pool(Axis),
-    /// A drop falls on a dry wall: spread.
-    Wall(Axis),
-    /// Drops and blocks in free space: shape.
-    Shape,
-    /// A column that collapses: front.
-    Front,
-    /// Liquid at rest under gravity: its level.
-    Level,
-    /// No surface.
-    Bulk,
-}
-
-impl Kind {
-    /// The kind of `scene`, from its bodies and its box.
-    pub fn new(scene: &Scene) -> Kind {
-        let layer = scene
-            .bodies
-            .iter()
-            .any(|b| matches!(b.shape, Geometry::Layer { .. }));
-        let drop = drop(scene);
-        let wets = scene.effects.wetting.is_some();
-        let down = wets || scene.effects.gravity.is_some_and(|g| g[2] < 0.0);
-        let floor = scene.domain.boundary[2][0] == Side::Wall;
-        match drop {
-            Some((_, axis)) if layer => Kind::Pool(axis),
-            Some((body, axis)) if floor && (down || speed_down(body) > 0.0) => Kind::Wall(axis),
-            Some(_) => Kind::Shape,
-            None if layer && floor => Kind::Level,
-            None => Kind::of_blocks(scene, down && floor),
-        }
-    }
-
-    fn of_blocks(scene: &Scene, falls: bool) -> Kind {
-        let size = scene.domain.size;
-        let near = 0.5 * scene.spacing;
-        let spans = |axis: usize| {
-            let flat = axis == 1 && scene.dimension == Dimension::Two;
-            flat || scene.bodies.iter().any(|body| match body.shape {
-                Geometry::Block { low, high } => low[axis] < near && high[axis] > size[axis] - near,
-                Geometry::Layer { depth } => axis < 2 || depth > size[2] - near,
-                _ => false,
-            })
-        };
-        match (spans(0) && spans(1), spans(2), falls) {
-            (true, true, _) => Kind::Bulk,
-            (true, false, true) => Kind::Level,
-            (false, _, true) => Kind::Front,
-            _ => Kind::Shape,
-        }
-    }
-}
-
-/// The body that is measured as the drop, with its axis: the falling drop that arrives first, else
-/// the first of the file.
-fn drop(scene: &Scene) -> Option<(&Body, Axis)> {
-    let bodies = scene.bodies.iter();
-    let drops = bodies.filter_map(|body| axis(scene, body).map(|axis| (body, axis)));
-    let key = |body: &Body| arrival(scene, body).unwrap_or(f64::INFINITY);
-    drops.min_by(|(a, _), (b, _)| key(a).total_cmp(&key(b)))
-}
-
-/// Axis of a drop, or of a block that becomes a drop on a wall with a contact angle: with the
-/// diameter of equal volume.
-fn axis(scene: &Scene, body: &Body) -> Option<Axis> {
-    let (centre, diameter) = match &body.shape {
-        Geometry::Sphere { centre, radius } => (*centre, 2.0 * radius),
-        Geometry::Ellipsoid { centre, semi_axes } => (*centre, 2.0 * semi_axes[0]),
-        Geometry::Block { low, high } if scene.effects.wetting.is_some() => {
-            let radius = body.shape.equivalent_radius(&scene.domain, scene.dimension);
-            ([0, 1, 2].map(|a| 0.5 * (low[a] + high[a])), 2.0 * radius)
-        }
-        _ => return None,
-    };
-    Some(Axis {
-        at: [centre[0], centre[1]],
-        diameter,
-    })
-}
-
-fn speed_down(body: &Body) -> f64 {
-    match body.motion {
-        Motion::Uniform(v) => -v[2],
-        _ => 0.0,
-    }
-}
-
-/// The axes of all drops but the one that is measured.
-fn other_drops(scene: &Scene, measured: &Axis) -> Vec<Axis> {
-    let all = scene.bodies.iter().filter_map(|body| axis(scene, body));
-    all.filter(|axis| axis.at != measured.at).collect()
-}
-
-/// [`contact`], 0 if it never happens. Plots count from it, and references with
-/// [`Clock::Contact`](crate::scene::Clock::Contact).
-pub fn contact_time(scene: &Scene) -> f64 {
-    contact(scene).unwrap_or(0.0)
-}
-
-/// Time at which the freely falling drop meets pool or wall, s from the start of the run: by the
-/// law of free fall, not by the particles, so that it is the same for all methods and spacings. 0
-/// if they touch from the start, `None` if nothing falls on anything.
-pub fn contact(scene: &Scene) -> Option<f64> {
-    if !matches!(Kind::new(scene), Kind::Pool(_) | Kind::Wall(_)) {
-        return None;
-    }
-    let (body, _) = drop(scene)?;
-    let touches = drop_height(scene, body) <= 0.0;
-    arrival(scene, body).or(touches.then_some(0.0))
-}
-
-/// Time at which a freely falling body meets pool or floor, s; `None` if it does not fall.
-fn arrival(scene: &Scene, body: &Body) -> Option<f64> {
-    let height = drop_height(scene, body).max(0.0);
-    let pull = scene.effects.gravity.map_or(0.0, |g| -g[2]);
-    let speed = speed_down(body);
-    let square = speed * speed + 2.0 * pull * height;
-    // The root of speed t + pull t^2 / 2 = height, in a form without cancellation.
-    let mean = speed + square.sqrt();
-    (mean > 0.0).then(|| 2.0 * height / mean)
-}
-
-/// Height of the lowest point of a body above the pool or the floor, m.
-fn drop_height(scene: &Scene, body: &Body) -> f64 {
-    body.shape.bounds(&scene.domain, scene.dimension).0[2] - scene.pool_depth().unwrap_or(0.0)
-}
-
-/// Whether a single drop falls on a dry wall: it moves towards it, or starts above it under
-/// gravity. Without that there is neither a lamella nor a rebound.
-pub fn strikes_wall(scene: &Scene) -> bool {
-    let whole = scene.whole();
-    let lone = whole.bodies.len() == 1 && matches!(Kind::new(&whole), Kind::Wall(_));
-    lone && drop(&whole).is_some_and(|(body, _)| {
-        let is_above = drop_height(&whole, body) > 0.5 * whole.spacing;
-        arrival(&whole, body).is_some() && (is_above || speed_down(body) > 0.0)
-    })
-}
+use crate::scene::{Clock, Dimension, Scene};
+use std::borrow::Cow;
+use std::f64::consts::PI;
 
 /// Measures frames of one scene, in their order.
 pub struct Gauge {
@@ -207,16 +69,23 @@ impl Gauge {
         let mut area = None;
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;
+            let whole = self.piece(frame);
             let raster = Raster::new(
                 scene.dimension,
                 &scene.domain,
                 scene.spacing,
-                &frame.position,
+                &whole.frame.position,
             );
             let region = Region::new(&raster);
-            self.measure_region(&region, frame, &mut start.level, &mut row);
+            self.measure_region(&region, &whole, &mut start.level, &mut row);
             if scene.effects.tension.is_some() {
-                area = Some(raster.surface_area());
+                area = Some(match scene.domain.is_revolved() {
+                    true => {
+                        let axis = 0.5 * scene.domain.size[0];
+                        raster.surface_area(|x| PI * (x - axis).abs())
+                    }
+                    false => raster.surface_area(|_| 1.0),
+                });
             }
         }
         if !frame
@@ -248,22 +117,35 @@ impl Gauge {
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;
             let (domain, spacing) = (&scene.domain, scene.spacing);
-            let raster = Raster::new(scene.dimension, domain, spacing, &frame.position);
+            let whole = self.piece(frame);
+            let position = &whole.frame.position;
+            let raster = Raster::new(scene.dimension, domain, spacing, position);
             let mut level = self.start.level;
-            self.measure_region(&Region::new(&raster), frame, &mut level, &mut row);
+            self.measure_region(&Region::new(&raster), &whole, &mut level, &mut row);
             self.start.level = level;
         }
         row.0
     }
 
+    /// What is no pool, in one piece.
+    fn piece<'a>(&self, frame: &'a Frame) -> Whole<'a> {
+        match self.kind {
+            Kind::Wall(_) | Kind::Shape => Whole::of(&self.scene, frame),
+            _ => Whole {
+                frame: Cow::Borrowed(frame),
+                moved: [0.0; 3],
+            },
+        }
+    }
+
     fn measure_region(
         &self,
         region: &Region,
-        frame: &Frame,
+        whole: &Whole,
         level: &mut Option<f64>,
         row: &mut Table,
     ) {
-        let scene = &self.scene;
+        let (scene, frame) = (&self.scene, &*whole.frame);
         match self.kind {
             Kind::Pool(axis) => {
                 let nominal = scene.pool_depth().unwrap_or(0.0);
@@ -274,17 +156,18 @@ impl Gauge {
                     &Pool::beside(region, &axis, &others, scene.dimension, level),
                     row,
                 );
-                row.put("detached_part", region.detached(&frame.position));
+                row.put("detached_part", region.detached(frame));
                 row.put("highest_particle_m", highest(frame) - level);
             }
             Kind::Wall(axis) => {
-                let spread = Spread::new(region, axis.at, axis.diameter, scene.dimension);
+                let at = [0, 1].map(|a| whole.moved(scene, a, axis.at[a]));
+                let spread = Spread::new(region, at, axis.diameter, scene.dimension);
                 row.put("spread_factor", spread.wetted);
                 row.put("dry_part", spread.dry);
                 row.put("max_diameter_factor", spread.largest);
                 // With several drops all but one are detached from the main body.
                 if scene.bodies.len() == 1 {
-                    row.put("detached_part", region.detached(&frame.position));
+                    row.put("detached_part", region.detached(frame));
                 }
                 row.put_some("apex_height_m", spread.apex);
                 row.put("highest_particle_m", highest(frame));
@@ -307,25 +190,34 @@ impl Gauge {
                 row.put_some("surface_level_m", pool::far_level(region, &middle));
                 row.put("pressure_max_Pa", pressure_max(frame));
             }
-            Kind::Shape => self.measure_shape(frame, row),
+            Kind::Shape => self.measure_shape(whole, row),
             Kind::Bulk => {}
         }
     }
 
-    fn measure_shape(&self, frame: &Frame, row: &mut Table) {
-        let scene = &self.scene;
-        let shape = Shape::new(frame, scene.dimension, scene.spacing);
+    fn measure_shape(&self, whole: &Whole, row: &mut Table) {
+        let (scene, frame) = (&self.scene, &*whole.frame);
+        let is_revolved = scene.domain.is_revolved();
+        let space = match is_revolved {
+            true => Dimension::Three,
+            false => scene.dimension,
+        };
+        let shape = Shape::new(frame, scene.dimension, is_revolved, scene.spacing);
         let names = ["centre_x_m", "centre_y_m", "centre_z_m"];
         for (axis, name) in names.iter().enumerate() {
             if axis != 1 || scene.dimension == Dimension::Three {
-                row.put_some(name, shape.map(|s| s.centre[axis]));
+                let centre = shape.map(|s| whole.place(scene, axis, s.centre[axis]));
+                row.put_some(name, centre);
             }
         }
         row.put_some(
             "aspect_ratio",
             shape.map(|s| s.aspect_ratio(scene.dimension)),
         );
-        row.put_some("amplitude", shape.map(|s| s.amplitude(scene.dimension)));
+        row.put_some(
+            "amplitude",
+            shape.map(|s| s.amplitude(scene.dimension, space)),
+        );
         if let (Some(_), [drop]) = (scene.effects.tension, scene.bodies.as_slice()) {
             let radius = drop.shape.equivalent_radius(&scene.domain, scene.dimension);
             let pressure = shape.and_then(|s| s.core_pressure(frame, radius));

@@ -3,7 +3,7 @@
 //!
 //! Test: tests/engine/measure_lamella.rs.
 
-use super::gauge::strikes_wall;
+use super::kind::strikes_wall;
 use crate::scene::lamella::Thickness;
 use crate::scene::{Dimension, Scene, numbers};
 

@@ -92,12 +92,8 @@ fn for_columns(region: &Region, mut visit: impl FnMut(usize, usize)) {
 }
 
 impl Pool {
-    /// Measures with the initial level at `level`, m above the floor.
-    pub fn new(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Pool {
-        Pool::beside(region, axis, &[], dimension, level)
-    }
-
-    /// As [`Pool::new`], for one of several drops; `others`: the axes of the other drops.
+    /// Measures with the initial level at `level`, m above the floor; `others`: the axes of the
+    /// other drops.
     pub fn beside(
         region: &Region,
         axis: &Axis,

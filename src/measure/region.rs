@@ -1,6 +1,7 @@
 //! Connected regions on the grid: the gas that is open above, and the largest body of liquid.
 
 use super::raster::{LEVEL, Raster};
+use crate::particle::Frame;
 
 /// Region of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,13 +69,18 @@ impl<'a> Region<'a> {
         None
     }
 
-    /// Part of the particles (positions in m) that is detached from the main body: farther than a
-    /// spacing from its inside. Particles at its surface belong to it, although φ < 1/2 there.
-    pub fn detached(&self, position: &[Vec<f32>; 3]) -> f64 {
-        let count = position[0].len();
-        let is_main = |i: &usize| self.is_beside_main([0, 1, 2].map(|a| position[a][*i]));
-        let main = (0..count).filter(is_main).count();
-        (count - main) as f64 / count.max(1) as f64
+    /// Part of the mass that is detached from the main body: farther than a spacing from its
+    /// inside. Particles at its surface belong to it, although φ < 1/2 there.
+    pub fn detached(&self, frame: &Frame) -> f64 {
+        let (mut all, mut off) = (0.0, 0.0);
+        for i in 0..frame.id.len() {
+            let mass = frame.mass.get(i).map_or(1.0, |mass| f64::from(*mass));
+            all += mass;
+            if !self.is_beside_main([0, 1, 2].map(|a| frame.position[a][i])) {
+                off += mass;
+            }
+        }
+        if all > 0.0 { off / all } else { 0.0 }
     }
 
     /// Whether a node within a spacing of a point, m, is in the main body.

@@ -232,7 +232,15 @@ impl Series {
     /// As [`Series::read`], with the clock from the name of the column of times; in the series it
     /// is `time_s`. Of a table with both columns it is the one `wanted`, else the start.
     fn read_with_clock(path: &Path, wanted: Option<Clock>) -> Result<(Series, Clock), SeriesError> {
-        let content = file::read_text(path, LONGEST_REFERENCE)?;
+        Self::parse(path, &file::read(path, LONGEST_REFERENCE)?, wanted)
+    }
+
+    /// The same of the content of a file, which `path` names in errors.
+    fn parse(
+        path: &Path,
+        content: &[u8],
+        wanted: Option<Clock>,
+    ) -> Result<(Series, Clock), SeriesError> {
         let fail = |source| SeriesError::Read {
             path: path.to_owned(),
             source,
@@ -240,7 +248,7 @@ impl Series {
         let mut file = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
-            .from_reader(content.as_slice());
+            .from_reader(file::without_mark(content));
         let names: Vec<String> = file
             .headers()
             .map_err(fail)?
@@ -346,7 +354,19 @@ impl Reference {
     /// # Errors
     /// Those of [`Series::read`].
     pub fn read(path: &Path, clock: Option<Clock>) -> Result<Reference, SeriesError> {
-        let (table, own) = Series::read_with_clock(path, clock)?;
+        Self::parse(path, &file::read(path, LONGEST_REFERENCE)?, clock)
+    }
+
+    /// As [`Reference::read`], of the content of a file, which `path` names in errors.
+    ///
+    /// # Errors
+    /// Those of [`Series::read`].
+    pub fn parse(
+        path: &Path,
+        content: &[u8],
+        clock: Option<Clock>,
+    ) -> Result<Reference, SeriesError> {
+        let (table, own) = Series::parse(path, content, clock)?;
         Ok(Reference {
             table,
             clock: clock.unwrap_or(own),

@@ -1,6 +1,6 @@
 //! Key results of a run.
 
-use super::gauge::{Kind, strikes_wall};
+use super::kind::{Kind, strikes_wall};
 use super::lamella::Lamella;
 use super::series::Series;
 use crate::scene::{Dimension, Scene, Shape, numbers};
@@ -130,11 +130,11 @@ fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
     }
 }
 
-/// Mean of a column over its rows; `None` without any.
+/// Mean of a column over the rows where it has a value; `None` without any.
 pub fn mean(series: &Series, column: &str) -> Option<f64> {
-    let values = series.column(column)?;
-    let sum: f64 = values.iter().sum();
-    (!values.is_empty()).then(|| sum / values.len() as f64)
+    let known = series.column(column)?.iter().filter(|v| v.is_finite());
+    let (sum, count) = known.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+    (count > 0).then(|| sum / count as f64)
 }
 
 /// (d - 1) sigma / R of the only body in free space, Pa.
@@ -149,7 +149,8 @@ fn young_laplace(scene: &Scene) -> Option<f64> {
 
 /// Period of a column about its mean, s: twice the mean time between crossings.
 pub fn period(series: &Series, column: &str) -> Option<f64> {
-    let (t, a) = (series.time(), series.column(column)?);
+    let rows = series.time().iter().zip(series.column(column)?);
+    let (t, a): (Vec<f64>, Vec<f64>) = rows.filter(|(_, value)| value.is_finite()).unzip();
     let mean = mean(series, column)?;
     let crossings: Vec<f64> = (1..t.len())
         .filter(|&i| (a[i - 1] < mean) != (a[i] < mean))

@@ -108,11 +108,12 @@ pub struct Choice {
 
 /// The choice of each group to meet `error`: the coarsest sample that meets it together with all
 /// finer ones, and the spacing between that and the next coarser one where ln error, linear in ln
-/// spacing, reaches it. A single good sample among worse ones does not count.
+/// spacing, reaches it. An unknown error (NaN) is left out, an infinite one is of a run that
+/// failed. A single good sample among worse ones does not count.
 pub fn meeting(samples: &[Sample], error: f64) -> Vec<Choice> {
     let groups = samples.iter().map(|s| s.group + 1).max().unwrap_or(0);
     let choose = |group: usize| {
-        let known = |k: &usize| samples[*k].group == group && samples[*k].error.is_finite();
+        let known = |k: &usize| samples[*k].group == group && !samples[*k].error.is_nan();
         let mut own: Vec<usize> = (0..samples.len()).filter(known).collect();
         own.sort_by(|a, b| samples[*a].spacing.total_cmp(&samples[*b].spacing));
         let good = own.iter().take_while(|k| samples[**k].error <= error);

@@ -49,7 +49,7 @@ impl Unfold {
         let mut whole = frame.clone();
         if self.is_axial {
             // Each ring appears on both sides of the section.
-            whole.mass.clear();
+            whole.mass.iter_mut().for_each(|mass| *mass *= 0.5);
         }
         for &(axis, side, size) in &self.axes {
             let count = whole.id.len();
@@ -60,6 +60,7 @@ impl Unfold {
             whole.pressure.extend_from_within(..);
             whole.density.extend_from_within(..);
             whole.surface.extend_from_within(..);
+            whole.mass.extend_from_within(..);
             for a in 0..3 {
                 whole.position[a].extend_from_within(..);
                 whole.velocity[a].extend_from_within(..);

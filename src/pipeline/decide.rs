@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::content::CHECKPOINT;
+use super::context::Relative;
 use super::stamp::{InputStamp, SettingStamp, Stamp};
 use super::store::{Found, Store, WORK, entries};
 use super::{Pipeline, Stage, Work, key, label};
@@ -147,17 +148,17 @@ fn start(
         return Ok(Some("an unfinished run".to_string()));
     }
     let relatives = relatives(store, stage.name(), family)?;
-    let Some((_, stamp)) = relatives.first() else {
-        return Ok(None);
-    };
     let free = stage.extends().unwrap_or_default();
-    let value = stamp.settings.iter().find(|setting| setting.name == free);
-    let value = value.map_or("?", |setting| setting.value.as_str());
-    Ok(Some(format!("the result for {free} = {value}")))
+    Ok(stage.begins_from(&relatives).map(|index| {
+        let value = relatives[index].setting(free).unwrap_or("?");
+        format!("the result for {free} = {value}")
+    }))
 }
 
-/// Results that differ in more settings are of another scene: the differences are no reasons.
+/// Results that differ in more settings, or in more than a third of all and in some, are of another
+/// scene: the differences are no reasons.
 const ALIKE: usize = 12;
+const SOME: usize = 4;
 
 /// Whether a work folder contains a checkpoint from which a run can continue.
 pub(super) fn has_checkpoint(work: &Path) -> Result<bool, FileError> {
@@ -174,13 +175,15 @@ pub fn relatives(
     store: &Store,
     stage: &str,
     family: Option<Digest>,
-) -> Result<Vec<(PathBuf, Stamp)>, FileError> {
+) -> Result<Vec<Relative>, FileError> {
     let Some(family) = family else {
         return Ok(Vec::new());
     };
-    let mut stamps = store.stamps(stage)?;
-    stamps.retain(|(_, stamp)| stamp.family == Some(family));
-    Ok(stamps)
+    let stamps = store.stamps(stage)?.into_iter();
+    let of_family = stamps.filter(|(_, stamp)| stamp.family == Some(family));
+    Ok(of_family
+        .map(|(folder, stamp)| Relative { folder, stamp })
+        .collect())
 }
 
 fn reasons(
@@ -216,13 +219,14 @@ fn reasons(
         None if waiting.is_empty() => vec!["never ran".to_string()],
         None => waiting,
         Some((list, _)) => {
-            match list.len() > ALIKE {
-                true if waiting.is_empty() => waiting.push(format!(
+            let alike = ALIKE.min(SOME.max(wanted.len() / 3));
+            if list.len() <= alike {
+                waiting.extend(list);
+            } else if waiting.is_empty() {
+                waiting.push(format!(
                     "never ran; the nearest result differs in {} settings",
                     list.len()
-                )),
-                true => {}
-                false => waiting.extend(list),
+                ));
             }
             if waiting.is_empty() {
                 waiting.push("its result is gone".to_string());

@@ -128,12 +128,23 @@ pub enum PipelineError {
     /// The name is not valid for a pipeline.
     #[error(
         "{name:?} cannot be the name of results: a name, and each part of it between slashes, does \
-         not start with a dot, has at most 200 bytes and no backslash or control character; choose \
-         another with --name"
+         not start with a dot, has at most 200 bytes and no backslash or control character, and is \
+         not manifest.json; choose another with --name"
     )]
     Name {
         /// The name.
         name: String,
+    },
+    /// A name that is inside another one's folder.
+    #[error(
+        "{name:?} cannot be the name of results, for {outer:?} is one: its folder is not shared; \
+         choose another with --name"
+    )]
+    Within {
+        /// The name.
+        name: String,
+        /// The name that is a part of it.
+        outer: String,
     },
     /// Removal would leave no result.
     #[error(

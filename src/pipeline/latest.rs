@@ -10,15 +10,12 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::content::free_name;
-use super::name::{is_key, is_plain_name};
+use super::name::{MANIFEST, is_key, is_plain_name};
 use super::store::{LATEST, Store, entries, folders_in};
 use super::{Report, Stamp, seal};
 use crate::file::{self, FileError};
 use crate::record::Digest;
 use crate::record::atomic::{is_temporary, temporary_name, write_file};
-
-/// File in the folder of a pipeline.
-pub const MANIFEST: &str = "manifest.json";
 
 /// Largest size of a manifest, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -153,35 +150,18 @@ pub(super) fn finish(
     reports: &[Report],
     whole: bool,
 ) -> Result<Vec<PathBuf>, FileError> {
-    let old = match read(store, pipeline) {
-        Ok(old) => old.unwrap_or_default(),
-        // Its content follows from the links and is written again.
-        Err(ManifestError::Invalid { .. }) => Manifest::default(),
-        Err(ManifestError::File(error)) => return Err(error),
-    };
-    let mut results: Vec<Entry> = reports.iter().map(entry).collect();
-    let is_new = |name: &str| results.iter().any(|entry| entry.name == name);
-    let others = old.results.iter().filter(|entry| !is_new(&entry.name));
-    let others: Vec<Entry> = others.cloned().collect();
-    let kept = match whole {
-        true => Vec::new(),
-        false => fitting(store, &results, others.clone()),
-    };
-    let outdated = others.into_iter().filter(|entry| !kept.contains(entry));
-    let outdated: Vec<Entry> = outdated.collect();
-    results.extend(kept);
-    let manifest = Manifest {
-        pipeline: pipeline.to_string(),
-        results,
-    };
-    // A second run must succeed in a read-only store.
-    let changes = manifest != old;
     let folder = folder(store, pipeline);
-    if changes {
+    // A second run must succeed in a read-only store.
+    if renewed(store, pipeline, reports, whole)?.changes {
         store.create(&folder)?;
     }
     // Without the lock, another process may be writing younger files.
     let lock = lock(&folder);
+    let Renewed {
+        manifest,
+        outdated,
+        changes,
+    } = renewed(store, pipeline, reports, whole)?;
     sweep(&folder, lock.as_ref().map_or(LEFT_OVER, |_| Duration::ZERO))?;
     if changes {
         write(&folder, &manifest)?;
@@ -199,6 +179,50 @@ pub(super) fn finish(
         }
     }
     Ok(moved)
+}
+
+/// What the manifest of a pipeline becomes.
+struct Renewed {
+    manifest: Manifest,
+    /// Names that are no longer in it.
+    outdated: Vec<Entry>,
+    /// Whether it differs from what is there.
+    changes: bool,
+}
+
+/// The manifest with these results: see [`finish`].
+fn renewed(
+    store: &Store,
+    pipeline: &str,
+    reports: &[Report],
+    whole: bool,
+) -> Result<Renewed, FileError> {
+    let old = match read(store, pipeline) {
+        Ok(old) => old.unwrap_or_default(),
+        // Its content follows from the links and is written again.
+        Err(ManifestError::Invalid { .. }) => Manifest::default(),
+        Err(ManifestError::File(error)) => return Err(error),
+    };
+    let mut results: Vec<Entry> = reports.iter().map(entry).collect();
+    let is_new = |name: &str| results.iter().any(|entry| entry.name == name);
+    let others = old.results.iter().filter(|entry| !is_new(&entry.name));
+    let others: Vec<Entry> = others.cloned().collect();
+    let kept = match whole {
+        true => Vec::new(),
+        false => fitting(store, &results, others.clone()),
+    };
+    let outdated = others.into_iter().filter(|entry| !kept.contains(entry));
+    let outdated = outdated.collect();
+    results.extend(kept);
+    let manifest = Manifest {
+        pipeline: pipeline.to_string(),
+        results,
+    };
+    Ok(Renewed {
+        changes: manifest != old,
+        manifest,
+        outdated,
+    })
 }
 
 /// Those of `others` that were made from `results` and from each other: an evaluation of an older
@@ -243,11 +267,13 @@ pub fn forget(store: &Store, pipeline: &str) -> Result<(), FileError> {
 /// # Errors
 /// If a folder cannot be listed.
 pub(super) fn clean_up(store: &Store) -> Result<(), FileError> {
+    sweep(store.root(), Duration::ZERO)?;
     let mut folders = folders_in(&store.root().join(LATEST))?;
-    folders.push(store.root().to_path_buf());
-    folders
-        .iter()
-        .try_for_each(|folder| sweep(folder, Duration::ZERO))
+    while let Some(folder) = folders.pop() {
+        sweep(&folder, Duration::ZERO)?;
+        folders.extend(folders_in(&folder)?);
+    }
+    Ok(())
 }
 
 /// Prevents other processes from writing links in a folder; `None` where folders cannot be locked.

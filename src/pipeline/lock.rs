@@ -10,6 +10,11 @@ use crate::file::{self, FileError};
 
 pub(super) const LOCK: &str = "lock";
 
+/// Who only looks whether a lock is held holds it for a moment: so often and so long that is waited
+/// for.
+const LOOKS: u32 = 3;
+const LOOK: Duration = Duration::from_millis(5);
+
 /// Time between two attempts of a waiting process.
 const POLL: Duration = Duration::from_millis(100);
 
@@ -45,6 +50,7 @@ impl Store {
         wait: &mut dyn FnMut(&str) -> bool,
     ) -> Result<Option<Lock>, FileError> {
         let path = folder.join(LOCK);
+        let mut looks = 0;
         loop {
             self.create(folder)?;
             let (mut file, writable) = open(&path)?;
@@ -60,6 +66,11 @@ impl Store {
                     return Ok(Some(Lock { file, signed }));
                 }
                 Ok(()) => {}
+                // Maybe [`Store::is_locked`], for a moment.
+                Err(TryLockError::WouldBlock) if looks < LOOKS => {
+                    looks += 1;
+                    std::thread::sleep(LOOK);
+                }
                 Err(TryLockError::WouldBlock) => {
                     if !wait(&holder(&path)) {
                         return Ok(None);

@@ -142,6 +142,11 @@ pub trait Stage: Sync {
         None
     }
 
+    /// Which of the results that differ in [`Stage::extends`] alone it would start from, if any.
+    fn begins_from(&self, relatives: &[Relative]) -> Option<usize> {
+        (!relatives.is_empty()).then_some(0)
+    }
+
     /// Estimate of the work, for [`plan`].
     fn work(&self) -> Option<Work> {
         None

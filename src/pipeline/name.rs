@@ -2,6 +2,9 @@
 
 use std::path::{Component, Path};
 
+/// Name of the manifest in the folder of each name of results.
+pub const MANIFEST: &str = "manifest.json";
+
 /// Whether the last part of `path` is a key.
 pub fn is_key(path: &Path) -> bool {
     let name = path
@@ -32,5 +35,8 @@ pub fn is_plain_name(name: &str) -> bool {
 
 /// Whether `name` can be the name of results: a plain name, or several with `/` between them.
 pub fn is_name(name: &str) -> bool {
-    is_inside(name) && name.split('/').all(is_plain_name)
+    is_inside(name)
+        && name
+            .split('/')
+            .all(|part| is_plain_name(part) && part != MANIFEST)
 }

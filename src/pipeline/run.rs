@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::content::{ContentError, content, set_aside};
-use super::context::{Context, Input, Relative, Spent};
+use super::context::{Context, Input, Spent};
 use super::decide::{Done, decide, relatives};
 use super::machine::Clock;
-use super::name::is_name;
+use super::name::{MANIFEST, is_name};
 use super::need::needed;
 use super::progress::Teller;
 use super::remote::Remote;
@@ -50,6 +50,17 @@ impl Run<'_> {
         if let Some(name) = names(self).find(|name| !is_name(name)) {
             let name = name.to_string();
             return Err(PipelineError::Name { name });
+        }
+        for name in names(self) {
+            let outer = name.match_indices('/').map(|(at, _)| &name[..at]);
+            let is_taken = |outer: &&str| {
+                let manifest = latest::folder(self.store, outer).join(MANIFEST);
+                manifest.symlink_metadata().is_ok()
+            };
+            if let Some(outer) = outer.rev().find(is_taken) {
+                let (name, outer) = (name.to_string(), outer.to_string());
+                return Err(PipelineError::Within { name, outer });
+            }
         }
         needed(self.pipeline, self.until).map(drop)
     }
@@ -275,10 +286,7 @@ impl Walk<'_> {
         Ok(Context {
             teller: Teller::start(&work, &self.run.pipeline.name, job),
             inputs,
-            relatives: relatives
-                .into_iter()
-                .map(|(folder, stamp)| Relative { folder, stamp })
-                .collect(),
+            relatives,
             key: decision.key.expect("known when it runs"),
             work,
             job: decision.label(),

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::content::{ContentError, bytes, content, set_aside};
 use super::key::contradiction;
-use super::latest::{self, MANIFEST, ManifestError};
+use super::latest::{self, ManifestError};
+use super::name::MANIFEST;
 use super::stamp::{self, OutputStamp, Stamp, StampError};
 use super::store::{LATEST, MARK, Store, refuse_links_below};
 use crate::file::{self, FileError};
@@ -38,7 +39,8 @@ pub struct Problem {
 }
 
 /// Verifies every finished result in the store, its mark and its manifests; `each` is called with
-/// each finding. Unfinished folders and those in use are skipped.
+/// each finding. Unfinished folders are skipped, and a folder in use is
+/// not set aside.
 ///
 /// # Errors
 /// If the store cannot be listed.

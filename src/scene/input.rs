@@ -213,6 +213,9 @@ pub struct Curve {
     pub path: PathBuf,
     /// SHA-256 of the file.
     pub content: String,
+    /// The file: it may change while a run goes on.
+    #[serde(skip)]
+    pub bytes: Vec<u8>,
     /// Zero of its times; `None`: as its column of times is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clock: Option<Clock>,
@@ -343,6 +346,7 @@ impl Scene {
                 label: reference.label.clone(),
                 path: reference.path.clone(),
                 content: hex(&Sha256::digest(&content)),
+                bytes: content,
                 clock: reference.clock,
             })
         };

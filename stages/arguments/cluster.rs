@@ -90,3 +90,19 @@ pub struct BatchArguments {
     #[arg(long, hide = true)]
     pub point: Option<usize>,
 }
+
+impl BatchArguments {
+    /// The first option given that only a job of a batch system has.
+    pub fn of_jobs(&self) -> Option<&'static str> {
+        let given = [
+            ("--wait", self.wait),
+            ("--cancel", self.cancel),
+            ("--profile", self.profile.is_some()),
+            ("--partition", self.partition.is_some()),
+            ("--time", self.time.is_some()),
+            ("--memory", self.memory.is_some()),
+            ("--cores", self.cores.is_some()),
+        ];
+        given.into_iter().find(|(_, is)| *is).map(|(name, _)| name)
+    }
+}

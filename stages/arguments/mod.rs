@@ -17,7 +17,7 @@ const EXIT_CODES: &str = "\
 Exit codes:
   0    done
   1    a stage failed for another reason
-  2    wrong arguments, a mistake in the pipeline file, or nothing to do it with
+  2    wrong arguments, a mistake in the pipeline file, or no such file, name or run
   3    the physics went wrong (diverged); the last good checkpoint is kept
   4    results cannot be trusted: damaged files (verify), or one key with two results
   5    files cannot be read or written: no space, no permission, read-only, an error of the disk;
@@ -260,7 +260,7 @@ pub struct SweepArguments {
     /// Only show what would be removed
     #[arg(long)]
     pub dry_run: bool,
-    /// Remove without a question
+    /// Remove without the question that is asked on a terminal
     #[arg(long, short)]
     pub yes: bool,
     #[command(flatten)]

@@ -262,7 +262,9 @@ fn megabytes(text: &str) -> Result<u64> {
         _ => None,
     };
     let number = split.parse::<u64>().ok();
-    let size = number.zip(factor).map(|(number, factor)| number * factor);
+    let size = number
+        .zip(factor)
+        .and_then(|(number, factor)| number.checked_mul(factor));
     size.filter(|size| *size > 0).ok_or_else(|| {
         let what = format!("memory {text:?} is not a size; write `800M` or `4G`");
         Usage(what).into()
@@ -276,7 +278,7 @@ mod tests {
         assert_eq!(super::megabytes("800M").unwrap(), 800);
         assert_eq!(super::megabytes("4G").unwrap(), 4000);
         assert_eq!(super::megabytes("700").unwrap(), 700);
-        for wrong in ["", "G", "4 K", "-1G", "0"] {
+        for wrong in ["", "G", "4 K", "-1G", "0", "20000000000000000T"] {
             assert!(super::megabytes(wrong).is_err(), "{wrong}");
         }
     }

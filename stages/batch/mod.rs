@@ -52,12 +52,14 @@ pub fn collect(
 ) -> Result<Option<Vec<Option<Outcome>>>> {
     let folder = out.join(FOLDER);
     let options = &arguments.batch;
+    let submits = !options.look && !options.cancel;
+    let lock = submits.then(|| record::lock(&folder)).transpose()?;
     let mut known = state::look(trials, arguments, &folder)?;
     if options.cancel {
         return cancel(&known, arguments).map(|()| None);
     }
     let missing: Vec<usize> = places(&known, |state| matches!(state, State::Missing));
-    if !missing.is_empty() && !options.look {
+    if !missing.is_empty() && submits {
         let job = Job::new(&missing, &known, arguments, &folder)?;
         let id = system::submit(options.on, &job)?;
         let (on, points) = (options.on.into(), job.points.clone());
@@ -65,6 +67,7 @@ pub fn collect(
         record::add(&folder, Submitted { on, id, points, at })?;
         known = state::look(trials, arguments, &folder)?;
     }
+    drop(lock);
     while options.wait && known.iter().any(|known| known.state.is_active()) {
         std::thread::sleep(BETWEEN);
         known = state::look(trials, arguments, &folder)?;

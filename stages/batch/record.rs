@@ -1,9 +1,9 @@
 //! Files beside the table of a study on a cluster: which jobs were submitted, why points failed.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use coronet::file;
 use coronet::record::Digest;
 use coronet::record::atomic::{create_folder, write_file};
@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::fault::Untrusted;
 
 const JOBS: &str = "jobs.json";
+const LOCK: &str = "lock";
 
 /// Largest size of these files, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -43,6 +44,21 @@ pub struct Failure {
 /// All jobs that were submitted for a study.
 pub fn jobs(folder: &Path) -> Result<Vec<Submitted>> {
     Ok(read(&folder.join(JOBS))?.unwrap_or_default())
+}
+
+/// Lets one process at a time look for what is missing and submit it.
+pub fn lock(folder: &Path) -> Result<File> {
+    create_folder(folder)?;
+    let path = folder.join(LOCK);
+    let options = File::options()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(&path);
+    let file = options.with_context(|| format!("cannot open {}", path.display()))?;
+    file.lock()
+        .with_context(|| format!("cannot lock {}", path.display()))?;
+    Ok(file)
 }
 
 pub fn add(folder: &Path, job: Submitted) -> Result<()> {

@@ -87,7 +87,7 @@ impl State {
 /// If the store cannot be read, or the batch system does not answer.
 pub fn look(trials: &[Trial], arguments: &StudyArguments, folder: &Path) -> Result<Vec<Known>> {
     let active = active(arguments, folder)?;
-    let objects = remote::open(arguments.remote.url())?;
+    let objects = remote::open(arguments.remote.url(), &arguments.store.artifacts)?;
     let remote = objects.as_deref().map(Remote::only);
     let store = Store::new(&arguments.store.artifacts);
     let mut all = Vec::new();

@@ -103,15 +103,18 @@ impl Footage {
         Ok(self.all()?.take_while(is_early).filter(is_due))
     }
 
-    /// The frame nearest to a time, or the last one.
+    /// The frame nearest to a time, or the last one. As in an export, the time may be outside the
+    /// frames by half of their distance.
     ///
     /// # Errors
     /// If the time is outside the run.
     pub fn one(&self, at: Option<f64>, scene: &Scene) -> Result<Frame> {
         let goal = at.unwrap_or(f64::INFINITY);
         let mut best: Option<Frame> = None;
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         for frame in self.all()? {
             let frame = frame?;
+            (first, last) = (first.min(frame.time), last.max(frame.time));
             let distance = |frame: &Frame| (frame.time - goal).abs();
             let is_better = |best: &Frame| goal.is_infinite() || distance(&frame) < distance(best);
             if best.as_ref().is_none_or(is_better) {
@@ -127,11 +130,12 @@ impl Footage {
         let Some(best) = best else {
             bail!(Usage("the log has no frame".into()));
         };
-        let reach = scene.frames.interval;
-        if at.is_some_and(|at| (best.time - at).abs() > reach + EQUAL) {
-            let (at, last) = (1e3 * goal, 1e3 * best.time);
+        let reach = 0.5 * scene.frames.interval;
+        let near = first - reach - EQUAL..=last + reach + EQUAL;
+        if at.is_some_and(|at| !near.contains(&at)) {
+            let (at, nearest) = (1e3 * goal, 1e3 * best.time);
             bail!(Usage(format!(
-                "there is no frame at {at} ms: the nearest one is at {last:.3} ms"
+                "there is no frame at {at} ms: the nearest one is at {nearest:.3} ms"
             )));
         }
         Ok(best)

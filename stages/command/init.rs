@@ -4,7 +4,7 @@ use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use coronet::file::FileError;
 use coronet::record::atomic::create_folder;
 
@@ -34,17 +34,17 @@ const SAMPLES: [Sample; 5] = [
     },
     Sample {
         name: "collision",
-        about: "two drops meet in free space; minutes",
+        about: "two drops meet in free space; some ten seconds",
         text: include_str!("../../scenes/hard/collision.toml"),
     },
     Sample {
         name: "dry-wall",
-        about: "a drop spreads on a wall, in two dimensions; minutes",
+        about: "a drop spreads on a wall, in two dimensions; seconds",
         text: include_str!("../../scenes/xie-2007/fukai-a.toml"),
     },
     Sample {
         name: "rebound",
-        about: "a drop leaves a wall that it does not wet; minutes",
+        about: "a drop leaves a wall that it does not wet; seconds",
         text: include_str!("../../scenes/hard/rebound.toml"),
     },
 ];
@@ -94,17 +94,26 @@ fn title(text: &str) -> &str {
     line.unwrap_or_default().trim_matches('"')
 }
 
+/// An error if there is something at `path` already.
+pub fn check_new(path: &Path) -> Result<()> {
+    match path.symlink_metadata() {
+        Ok(_) => bail!(taken(path)),
+        Err(_) => Ok(()),
+    }
+}
+
+fn taken(path: &Path) -> Usage {
+    let path = path.display();
+    Usage(format!(
+        "{path} exists already and stays as it is; give another path, or remove it"
+    ))
+}
+
 /// Writes a new file. An existing one stays as it is.
-fn write(path: &Path, text: &str) -> Result<()> {
+pub fn write(path: &Path, text: &str) -> Result<()> {
     create_folder(path.parent().unwrap_or(Path::new("")))?;
     let mut file = match OpenOptions::new().write(true).create_new(true).open(path) {
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            let path = path.display();
-            let text = format!(
-                "{path} exists already and stays as it is; give another path, or remove it"
-            );
-            return Err(Usage(text).into());
-        }
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => bail!(taken(path)),
         opened => opened.map_err(FileError::new(path, "create"))?,
     };
     file.write_all(text.as_bytes()).map_err(|error| {

@@ -153,8 +153,10 @@ fn differing(rows: &[Row]) -> Vec<(String, Vec<Option<String>>)> {
     found.sort_by_key(|(name, values)| {
         let table = ORDER.iter().position(|table| name.starts_with(table));
         let known = values.iter().flatten().count();
+        let distinct: BTreeSet<&String> = values.iter().flatten().collect();
         (
             name == "title",
+            Reverse(distinct.len()),
             Reverse(known),
             table.unwrap_or(ORDER.len()),
         )

@@ -174,9 +174,11 @@ pub fn fits(decisions: &[Decision], shared: Option<f64>) -> Result<()> {
 
 /// Memory of the processes on this machine in a stage that they share with others, bytes.
 pub fn shared_here(scene: &Scene) -> Option<f64> {
-    let world = ranks::world()?;
-    let [first, other] = forecast::shared(scene, world.size() as f64);
-    Some(first + other * (ranks::beside() as f64 - 1.0))
+    let size = ranks::world()?.size();
+    let working = shared::most(scene).map_or(size, |most| size.min(most));
+    let [first, other] = forecast::shared(scene, working as f64);
+    let here = ranks::beside().min(working);
+    Some(first + other * (here as f64 - 1.0))
 }
 
 /// One line for each job; the reasons of a stale one follow, one per line.

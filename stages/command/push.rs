@@ -13,13 +13,14 @@ use super::run::no_remote;
 use super::verify::existing;
 use crate::arguments::PushArguments;
 use crate::fault::{Unreadable, Untrusted};
-use crate::print::{note, out, shown};
+use crate::print::{counted, note, out, shown};
 use crate::remote;
 use crate::runs::Run;
 
 pub fn push(arguments: &PushArguments) -> Result<()> {
     let store = existing(&arguments.store.artifacts)?;
-    let objects = remote::open(arguments.remote.url())?.ok_or_else(no_remote)?;
+    let objects =
+        remote::open(arguments.remote.url(), &arguments.store.artifacts)?.ok_or_else(no_remote)?;
     let remote = Remote::new(&*objects);
     // No clean-up removes what is on its way.
     let _shared = store.share(&mut |_| true)?;
@@ -59,7 +60,8 @@ pub fn push(arguments: &PushArguments) -> Result<()> {
     }
     if !arguments.store.json {
         let place = remote.place();
-        out!("{new} results put into {place}; {known} were there");
+        let put = counted(new, "result");
+        out!("{put} put into {place}; {known} were there");
     }
     if bad > 0 {
         bail!(Untrusted(format!(

@@ -244,9 +244,6 @@ fn many(
         Format::Film(kind) => Some(new_film(kind, arguments)?),
         _ => None,
     };
-    if film.is_none() {
-        clear(path)?;
-    }
     let mut made = Made::default();
     let mut told = Instant::now();
     // A run under way may have gone on since.
@@ -270,9 +267,12 @@ fn many(
         }
         made.times.push(frame.time);
     }
-    if let Some(film) = film {
-        film.finish()?;
-        made.files.push(path.clone());
+    match film {
+        Some(film) => {
+            film.finish()?;
+            made.files.push(path.clone());
+        }
+        None => clear(path, made.files.len())?,
     }
     Ok(made)
 }
@@ -284,9 +284,9 @@ fn numbered(path: &Path, number: usize) -> PathBuf {
     path.with_file_name(format!("{stem}-{number:05}.{extension}"))
 }
 
-/// Removes the files of an earlier series of this name, so that none is left of a longer one.
-fn clear(path: &Path) -> Result<()> {
-    for number in 0.. {
+/// Removes what is left of a longer series of this name behind the first `count` files.
+fn clear(path: &Path, count: usize) -> Result<()> {
+    for number in count.. {
         match fs::remove_file(numbered(path, number)) {
             Ok(()) => {}
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => break,

@@ -28,13 +28,13 @@ use crate::{PROGRAM, impact, jobs, journal, live, post, ranks, remote, signals, 
 const STOPPING: &str = "stopping after the next checkpoint";
 
 pub fn run(arguments: &RunArguments) -> Result<()> {
-    let objects = remote::open(arguments.remote.url())?;
+    let objects = remote::open(arguments.remote.url(), &arguments.store.artifacts)?;
     bring(arguments, objects.as_deref().map(Remote::new))
 }
 
 /// `coronet pull`: as `run`, but what is not there is not made.
 pub fn pull(arguments: &RunArguments) -> Result<()> {
-    let objects = remote::open(arguments.remote.url())?;
+    let objects = remote::open(arguments.remote.url(), &arguments.store.artifacts)?;
     let objects = objects.ok_or_else(no_remote)?;
     if arguments.live.is_some() {
         return Err(Usage("--live: `pull` runs no impact; use `run`".to_string()).into());

@@ -5,12 +5,12 @@
 //! points are never computed again, a killed study continues, and points share packed and relaxed
 //! bodies.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use anyhow::{Result, bail};
-use coronet::draw::sheet::Sheet;
 use coronet::measure::tradeoff::{Sample, front, growth, worst};
 use coronet::pipeline::name::is_plain_name;
 use coronet::pipeline::{Store, latest};
@@ -24,12 +24,11 @@ use crate::fault::{Stopped, Usage};
 use crate::print::{note, out};
 use crate::signals;
 use crate::study::finding::{comparison, figure, groups, samples, sentence, table};
-use crate::study::origin::headed;
 use crate::study::points::{Study, load};
 use crate::study::promise::Verdict;
 use crate::study::target::Target;
 use crate::study::trial::{Outcome, Place, Trial};
-use crate::study::{doubt, figures, finding, verdict};
+use crate::study::{copies, doubt, figures, finding, verdict};
 use crate::watch::duration;
 
 /// The table, one row for each point.
@@ -55,12 +54,10 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     if let Some(number) = arguments.batch.point {
         return batch::point::run(&trials, number, arguments, &out);
     }
+    if let (On::Local, Some(option)) = (arguments.batch.on, arguments.batch.of_jobs()) {
+        bail!(Usage(format!("{option} needs --on slurm or --on hq")));
+    }
     let failed = match arguments.batch.on {
-        On::Local if arguments.batch.wait || arguments.batch.cancel => {
-            bail!(Usage(
-                "--wait and --cancel need --on slurm or --on hq".to_string()
-            ))
-        }
         On::Local if !arguments.batch.look => Vec::new(),
         _ => match batch::collect(&trials, arguments, &out)? {
             Some(failed) => failed,
@@ -69,6 +66,7 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     };
     if let Some(folder) = &arguments.into {
         create_folder(folder)?;
+        copies::check(folder, &arguments.study)?;
     }
     let outcomes = || run_rest(&study, &trials, failed, arguments);
     match &study.error {
@@ -113,19 +111,26 @@ fn tell_costs(
     let on_front = on_front(&samples);
     make(out, arguments)?;
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
-    write_table(&out.join(TABLE), &table, arguments, &outcomes)?;
+    copies::write_table(&out.join(TABLE), &table, arguments, &outcomes)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
     let page = page + &doubt::section(trials, &outcomes);
     write_file(&out.join(COSTS), page.as_bytes())?;
     let style = FigureStyle::default();
     let figure = figure(study, target, trials, &samples, &on_front).sheet(&style)?;
-    if let Some(figure) = &figure {
-        write_figure(figure, &out.join(FIGURE), arguments, !target.varies())?;
+    match &figure {
+        Some(figure) => {
+            copies::write_figure(figure, &out.join(FIGURE), arguments, !target.varies())?;
+        }
+        // One of before would stand beside another table.
+        None => ["svg", "pdf"].iter().for_each(|extension| {
+            let _ = fs::remove_file(out.join(FIGURE).with_extension(extension));
+        }),
     }
+    warn_unknown(target, &outcomes, &errors);
     if target.varies() {
         let plot = comparison(study, target, trials, &found);
         if plot.has_points() {
-            write_figure(&plot.sheet(&style)?, &out.join(COMPARISON), arguments, true)?;
+            copies::write_figure(&plot.sheet(&style)?, &out.join(COMPARISON), arguments, true)?;
         }
     }
     let groups = groups(trials);
@@ -155,6 +160,18 @@ fn tell_costs(
     Ok(())
 }
 
+/// Warns if points have ended and none has an error.
+fn warn_unknown(target: &Target, outcomes: &[Outcome], errors: &[f64]) {
+    let is_done = |outcome: &Outcome| matches!(outcome, Outcome::Done { .. });
+    if outcomes.iter().any(is_done) && errors.iter().all(|error| error.is_nan()) {
+        note!(
+            "warning: no point has an error: {} and what it is compared with share no instant of \
+             the impact with values, or it is not measured",
+            target.column
+        );
+    }
+}
+
 fn tell_figures(
     study: &Study,
     trials: &[Trial],
@@ -170,16 +187,22 @@ fn tell_figures(
     make(out, arguments)?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
     let rows = figures::table(study, trials, outcomes, &found)?;
-    write_table(&table, &rows, arguments, outcomes)?;
+    copies::write_table(&table, &rows, arguments, outcomes)?;
     let page = figures::page(study, trials, outcomes, &found);
     let whole = page.clone() + &doubt::section(trials, outcomes);
     write_file(&read, whole.as_bytes())?;
-    let mut plots = Vec::new();
+    let mut plots: Vec<PathBuf> = Vec::new();
     for plot in drawn {
         if plot.has_points() {
-            let path = out.join(plot.file_name() + ".svg");
+            let names = (1..).map(|number| match number {
+                1 => plot.file_name() + ".svg",
+                _ => format!("{}-{number}.svg", plot.file_name()),
+            });
+            let mut paths = names.map(|name| out.join(name));
+            let is_new = |path: &PathBuf| !plots.contains(path);
+            let path = paths.find(is_new).expect("numbers without end");
             let sheet = plot.sheet(&FigureStyle::default())?;
-            write_figure(&sheet, &path, arguments, false)?;
+            copies::write_figure(&sheet, &path, arguments, false)?;
             plots.push(path);
         }
     }
@@ -198,45 +221,6 @@ fn tell_figures(
         out!("plot     {}", plot.display());
     }
     missing
-}
-
-/// Writes a table, and with its origin into the folder that `--into` names.
-fn write_table(
-    path: &Path,
-    table: &[u8],
-    arguments: &StudyArguments,
-    outcomes: &[Outcome],
-) -> Result<()> {
-    write_file(path, table)?;
-    if let Some(folder) = &arguments.into {
-        let name = arguments.study.with_extension("csv");
-        let name = name.file_name().expect("a study file has a name");
-        let text = headed(&arguments.study, outcomes, table);
-        write_file(&folder.join(name), &text)?;
-    }
-    Ok(())
-}
-
-/// Writes a figure as SVG to `path` and as PDF beside it, and as `STUDY.svg` or `STUDY-FIGURE.svg`
-/// into the folder that `--into` names.
-fn write_figure(
-    figure: &Sheet,
-    path: &Path,
-    arguments: &StudyArguments,
-    is_only: bool,
-) -> Result<()> {
-    let svg = figure.svg();
-    write_file(path, svg.as_bytes())?;
-    write_file(&path.with_extension("pdf"), &figure.pdf())?;
-    if let Some(folder) = &arguments.into {
-        let stem = |path: &Path| path.file_stem().unwrap_or_default().display().to_string();
-        let name = match is_only {
-            true => format!("{}.svg", stem(&arguments.study)),
-            false => format!("{}-{}.svg", stem(&arguments.study), stem(path)),
-        };
-        write_file(&folder.join(name), svg.as_bytes())?;
-    }
-    Ok(())
 }
 
 fn text(path: &Path) -> String {
@@ -270,7 +254,7 @@ fn tell_promises(
     let verdicts = points.map(judge).collect::<Result<Vec<Verdict>>>()?;
     make(out, arguments)?;
     let rows = verdict::table(study, trials, &verdicts)?;
-    write_table(&out.join(PROMISES), &rows, arguments, outcomes)?;
+    copies::write_table(&out.join(PROMISES), &rows, arguments, outcomes)?;
     let page = verdict::page(study, trials, outcomes, &verdicts);
     write_file(&out.join(PAGE), page.as_bytes())?;
     let count = |word: &str| verdicts.iter().filter(|v| v.word() == word).count();

@@ -7,23 +7,23 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use coronet::measure::tradeoff::{Choice, Sample, meeting, predict, worst};
-use coronet::record::atomic::write_file;
 use coronet::scene::file;
 use coronet::scene::quantity::{Unit, human};
 use coronet::scene::{Scene, Side};
 use serde_json::json;
 
 use crate::arguments::TuneArguments;
+use crate::command::init;
 use crate::command::study::{STOPPING, run};
 use crate::fault::Usage;
-use crate::print::out;
+use crate::print::{out, quoted};
 use crate::signals;
 use crate::study::cost::Cost;
 use crate::study::finding::{groups, named, samples};
 use crate::study::points::load;
-use crate::study::target::Target;
+use crate::study::target::{Found, Target};
 use crate::study::trial::{Outcome, Place, Trial};
 
 const SPACING: &str = "pack.spacing=";
@@ -47,6 +47,9 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         ))
         .into());
     };
+    if let Some(path) = &arguments.output {
+        init::check_new(path)?;
+    }
     let stop = signals::stop_flag(STOPPING)?;
     let outcomes = run(&trials, &[], place(arguments), arguments.jobs, &stop)?;
     let cost = study.cost;
@@ -69,8 +72,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
     };
     if let Some(path) = &arguments.output {
         let loaded = file::load(&tuned.trial.pipeline, &tuned.trial.sets)?;
-        write_file(path, loaded.text.as_bytes())
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        init::write(path, &loaded.text)?;
     }
     tell(&tuned, (target, cost), checked, &misses, arguments);
     Ok(())
@@ -97,7 +99,13 @@ impl Points {
     fn errors(&self, target: &Target, arguments: &TuneArguments) -> Result<Vec<f64>> {
         let folder = arguments.study.parent().unwrap_or(Path::new("."));
         let found = target.measure(&self.trials, &self.outcomes, folder, target.window()?)?;
-        Ok(found.into_iter().map(|f| f.error).collect())
+        let points = found.into_iter().zip(&self.outcomes);
+        // A run that failed is worse than any other: no finer spacing may count without it.
+        let error = |(found, outcome): (Found, &Outcome)| match outcome {
+            Outcome::Failed { .. } => f64::INFINITY,
+            Outcome::Done { .. } => found.error,
+        };
+        Ok(points.map(error).collect())
     }
 }
 
@@ -176,6 +184,7 @@ fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned
         name: format!("{stem}-tuned"),
         title: "tuned".to_string(),
         pipeline: base.pipeline.clone(),
+        source: base.source.clone(),
         sets,
         case: None,
         labels: base.labels.clone(),
@@ -257,13 +266,12 @@ fn tell(
     arguments: &TuneArguments,
 ) {
     let trial = &tuned.trial;
-    let quote = |set: &String| format!("--set '{}'", set.replace('\'', "'\\''"));
-    let sets: Vec<String> = trial.sets.iter().map(quote).collect();
-    let command = format!(
-        "coronet run {} {}",
-        trial.pipeline.display(),
-        sets.join(" ")
-    );
+    let sets = trial
+        .sets
+        .iter()
+        .map(|set| format!(" --set {}", quoted(set)));
+    let path = quoted(&trial.pipeline.to_string_lossy());
+    let command = format!("coronet run {path}{}", sets.collect::<String>());
     if arguments.store.json {
         let object = json!({
             "column": target.column, "group": tuned.group, "spacing_m": trial.spacing,
@@ -311,8 +319,8 @@ fn miss(trials: &[Trial], samples: &[Sample], target: &Target, wanted: f64) -> S
         format!("the best point, {}, has {error}", trial.labels.join(", "))
     });
     format!(
-        "no settings of the study meet {} of {} with every finer spacing of theirs meeting it, \
-         too: {best}; add finer points, or allow more with --error",
+        "no settings of the study have an error of {} in {} at a spacing and at all finer ones: \
+         {best}; add finer points, or allow more with --error",
         percent(wanted),
         target.column
     )

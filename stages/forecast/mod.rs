@@ -153,7 +153,7 @@ fn walls(scene: &Scene) -> f64 {
 /// Particles of walls: layers as deep as the widest kernel, also beyond open sides.
 pub fn wall_particles(scene: &Scene) -> f64 {
     let layers = layers(scene) as f64;
-    let (mut inner, mut outer, mut open) = (1.0, 1.0, 1.0);
+    let (mut outer, mut open) = (1.0, 1.0);
     for &axis in scene.dimension.axes() {
         let cells = scene.domain.size[axis] / scene.spacing;
         let sides = |kind: Side| {
@@ -161,10 +161,10 @@ pub fn wall_particles(scene: &Scene) -> f64 {
             layers * sides.filter(|side| **side == kind).count() as f64
         };
         let beyond = if axis < 2 { sides(Side::Open) } else { 0.0 };
-        (inner, outer) = (inner * cells, outer * (cells + sides(Side::Wall) + beyond));
+        outer *= cells + sides(Side::Wall) + beyond;
         open *= cells + beyond;
     }
-    outer - open.max(inner)
+    outer - open
 }
 
 fn flat(scene: &Scene) -> f64 {

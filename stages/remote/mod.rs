@@ -10,11 +10,11 @@ use coronet::pipeline::remote::{Folder, Objects};
 
 use crate::fault::Usage;
 
-/// The store at a URL; `None` without one.
+/// The store at a URL; `None` without one. `own`: the store of this machine.
 ///
 /// # Errors
 /// If the URL cannot be used, whether the store answers or not.
-pub fn open(url: Option<&str>) -> Result<Option<Box<dyn Objects>>> {
+pub fn open(url: Option<&str>, own: &Path) -> Result<Option<Box<dyn Objects>>> {
     let Some(url) = url.filter(|url| !url.is_empty()) else {
         return Ok(None);
     };
@@ -23,6 +23,15 @@ pub fn open(url: Option<&str>) -> Result<Option<Box<dyn Objects>>> {
         if !path.is_absolute() {
             bail!(Usage(format!(
                 "--remote {url}: the path is not absolute; write file:///absolute/path"
+            )));
+        }
+        if let (Ok(there), Ok(here)) = (path.canonicalize(), own.canonicalize())
+            && there.starts_with(&here)
+        {
+            bail!(Usage(format!(
+                "--remote {url}: that is in the store of this machine, {}; a remote store is a \
+                 folder of its own",
+                own.display()
             )));
         }
         return Ok(Some(Box::new(Folder::new(path))));

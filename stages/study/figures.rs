@@ -11,6 +11,7 @@ use coronet::record::export::cell;
 
 use crate::fault::Usage;
 use crate::study::cost::Cost;
+use crate::study::page;
 use crate::study::points::{Figure, Study};
 use crate::study::target::{Feature, window};
 use crate::study::trial::{Outcome, Trial};
@@ -223,8 +224,7 @@ pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], found: &[Vec<
     let axes = study.axis.iter().map(|axis| axis.name.as_str());
     let names = study.figure.iter().map(|figure| figure.name.as_str());
     let heads: Vec<&str> = axes.chain(names).chain(["CPU time"]).collect();
-    let mut page = format!("# {}\n\n| {} |\n", study.title, heads.join(" | "));
-    page += &format!("|{}\n", "---|".repeat(heads.len()));
+    let mut page = format!("# {}\n\n{}", study.title, page::heads(&heads));
     for ((trial, outcome), found) in trials.iter().zip(outcomes).zip(found) {
         let mut cells = trial.labels.clone();
         cells.extend(found.iter().map(|value| match value.is_finite() {
@@ -235,7 +235,7 @@ pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], found: &[Vec<
             Outcome::Done { .. } => Cost::Cpu.short(Cost::Cpu.of(outcome)),
             Outcome::Failed { .. } => outcome.status().to_string(),
         });
-        page += &format!("| {} |\n", cells.join(" | "));
+        page += &page::row(cells);
     }
     page
 }

@@ -1,5 +1,7 @@
 //! Results of a study: groups, table, figure, sentences.
 
+use std::iter;
+
 use anyhow::Result;
 use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::draw::scatter::{Cloud, Mark, Scatter};
@@ -8,6 +10,7 @@ use coronet::scene::quantity::{Unit, human};
 
 use crate::study::cost::Cost;
 use crate::study::figures::{cells, number};
+use crate::study::page;
 use crate::study::points::Study;
 use crate::study::target::{Found, Target};
 use crate::study::trial::{Outcome, Trial};
@@ -258,14 +261,16 @@ pub fn page(
     let mut spacings: Vec<f64> = trials.iter().map(|trial| trial.spacing).collect();
     spacings.sort_by(|a, b| b.total_cmp(a));
     spacings.dedup();
-    let heads: Vec<String> = spacings.iter().map(|spacing| short(*spacing)).collect();
+    let written: Vec<String> = spacings.iter().map(|spacing| short(*spacing)).collect();
+    let heads: Vec<&str> = iter::once("")
+        .chain(written.iter().map(String::as_str))
+        .collect();
     let mut page = format!(
-        "# {}\n\nError of `{}`, {} of the impact.\n\n| | {} |\n|---|{}\n",
+        "# {}\n\nError of `{}`, {} of the impact.\n\n{}",
         study.title,
         target.column,
         study.cost.name(),
-        heads.join(" | "),
-        "---|".repeat(heads.len())
+        page::heads(&heads)
     );
     for (group, name) in groups.iter().enumerate() {
         let cells = spacings.iter().map(|spacing| {
@@ -275,7 +280,7 @@ pub fn page(
             cells.collect::<Vec<_>>().join("; ")
         });
         let cells: Vec<String> = cells.collect();
-        page += &format!("| {} | {} |\n", named(name), cells.join(" | "));
+        page += &page::row(iter::once(named(name).to_string()).chain(cells));
     }
     page += "\n";
     for (group, name) in groups.iter().enumerate() {

@@ -7,11 +7,14 @@ use std::path::Path;
 use crate::jobs::version;
 use crate::study::trial::{Made, Outcome};
 
+/// How a table with its origin begins.
+pub const ORIGIN: &str = "# version: ";
+
 /// A table with its origin: versions, machines and dates of the points, and the command.
 pub fn headed(study: &Path, outcomes: &[Outcome], table: &[u8]) -> Vec<u8> {
     let made: Vec<&Made> = outcomes.iter().filter_map(Outcome::made).collect();
     let all = |of: &dyn Fn(&Made) -> String| distinct(made.iter().map(|made| of(made)), "; ");
-    let mut head = format!("# version: {}\n", all(&|made| made.program.clone()));
+    let mut head = format!("{ORIGIN}{}\n", all(&|made| made.program.clone()));
     let flow = all(&|made| made.version.to_string());
     if flow == version::FLOW.to_string() {
         let parts = made.iter().flat_map(|made| made.parts.iter().cloned());

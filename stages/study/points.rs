@@ -13,7 +13,7 @@ use crate::fault::Usage;
 use crate::study::cost::Cost;
 use crate::study::promise::{Case, Ending};
 use crate::study::target::{Feature, Target};
-use crate::study::trial::Trial;
+use crate::study::trial::{Trial, source};
 
 /// Largest size of a study file, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -244,6 +244,7 @@ impl Study {
         let mut trial = Trial {
             name,
             title: title.join(", "),
+            source: source(&pipeline)?,
             pipeline,
             sets: all,
             case,

@@ -129,6 +129,11 @@ impl Target {
             self.reference.is_some(),
             self.finest,
         ];
+        if self.value.is_some_and(|value| !value.is_normal()) {
+            return Err(
+                "[error] value must be a finite number other than zero: errors are relative",
+            );
+        }
         if self.clock.is_some() && self.reference.is_none() {
             return Err("[error] clock goes with reference");
         }

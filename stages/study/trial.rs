@@ -7,13 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
-use coronet::measure::gauge::contact_time;
+use coronet::measure::kind::contact_time;
 use coronet::measure::series::Series;
 use coronet::pipeline::Stamp;
 use coronet::scene::{Scene, file};
 use serde_json::Value;
 
-use crate::fault::{self, Stopped, Unreadable};
+use crate::fault::{self, Stopped, Unreadable, Usage};
 use crate::print::note;
 
 /// Time between two checks for a request to stop.
@@ -25,6 +25,8 @@ pub struct Trial {
     /// Name of its results under `latest/`.
     pub name: String,
     pub pipeline: PathBuf,
+    /// Text of the scene file when the study began.
+    pub source: Vec<u8>,
     pub sets: Vec<String>,
     /// Case and labels, for messages.
     pub title: String,
@@ -39,6 +41,11 @@ pub struct Trial {
     /// Particle spacing, m, and number of particles; NaN for such a scene.
     pub spacing: f64,
     pub count: f64,
+}
+
+/// Content of a scene file, of which a point is made.
+pub fn source(path: &Path) -> Result<Vec<u8>> {
+    Ok(coronet::file::read(path, u64::MAX)?)
 }
 
 /// Where results are kept.
@@ -177,13 +184,32 @@ impl Trial {
         Ok(contact_time(&self.scene()?))
     }
 
+    /// An error if the scene file is another one by now: points would be of two scenes.
+    fn check_source(&self) -> Result<()> {
+        if source(&self.pipeline)? == self.source {
+            return Ok(());
+        }
+        let path = self.pipeline.display();
+        bail!(Usage(format!(
+            "{path} has changed since the study began, which needs one scene for all points; give \
+             the command again"
+        )))
+    }
+
     /// Brings the point up to date.
     ///
     /// # Errors
-    /// If the program cannot be started or its answer not be read, if it could not read or write a
-    /// file, which says nothing about the point, or if it was stopped, by a signal or because
-    /// `stop` was set.
+    /// If its scene file has changed, if the program cannot be started or its answer not be read,
+    /// if it could not read or write a file, which says nothing about the point, or if it was
+    /// stopped, by a signal or because `stop` was set.
     pub fn run(&self, place: Place, threads: usize, stop: &AtomicBool) -> Result<Outcome> {
+        self.check_source()?;
+        let outcome = self.attempt(place, threads, stop)?;
+        self.check_source()?;
+        Ok(outcome)
+    }
+
+    fn attempt(&self, place: Place, threads: usize, stop: &AtomicBool) -> Result<Outcome> {
         let program = std::env::current_exe().context("cannot find this program")?;
         let mut command = Command::new(program);
         command.arg("run").arg(&self.pipeline).arg("--json");

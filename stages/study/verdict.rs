@@ -1,8 +1,11 @@
 //! Results of a study of cases: the promises that are kept, as tables and in words.
 
+use std::iter;
+
 use anyhow::Result;
 
 use crate::study::figures::cells;
+use crate::study::page;
 use crate::study::points::Study;
 use crate::study::promise::Verdict;
 use crate::study::trial::{Outcome, Trial};
@@ -46,9 +49,10 @@ fn columns(trials: &[Trial]) -> Vec<String> {
 /// with reasons.
 pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], verdicts: &[Verdict]) -> String {
     let columns = columns(trials);
-    let heads: Vec<&str> = columns.iter().map(|name| name.as_str()).collect();
-    let mut page = format!("# {}\n\n| case | {} |\n", study.title, heads.join(" | "));
-    page += &format!("|---|{}\n", "---|".repeat(columns.len()));
+    let heads: Vec<&str> = iter::once("case")
+        .chain(columns.iter().map(String::as_str))
+        .collect();
+    let mut page = format!("# {}\n\n{}", study.title, page::heads(&heads));
     for (index, case) in study.case.iter().enumerate() {
         let cells: Vec<String> = columns
             .iter()
@@ -60,7 +64,7 @@ pub fn page(study: &Study, trials: &[Trial], outcomes: &[Outcome], verdicts: &[V
                 found.map_or("".to_string(), |k| cell(&verdicts[k], &outcomes[k]))
             })
             .collect();
-        page += &format!("| {} | {} |\n", case.name, cells.join(" | "));
+        page += &page::row(iter::once(case.name.clone()).chain(cells));
     }
     let lines = broken(trials, verdicts);
     if !lines.is_empty() {

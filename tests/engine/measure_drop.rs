@@ -1,6 +1,7 @@
 //! Shape, spread, front and surface area against known bodies; which scene gets which.
 
-use coronet::measure::gauge::{Gauge, Kind, contact, contact_time, strikes_wall};
+use coronet::measure::gauge::Gauge;
+use coronet::measure::kind::{Kind, contact, contact_time, strikes_wall};
 use coronet::measure::lamella::Lamella;
 use coronet::measure::raster::Raster;
 use coronet::measure::series::Row;
@@ -46,6 +47,52 @@ fn an_ellipsoid_has_its_aspect_ratio_and_amplitude() {
             "{row:?}"
         );
         assert!((value(&row, "centre_z_m") - 12e-3).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_drop_across_periodic_sides_is_measured_in_one_piece() {
+    for dimension in [Dimension::Two, Dimension::Three] {
+        for on_wall in [true, false] {
+            let mut scene = without_pool(dimension, 0.4);
+            if !on_wall {
+                scene.domain.boundary[2][0] = Side::Open;
+                scene.effects.gravity = None;
+            }
+            let rows = [12.0, 23.2].map(|middle: f64| {
+                scene.bodies[0].shape = match scene.bodies[0].shape {
+                    Shape::Sphere { radius, centre } => Shape::Sphere {
+                        radius,
+                        centre: [middle * 1e-3, centre[1], centre[2]],
+                    },
+                    _ => unreachable!("a drop"),
+                };
+                let frame = lattice(&scene, |x, y, z| {
+                    let across = ((x - middle + 36.0) % 24.0 - 12.0).abs();
+                    let y = if dimension == Dimension::Two { 12.0 } else { y };
+                    (across / 4.0).hypot((y - 12.0) / 4.0).hypot(z / 3.0 - 1.0) < 1.0
+                });
+                Gauge::new(&scene).measure(&frame)
+            });
+            let names: &[&str] = match on_wall {
+                true => &[
+                    "spread_factor",
+                    "max_diameter_factor",
+                    "apex_height_m",
+                    "dry_part",
+                ],
+                false => &["aspect_ratio", "amplitude", "centre_z_m"],
+            };
+            for name in names {
+                let [middle, side] = rows.each_ref().map(|row| value(row, name));
+                assert!((side - middle).abs() < 1e-5, "{name}: {side} for {middle}");
+            }
+            if !on_wall {
+                let centres = rows.each_ref().map(|row| value(row, "centre_x_m"));
+                assert!((centres[0] - 12.0e-3).abs() < 1e-6, "{centres:?}");
+                assert!((centres[1] - 23.2e-3).abs() < 1e-6, "{centres:?}");
+            }
+        }
     }
 }
 
@@ -149,7 +196,8 @@ fn the_surface_area_is_that_of_the_body() {
     let area = |scene: &Scene, holds: &dyn Fn(f64, f64, f64) -> bool| {
         let frame = lattice(scene, holds);
         let spacing = scene.spacing;
-        Raster::new(scene.dimension, &scene.domain, spacing, &frame.position).surface_area() * 1e6
+        Raster::new(scene.dimension, &scene.domain, spacing, &frame.position).surface_area(|_| 1.0)
+            * 1e6
     };
     let flat = area(&scene, &|_, _, z| z < 10.0);
     assert!((flat / 576.0 - 1.0).abs() < 0.02, "flat pool: {flat} mm²");

@@ -363,3 +363,13 @@ fn a_stamp_names_the_build() {
         assert!(digits >= 12, "{build}");
     }
 }
+
+#[test]
+fn names_that_would_break_the_store_are_refused() {
+    let program = Program::new();
+    program.run(&["--until", "pack"]);
+    let named = |name: &str| program.call(&["run", "tiny.toml", "--name", name]);
+    named("manifest.json").badly(2, &["manifest.json"]);
+    named("tiny/pack").badly(2, &["tiny/pack", "\"tiny\""]);
+    program.call(&["verify"]).well();
+}

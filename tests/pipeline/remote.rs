@@ -390,6 +390,8 @@ fn mistakes_in_remote_stores_are_named() {
     #[cfg(not(feature = "remote"))]
     run("s3://bucket").badly(2, &["--features remote"]);
     program.run(&["--until", "pack"]);
+    let own = format!("file://{}", program.path("artifacts").display());
+    run(&own).badly(2, &["store of this machine"]);
     let gone = ["push", "--remote", "file:///nowhere/at/all"];
     program.call(&gone).badly(5, &["there is no folder"]);
     // A run goes on without.

@@ -76,3 +76,17 @@ fn a_clean_up_keeps_what_the_newest_runs_reach() {
         "{statuses:?}"
     );
 }
+
+#[test]
+fn what_has_gone_from_a_remote_store_is_put_again() {
+    let program = Program::new();
+    program.run(&["--until", "pack"]);
+    let shared = tempfile::tempdir().unwrap();
+    let url = format!("file://{}", shared.path().display());
+    let push = || program.call(&["push", "--remote", &url]).well().out;
+    push();
+    let mut files = fs::read_dir(shared.path().join("files")).unwrap();
+    fs::remove_file(files.next().unwrap().unwrap().path()).unwrap();
+    assert!(push().contains("1 result put"));
+    assert!(push().contains("0 results put"));
+}

@@ -86,7 +86,8 @@ fn a_run_ends_with_the_frame_that_shows_it() {
     let stamp = Stamp::read(&program.latest("impact")).unwrap().unwrap();
     assert_eq!(stamp.notes, [ended]);
     let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
-    assert!(page.contains(&format!("The run {ended}.")), "the report");
+    let shown = ended.replacen('`', "<code>", 1).replacen('`', "</code>", 1);
+    assert!(page.contains(&format!("The run {shown}.")), "the report");
     let again = program
         .call(&["run", "tiny.toml", "--set", END, "--set", STOP])
         .well();

@@ -213,9 +213,52 @@ fn a_study_is_looked_at_before_it_runs() {
         said.trim_end()
             .ends_with("6 done, 0 failed, 0 running, 0 waiting, 0 missing")
     );
-    for option in ["--wait", "--cancel"] {
+    for option in ["--wait", "--cancel", "--time=1:00", "--cores=2"] {
+        let name = option.split('=').next().unwrap();
         program
             .call(&["study", "study.toml", option])
-            .badly(2, &["--on slurm"]);
+            .badly(2, &["--on slurm", name]);
     }
+}
+
+#[test]
+fn a_study_keeps_to_the_scene_with_which_it_began() {
+    let program = program();
+    let mut child = program.start(&["study", "study.toml", "--jobs", "1"]);
+    while !program.path("artifacts/impact").exists() {
+        sleep(Duration::from_millis(2));
+    }
+    let path = program.path("tiny.toml");
+    let scene = fs::read_to_string(&path).unwrap();
+    fs::write(&path, scene.replace("1000 kg/m^3", "2000 kg/m^3")).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(2));
+    assert!(!program.path("artifacts/latest/study/study.csv").exists());
+    fs::write(&path, scene).unwrap();
+    program.call(&["study", "study.toml"]).well();
+}
+
+#[test]
+fn files_of_a_user_stay_as_they_are() {
+    let program = program();
+    let into = ["study", "study.toml", "--into", "here"];
+    fs::create_dir(program.path("here")).unwrap();
+    for name in ["study.csv", "study-depth.svg"] {
+        let path = program.path("here").join(name);
+        fs::write(&path, "time_s,crater_depth_m\n").unwrap();
+        program.call(&into).badly(2, &[name, "stays as it is"]);
+        fs::remove_file(path).unwrap();
+    }
+    assert!(!program.path("artifacts").exists());
+    for _ in 0..2 {
+        program.call(&into).well();
+    }
+    let tune = [
+        "tune",
+        "study.toml",
+        "--error",
+        "50 %",
+        "--output",
+        "study.toml",
+    ];
+    program.call(&tune).badly(2, &["study.toml exists already"]);
 }

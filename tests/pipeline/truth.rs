@@ -1,6 +1,6 @@
 //! Nothing false in a result: clocks of references, warnings before, during and after a run.
 
-use super::program::Program;
+use super::program::{Program, members};
 use serde_json::Value;
 use std::fs;
 
@@ -12,6 +12,24 @@ fn notes(objects: &[Value]) -> Vec<String> {
     let notes = post.expect("a run ends with post")["notes"].as_array();
     let text = |note: &Value| note.as_str().unwrap().to_string();
     notes.unwrap().iter().map(text).collect()
+}
+
+#[test]
+fn a_reference_that_changes_during_a_run_is_that_of_its_key() {
+    let table = "time_s,crater_depth_m\n0.001,0.0003\n0.003,0.0007\n";
+    let [here, there] = [0, 1].map(|_| Program::with("own.csv", table));
+    let arguments = ["run", "tiny.toml", "--json", "--set", OWN];
+    let mut child = here.start(&arguments);
+    here.in_flight(&mut child);
+    fs::write(here.path("own.csv"), table.replace(",0.0", ",0.9")).unwrap();
+    assert!(child.wait().unwrap().success());
+    fs::write(here.path("own.csv"), table).unwrap();
+    let found = here.call(&arguments).well().objects();
+    let statuses = members(&found, "status");
+    let is_fresh = |status: &String| status == "fresh";
+    assert!(statuses.values().all(is_fresh), "{statuses:?}");
+    let wanted = there.call(&arguments).well().objects();
+    assert_eq!(here.fingerprint(&found), there.fingerprint(&wanted));
 }
 
 #[test]
@@ -162,7 +180,7 @@ fn a_body_that_did_not_come_to_rest_is_in_the_report() {
         second.err
     );
     let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
-    assert!(page.contains("body `pool` starts not at rest"));
+    assert!(page.contains("body <code>pool</code> begins the impact not at rest"));
 }
 
 #[test]
@@ -190,7 +208,7 @@ fn liquid_that_left_the_box_is_told_on_the_way_and_at_the_end() {
     };
     assert!(told.err.lines().any(on_the_way), "{}", told.err);
     let page = fs::read_to_string(program.latest("post").join("report.html")).unwrap();
-    assert!(page.contains("Warning: `mass_removed_kg` = "));
+    assert!(page.contains("<b>Warning:</b> <code>mass_removed_kg</code> = "));
 }
 
 #[test]

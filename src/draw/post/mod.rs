@@ -17,9 +17,10 @@ use super::canvas::Canvas;
 use super::field::Field;
 use super::player::{Player, Shot};
 use super::report::Report;
-use super::section::Section;
+use super::section::{self, Section};
 use crate::measure::answer;
-use crate::measure::gauge::{Gauge, Kind, Start, contact, contact_time};
+use crate::measure::gauge::{Gauge, Start};
+use crate::measure::kind::{Kind, contact, contact_time};
 use crate::measure::loss;
 use crate::measure::norm::{Norm, compare};
 use crate::measure::pool::Axis;
@@ -107,6 +108,7 @@ pub struct Post {
     averages: Vec<Field>,
     files: Vec<PathBuf>,
     remarks: Vec<String>,
+    warnings: Vec<String>,
 }
 
 /// What a frame needs besides its measures.
@@ -125,13 +127,8 @@ struct Look {
 }
 
 impl Post {
-    /// Reads the references, relative to `base` (the folder of the scene file); `out` must exist.
-    pub fn new(scene: &Scene, base: &Path, out: &Path) -> Result<Post, PostError> {
-        let mut references = Vec::new();
-        for reference in &scene.post.references {
-            let table = Reference::read(&base.join(&reference.path), reference.clock)?;
-            references.push((reference.label.clone(), table));
-        }
+    /// `references`: name and table of each; `out` must exist.
+    pub fn new(scene: &Scene, references: Vec<(String, Reference)>, out: &Path) -> Post {
         let (part, scene) = (scene.clone(), &scene.whole());
         let gauge = Gauge::new(scene);
         let axis = match gauge.kind {
@@ -142,7 +139,7 @@ impl Post {
             },
         };
         let interval = scene.frames.interval;
-        Ok(Post {
+        Post {
             scene: scene.clone(),
             unfold: Unfold::new(&part),
             out: out.to_owned(),
@@ -161,13 +158,19 @@ impl Post {
             averages: Vec::new(),
             files: vec![PathBuf::from("measures.csv")],
             remarks: Vec::new(),
+            warnings: Vec::new(),
             part,
-        })
+        }
     }
 
     /// Adds a sentence about the run to the report.
     pub fn remark(&mut self, text: String) {
         self.remarks.push(text);
+    }
+
+    /// Adds a sentence about what makes the figures doubtful.
+    pub fn warn(&mut self, text: String) {
+        self.warnings.push(text);
     }
 
     /// Measures a frame and draws its panel and field.
@@ -258,7 +261,8 @@ impl Post {
         }
         let crown = row.iter().find(|(name, _)| name == "crown_height_m");
         let height = crown.map_or(frame.time, |(_, z)| *z);
-        if self.best.as_ref().is_none_or(|(best, _)| height > *best) {
+        let is_better = |(best, _): &(f64, _)| best.is_nan() || height > *best;
+        if self.best.as_ref().is_none_or(is_better) {
             self.best = Some((height, frame.clone()));
         }
     }
@@ -277,7 +281,7 @@ impl Post {
             },
             scene: self.scene.name.clone(),
             provenance: provenance.to_vec(),
-            is_axial: self.part.domain.is_axial(),
+            shown: section::words(&self.part),
             ..Report::default()
         };
         self.draw_title(&mut report)?;
@@ -307,11 +311,10 @@ impl Post {
             .collect();
         let losses = loss::warnings(&self.scene, &self.series, contact(&self.scene));
         report.notes = self.notes();
-        let told = losses.iter().map(Warning::to_string);
-        report
-            .notes
-            .extend(told.map(|loss| format!("Warning: {loss}.")));
         let missed = self.missed();
+        let told = losses.iter().map(|loss| format!("{loss}."));
+        report.warnings = self.warnings.clone();
+        report.warnings.extend(missed.iter().cloned().chain(told));
         self.write("report.html", report.html().as_bytes())?;
         let (series, files) = (self.series, self.files);
         Ok(PostReport {

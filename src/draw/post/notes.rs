@@ -30,7 +30,6 @@ impl Post {
             };
             format!("The reference {label} counts time from {zero}.")
         }));
-        notes.extend(self.missed());
         notes
     }
 

@@ -11,7 +11,7 @@ use crate::draw::canvas::{Canvas, Colour};
 use crate::draw::scale::{Plain, Scale};
 use crate::draw::section::body_colour;
 use crate::draw::surface::Field;
-use crate::measure::gauge::contact_time;
+use crate::measure::kind::contact_time;
 use crate::measure::whole::Unfold;
 use crate::particle::Frame;
 use crate::record::mesh::Mesh;

@@ -48,10 +48,12 @@ pub struct Report {
     pub norms: Vec<[String; 5]>,
     /// Notes about what the page cannot show.
     pub notes: Vec<String>,
-    /// Whether the run has the half-plane beside an axis.
-    pub is_axial: bool,
-    /// PNG file that opens the page.
-    pub picture: Option<Vec<u8>>,
+    /// What panels show, a sentence.
+    pub shown: String,
+    /// What a reader should know before the results are believed.
+    pub warnings: Vec<String>,
+    /// Caption and PNG file of the picture that opens the page.
+    pub picture: Option<(String, Vec<u8>)>,
     /// Measures against time.
     pub plots: Vec<Chart>,
     /// What the player shows; without a shot there is none.
@@ -87,10 +89,14 @@ impl Report {
                 escape(&self.scene)
             ),
         );
-        if let Some(png) = &self.picture {
+        if let Some((caption, png)) = &self.picture {
             page.push_str("<figure>");
             put_image(&mut page, png, &self.title);
-            page.push_str("</figure>\n");
+            let caption = escape(caption);
+            put(
+                &mut page,
+                format_args!("<figcaption>{caption}</figcaption></figure>\n"),
+            );
         }
         self.put_player(&mut page);
         self.put_results(&mut page);
@@ -167,8 +173,16 @@ impl Report {
     fn put_results(&self, page: &mut String) {
         page.push_str(
             "<h2>Results <button type=\"button\" id=\"copy\" hidden>Copy</button></h2>\n\
-             <div class=\"grid\"><div class=\"card\"><table id=\"results\">\n",
+             ",
         );
+        for warning in &self.warnings {
+            let warning = prose(warning);
+            put(
+                page,
+                format_args!("<p class=\"warning\"><b>Warning:</b> {warning}</p>\n"),
+            );
+        }
+        page.push_str("<div class=\"grid\"><div class=\"card\"><table id=\"results\">\n");
         for (name, value) in &self.results {
             let (name, value) = (escape(name), escape(value));
             put(
@@ -205,7 +219,7 @@ impl Report {
         for note in &self.notes {
             put(
                 page,
-                format_args!("<p class=\"soft\">{}</p>\n", escape(note)),
+                format_args!("<p class=\"soft\">{}</p>\n", prose(note)),
             );
         }
     }
@@ -228,14 +242,10 @@ impl Report {
 
     fn put_pictures(&self, page: &mut String) {
         if !self.panels.is_empty() {
-            page.push_str("<h2>Snapshots</h2>\n");
-            let section = match self.is_axial {
-                true => "Section through the axis",
-                false => "Section of 1 mm through the axis",
-            };
+            let shown = escape(&self.shown);
             put(
                 page,
-                format_args!("<p class=\"soft\">{section}, and bird's-eye view.</p>\n"),
+                format_args!("<h2>Snapshots</h2>\n<p class=\"soft\">{shown}</p>\n"),
             );
         }
         for (caption, pictures) in &self.panels {
@@ -317,9 +327,20 @@ fn put(page: &mut String, text: std::fmt::Arguments) {
 }
 
 fn put_image(page: &mut String, png: &[u8], caption: &str) {
-    page.push_str("<img decoding=\"async\" src=\"data:image/png;base64,");
+    page.push_str("<img src=\"data:image/png;base64,");
     STANDARD.encode_string(png, page);
     put(page, format_args!("\" alt=\"{}\">", escape(caption)));
+}
+
+/// Text where what is between backticks is code.
+fn prose(text: &str) -> String {
+    let parts = escape(text);
+    let parts = parts.split('`').enumerate();
+    let code = parts.map(|(k, part)| match k % 2 {
+        0 => part.to_string(),
+        _ => format!("<code>{part}</code>"),
+    });
+    code.collect()
 }
 
 fn escape(text: &str) -> String {

@@ -7,7 +7,8 @@
   // Plots: a line and the values at the pointer's time.
   const times = [];
   document.querySelectorAll(".chart").forEach((figure, n) => {
-    const { x, values, places, curves } = charts[n];
+    const { x, y, values, places, curves } = charts[n];
+    const unit = / \((.*)\)$/.exec(y)?.[1] ?? "";
     const svg = figure.querySelector("svg");
     const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
     line.setAttribute("y1", places[1][1]);
@@ -30,11 +31,12 @@
         if (known.length === 0) return null;
         const near = known.reduce((a, b) =>
           Math.abs(b[0] - time) < Math.abs(a[0] - time) ? b : a);
-        return Math.abs(near[0] - time) > 0.05 * (to - from) ? null : `${label} ${number(near[1])}`;
+        if (Math.abs(near[0] - time) > 0.05 * (to - from)) return null;
+        return `${label} ${number(near[1])} ${unit}`.trimEnd();
       });
-      const unit = x.replace(/ \(.*/, "");
+      const name = x.replace(/ \(.*/, "");
       figure.querySelector(".read").textContent =
-        `${unit} ${number(time)} ms: ` + read.filter((text) => text).join(", ");
+        `${name} ${number(time)} ms: ` + read.filter((text) => text).join(", ");
     };
     times.push(show);
     const pointed = (event) => {

@@ -20,10 +20,20 @@ pub fn put(
         return Err(RemoteError::bad("its stamp", what));
     }
     let name = stamp_name(&stamp.stage, &stamp.key);
-    if !replace && objects.has(&name)? {
-        return other(objects, &name, stamp);
-    }
+    let known = match !replace && objects.has(&name)? {
+        true => Some(other(objects, &name, stamp)?),
+        false => None,
+    };
+    let mut gone = false;
     for output in &stamp.outputs {
+        // Of what is there a file may have gone, as by a rule of age.
+        let object = sha256(output).map(|sha256| file_name(&sha256));
+        if known.is_some() {
+            match object {
+                Some(object) if !objects.has(&object)? => gone = true,
+                _ => continue,
+            }
+        }
         let path = folder.join(&output.file);
         let local = |error: ContentError| match error {
             ContentError::File(error) => RemoteError::File(error),
@@ -39,6 +49,9 @@ pub fn put(
         if replace || !objects.has(&object)? {
             objects.put(&object, &path, true)?;
         }
+    }
+    if let Some(known) = known {
+        return Ok(if gone { Put::New } else { known });
     }
     match objects.put(&name, &folder.join(stamp::FILE), replace)? {
         true => Ok(Put::New),

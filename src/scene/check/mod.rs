@@ -366,14 +366,13 @@ fn references(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), Scene
         let key = format!("post.references[{index}].path");
         let path = folder.join(&reference.path);
         let remedy = "give a CSV file, relative to the scene file";
-        let content =
-            crate::file::read_text(&path, LONGEST_REFERENCE).map_err(|error| {
-                match error.is_not_found() {
-                    true => tree.fault(&key, &error.to_string(), remedy),
-                    false => error.into(),
-                }
-            })?;
-        let text = String::from_utf8_lossy(&content);
+        let content = crate::file::read(&path, LONGEST_REFERENCE).map_err(|error| {
+            match error.is_not_found() {
+                true => tree.fault(&key, &error.to_string(), remedy),
+                false => error.into(),
+            }
+        })?;
+        let text = String::from_utf8_lossy(crate::file::without_mark(&content));
         let head = text
             .lines()
             .find(|line| !line.starts_with('#'))

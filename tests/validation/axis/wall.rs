@@ -1,6 +1,6 @@
 //! Drops on walls as rings: contact angles, the force of an impact, contact time.
 
-use super::{figure, rings};
+use super::{affordable, figure, rings};
 use crate::{run, start};
 use coronet::measure::gauge::Gauge;
 use coronet::measure::whole::Unfold;
@@ -135,36 +135,34 @@ fn force_on_a_wall() {
 fn bounce() {
     println!();
     let (radius, density, sigma) = (1e-3f64, 1000.0, 0.0728);
-    for weber in [3.0, 10.0, 30.0] {
-        let speed = f64::sqrt(weber * sigma / (density * radius));
-        let sets = [
-            format!("body.drop.velocity={speed} m/s"),
-            "impact.end=12 ms".into(),
-        ];
-        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
-        let scene = rings("wall-force", &sets);
-        let mut solver = start(&scene).expect("starts");
-        let (mut touches, mut leaves) = (f64::NAN, f64::NAN);
-        run(solver.as_mut(), scene.impact.end, 2e-5, |f| {
-            let lowest = f.position[2]
-                .iter()
-                .fold(f32::INFINITY, |low, z| low.min(*z));
-            let is_near = (lowest as f64) < scene.spacing;
-            match (is_near, touches.is_nan()) {
-                (true, true) => touches = f.time,
-                (true, false) => leaves = f.time,
-                _ => {}
-            }
-        })
-        .expect("stays stable");
-        let theory = 2.6 * f64::sqrt(density * radius.powi(3) / sigma);
-        let case = format!("bounce, We {weber} with R");
-        figure(
-            &case,
-            "contact time, s",
-            leaves - touches,
-            Some(theory),
-            0.04,
-        );
+    let theory = 2.6 * f64::sqrt(density * radius.powi(3) / sigma);
+    for spacing in affordable(&["0.05 mm", "0.025 mm"]) {
+        for weber in [3.0, 10.0, 30.0] {
+            let speed = f64::sqrt(weber * sigma / (density * radius));
+            let sets = [
+                format!("body.drop.velocity={speed} m/s"),
+                format!("pack.spacing={spacing}"),
+                "impact.end=12 ms".into(),
+            ];
+            let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+            let scene = rings("wall-force", &sets);
+            let mut solver = start(&scene).expect("starts");
+            let (mut touches, mut leaves) = (f64::NAN, f64::NAN);
+            run(solver.as_mut(), scene.impact.end, 2e-5, |f| {
+                let lowest = f.position[2]
+                    .iter()
+                    .fold(f32::INFINITY, |low, z| low.min(*z));
+                let is_near = (lowest as f64) < scene.spacing;
+                match (is_near, touches.is_nan()) {
+                    (true, true) => touches = f.time,
+                    (true, false) => leaves = f.time,
+                    _ => {}
+                }
+            })
+            .expect("stays stable");
+            let case = format!("bounce, We {weber} with R, {spacing}");
+            let got = leaves - touches;
+            figure(&case, "contact time, s", got, Some(theory), 0.04);
+        }
     }
 }

@@ -7,9 +7,10 @@
 use super::conservation;
 use super::series::Series;
 use super::summary::digits;
+use crate::scene::numbers::drop_diameter;
 use crate::scene::quantity::{Unit, human};
 use crate::scene::sanity::Warning;
-use crate::scene::{Body, Scene, Shape};
+use crate::scene::{Body, Scene, Shape, Side};
 
 /// Part of the liquid that may leave the box without a word at the end of a run.
 const LOST: f64 = 1e-3;
@@ -55,6 +56,7 @@ impl Watch {
 /// start.
 pub fn warnings(scene: &Scene, series: &Series, contact: Option<f64>) -> Vec<Warning> {
     let mut all: Vec<Warning> = floor(scene, series).into_iter().collect();
+    all.extend(sides(scene, series));
     let end = |name: &str| {
         series
             .column(name)
@@ -68,12 +70,19 @@ pub fn warnings(scene: &Scene, series: &Series, contact: Option<f64>) -> Vec<War
     if let (Some(removed), Some(mass)) = (end("mass_removed_kg"), first("mass_kg"))
         && removed > LOST * mass
     {
-        let why = format!(
-            "{} of the liquid left the box through open sides: energies and measures are those of \
-             the rest",
-            exact(removed / mass)
-        );
-        let remedy = "enlarge `box.size` on that side, make it a wall, or end the run before";
+        let part = exact(removed / mass);
+        let rest = "energies and measures are those of the rest";
+        let is_open = scene.domain.boundary.as_flattened().contains(&Side::Open);
+        let (why, remedy) = match is_open {
+            true => (
+                format!("{part} of the liquid left the box through open sides: {rest}"),
+                "enlarge `box.size` on that side, make it a wall, or end the run before",
+            ),
+            false => (
+                format!("{part} of the liquid passed through the walls: {rest}"),
+                "check accelerations and speeds, or use a finer `pack.spacing`",
+            ),
+        };
         let value = format!("{} kg", digits(removed));
         all.push(Warning::new("mass_removed_kg", value, &why, remedy));
     }
@@ -166,6 +175,26 @@ fn floor(scene: &Scene, series: &Series) -> Option<Warning> {
     let remedy = "for the depth of a crater in deep liquid make the pool, and the box, deeper";
     let value = format!("{} mm", digits(1e3 * depth));
     Some(Warning::new(&key, value, &why, remedy))
+}
+
+/// Liquid on a wall that reaches the sides of the box.
+fn sides(scene: &Scene, series: &Series) -> Option<Warning> {
+    let (spread, _) = series.maximum("max_diameter_factor")?;
+    let widest = spread * drop_diameter(scene)?;
+    let axes = scene.dimension.axes().iter().filter(|axis| **axis < 2);
+    let width = axes
+        .map(|&axis| scene.domain.size[axis])
+        .fold(f64::INFINITY, f64::min);
+    if widest < width - 2.0 * scene.spacing {
+        return None;
+    }
+    let why = format!(
+        "the liquid, {} mm wide, reaches the sides, which limit its spread and its angle",
+        digits(1e3 * widest)
+    );
+    let value = format!("{} mm", digits(1e3 * width));
+    let remedy = "make the box wider for the spread of a drop on a wide wall";
+    Some(Warning::new("box.size", value, &why, remedy))
 }
 
 fn exact(part: f64) -> String {

@@ -28,6 +28,15 @@ pub const MARK: &str = "store.json";
 /// Its content.
 const MARK_TEXT: &str = "{\n  \"coronet_store\": 1\n}\n";
 
+/// The layout in it.
+const LAYOUT: u64 = 1;
+
+/// The layout of a store from the content of its mark.
+fn layout(mark: &[u8]) -> Option<u64> {
+    let mark: serde_json::Value = serde_json::from_slice(mark).ok()?;
+    mark["coronet_store"].as_u64()
+}
+
 /// A folder of results.
 #[derive(Clone, Debug)]
 pub struct Store {
@@ -71,7 +80,16 @@ impl Store {
         let path = self.root.join(MARK);
         match file::read_no_link(&path, MARK_TEXT.len() as u64 * 2) {
             Ok(bytes) if bytes == MARK_TEXT.as_bytes() => return Ok(()),
-            Ok(_) => drop(rename_aside(&path)?),
+            Ok(bytes) => match layout(&bytes) {
+                Some(layout) if layout > LAYOUT => {
+                    let what = format!(
+                        "the store is of a newer program (layout {layout}); use that program, or \
+                         another folder with --artifacts"
+                    );
+                    return Err(FileError::new(&path, "use")(io::Error::other(what)));
+                }
+                _ => drop(rename_aside(&path)?),
+            },
             Err(error) if error.is_not_found() => {}
             Err(error) => return Err(error),
         }

@@ -8,7 +8,7 @@ use coronet::pipeline::Store;
 use serde_json::{Value, json};
 
 use crate::arguments::DiffArguments;
-use crate::print::out;
+use crate::print::{note, out};
 use crate::runs::Run;
 use crate::table::{cut, lines};
 
@@ -40,6 +40,12 @@ pub fn diff(arguments: &DiffArguments) -> Result<()> {
     let first = Run::meant(&store, &arguments.first)?;
     let second = Run::meant(&store, &arguments.second)?;
     let settings = settings(&first, &second);
+    if settings.iter().any(|(name, _)| name == "dimension") {
+        note!(
+            "warning: masses, energies and forces of a run in two dimensions are for each metre of \
+             depth: do not compare them with those of three"
+        );
+    }
     let figures = [first.figures()?, second.figures()?];
     let pairs = pairs(&figures);
     let curves = match &figures {

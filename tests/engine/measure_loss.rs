@@ -130,3 +130,24 @@ fn what_is_lost_on_the_way_is_told_once_and_again_when_it_has_doubled() {
     assert_eq!(told, [2, 5, 20, 100]);
     assert_eq!(watch.look(0.0, &[]), None);
 }
+
+#[test]
+fn liquid_that_reaches_the_sides_is_told() {
+    let shape = Shape::Sphere {
+        centre: [4.0 * S0, 4.0 * S0, 4.0 * S0],
+        radius: 2.0 * S0,
+    };
+    let scene = scene(Dimension::Two, [8.0; 3], shape);
+    let about = |spread: f64| {
+        let mut series = Series::default();
+        let row = [("time_s", 0.0), ("max_diameter_factor", spread)];
+        series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
+        warnings(&scene, &series, None)
+    };
+    assert_eq!(about(1.4), []);
+    let text = about(1.6)[0].to_string();
+    assert!(
+        text.contains("box.size") && text.contains("reaches the sides"),
+        "{text}"
+    );
+}

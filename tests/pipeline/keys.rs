@@ -373,3 +373,18 @@ fn names_that_would_break_the_store_are_refused() {
     named("tiny/pack").badly(2, &["tiny/pack", "\"tiny\""]);
     program.call(&["verify"]).well();
 }
+
+#[test]
+fn a_store_of_a_newer_program_is_left_alone() {
+    let program = Program::new();
+    program.run(&["--until", "pack"]);
+    let mark = program.path("artifacts/store.json");
+    fs::write(&mark, "{ \"coronet_store\": 2 }").unwrap();
+    program
+        .call(&["run", "tiny.toml"])
+        .badly(5, &["newer program", "--artifacts"]);
+    assert_eq!(
+        fs::read_to_string(mark).unwrap(),
+        "{ \"coronet_store\": 2 }"
+    );
+}

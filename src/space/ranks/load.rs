@@ -50,8 +50,8 @@ impl Communicator for Timed {
 #[derive(Clone)]
 pub struct Load {
     with: Arc<Timed>,
-    /// When the last step began, what was waited for until then, and how many particles it moves.
-    begun: Option<(Instant, Duration, usize)>,
+    /// When the last step began, and what was waited for until then.
+    begun: Option<(Instant, Duration)>,
     /// s a particle and step; infinite where nothing was measured.
     recent: [f64; RECENT],
     steps: usize,
@@ -74,17 +74,17 @@ impl Load {
         self.with.clone()
     }
 
-    /// Begins a step with `count` particles; what a particle took in the steps before, s, infinite
-    /// if that is not known.
+    /// Begins a step, after one of `count` particles; what a particle took in the steps before, s,
+    /// infinite if that is not known.
     pub fn lap(&mut self, count: usize) -> f64 {
         let now = Instant::now();
         let waited = Duration::from_nanos(self.with.waited.load(Ordering::Relaxed));
-        if let Some((since, before, moved @ 1..)) = self.begun {
+        if let (Some((since, before)), 1..) = (self.begun, count) {
             let busy = (now - since).saturating_sub(waited - before);
-            self.recent[self.steps % RECENT] = busy.as_secs_f64() / moved as f64;
+            self.recent[self.steps % RECENT] = busy.as_secs_f64() / count as f64;
             self.steps += 1;
         }
-        self.begun = Some((now, waited, count));
+        self.begun = Some((now, waited));
         self.recent.iter().fold(f64::INFINITY, |a, b| a.min(*b))
     }
 }

@@ -276,6 +276,18 @@ def report(found):
         pathlib.Path(into).write_text(headed(stamp, version, rows))
 
 
+def asked():
+    """The arguments that the figures depend on: not the folder."""
+    words = iter(sys.argv[1:])
+    kept = []
+    for word in words:
+        if word == "--folder":
+            next(words)
+        elif not word.startswith("--folder="):
+            kept.append(word)
+    return kept
+
+
 def headed(stamp, version, rows):
     """A table with its origin, as the tables of docs/results need it."""
     here = stamp["machine"]
@@ -287,7 +299,7 @@ def headed(stamp, version, rows):
         "parts": f"wcsph {part}",
         "machine": f"{here['processor']}, {here['cores']} cores, {here['system']}",
         "date": stamp["started"][:10],
-        "command": " ".join(["benches/peers/dualsphysics.py", *sys.argv[1:]]),
+        "command": " ".join(["benches/peers/dualsphysics.py", *asked()]),
     }
     text = io.StringIO()
     text.writelines(f"# {key}: {value}\n" for key, value in head.items())

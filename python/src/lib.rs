@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use coronet::measure::answer::{Answer, Figures};
-use coronet::measure::gauge::contact_time;
+use coronet::measure::kind::contact_time;
 use coronet::measure::series::{Row, Series};
 use coronet::particle;
 use coronet::record::checkpoint::{self, Array};

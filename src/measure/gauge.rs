@@ -5,7 +5,7 @@ use super::drop::{Front, Shape, Spread};
 use super::energy;
 use super::force::{self, Impulse};
 use super::kind::{Kind, contact, other_drops};
-use super::piece::Whole;
+use super::piece::Piece;
 use super::pool::{self, Axis, Pool};
 use super::raster::Raster;
 use super::region::Region;
@@ -69,15 +69,15 @@ impl Gauge {
         let mut area = None;
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;
-            let whole = self.piece(frame);
+            let piece = self.piece(frame);
             let raster = Raster::new(
                 scene.dimension,
                 &scene.domain,
                 scene.spacing,
-                &whole.frame.position,
+                &piece.frame.position,
             );
             let region = Region::new(&raster);
-            self.measure_region(&region, &whole, &mut start.level, &mut row);
+            self.measure_region(&region, &piece, &mut start.level, &mut row);
             if scene.effects.tension.is_some() {
                 area = Some(match scene.domain.is_revolved() {
                     true => {
@@ -117,21 +117,21 @@ impl Gauge {
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;
             let (domain, spacing) = (&scene.domain, scene.spacing);
-            let whole = self.piece(frame);
-            let position = &whole.frame.position;
+            let piece = self.piece(frame);
+            let position = &piece.frame.position;
             let raster = Raster::new(scene.dimension, domain, spacing, position);
             let mut level = self.start.level;
-            self.measure_region(&Region::new(&raster), &whole, &mut level, &mut row);
+            self.measure_region(&Region::new(&raster), &piece, &mut level, &mut row);
             self.start.level = level;
         }
         row.0
     }
 
     /// What is no pool, in one piece.
-    fn piece<'a>(&self, frame: &'a Frame) -> Whole<'a> {
+    fn piece<'a>(&self, frame: &'a Frame) -> Piece<'a> {
         match self.kind {
-            Kind::Wall(_) | Kind::Shape => Whole::of(&self.scene, frame),
-            _ => Whole {
+            Kind::Wall(_) | Kind::Shape => Piece::of(&self.scene, frame),
+            _ => Piece {
                 frame: Cow::Borrowed(frame),
                 moved: [0.0; 3],
             },
@@ -141,11 +141,11 @@ impl Gauge {
     fn measure_region(
         &self,
         region: &Region,
-        whole: &Whole,
+        piece: &Piece,
         level: &mut Option<f64>,
         row: &mut Table,
     ) {
-        let (scene, frame) = (&self.scene, &*whole.frame);
+        let (scene, frame) = (&self.scene, &*piece.frame);
         match self.kind {
             Kind::Pool(axis) => {
                 let nominal = scene.pool_depth().unwrap_or(0.0);
@@ -160,7 +160,7 @@ impl Gauge {
                 row.put("highest_particle_m", highest(frame) - level);
             }
             Kind::Wall(axis) => {
-                let at = [0, 1].map(|a| whole.moved(scene, a, axis.at[a]));
+                let at = [0, 1].map(|a| piece.moved(scene, a, axis.at[a]));
                 let spread = Spread::new(region, at, axis.diameter, scene.dimension);
                 row.put("spread_factor", spread.wetted);
                 row.put("dry_part", spread.dry);
@@ -190,13 +190,13 @@ impl Gauge {
                 row.put_some("surface_level_m", pool::far_level(region, &middle));
                 row.put("pressure_max_Pa", pressure_max(frame));
             }
-            Kind::Shape => self.measure_shape(whole, row),
+            Kind::Shape => self.measure_shape(piece, row),
             Kind::Bulk => {}
         }
     }
 
-    fn measure_shape(&self, whole: &Whole, row: &mut Table) {
-        let (scene, frame) = (&self.scene, &*whole.frame);
+    fn measure_shape(&self, piece: &Piece, row: &mut Table) {
+        let (scene, frame) = (&self.scene, &*piece.frame);
         let is_revolved = scene.domain.is_revolved();
         let space = match is_revolved {
             true => Dimension::Three,
@@ -206,7 +206,7 @@ impl Gauge {
         let names = ["centre_x_m", "centre_y_m", "centre_z_m"];
         for (axis, name) in names.iter().enumerate() {
             if axis != 1 || scene.dimension == Dimension::Three {
-                let centre = shape.map(|s| whole.place(scene, axis, s.centre[axis]));
+                let centre = shape.map(|s| piece.place(scene, axis, s.centre[axis]));
                 row.put_some(name, centre);
             }
         }

@@ -9,17 +9,17 @@ use std::borrow::Cow;
 const BIN: f64 = 2.0;
 
 /// A frame whose liquid is in one piece, and how far it was moved along each axis, m.
-pub struct Whole<'a> {
+pub struct Piece<'a> {
     /// The frame.
     pub frame: Cow<'a, Frame>,
     /// Zero where nothing lies across a periodic side, or where there is no gap.
     pub moved: [f64; 3],
 }
 
-impl<'a> Whole<'a> {
+impl<'a> Piece<'a> {
     /// Moves the liquid so that the periodic sides lie in the middle of its largest gap.
     pub fn of(scene: &Scene, frame: &'a Frame) -> Self {
-        let mut whole = Whole {
+        let mut piece = Piece {
             frame: Cow::Borrowed(frame),
             moved: [0.0; 3],
         };
@@ -31,13 +31,13 @@ impl<'a> Whole<'a> {
             let Some(middle) = gap.flatten() else {
                 continue;
             };
-            let x = &mut whole.frame.to_mut().position[axis];
+            let x = &mut piece.frame.to_mut().position[axis];
             for x in x.iter_mut() {
                 *x = (f64::from(*x) - middle).rem_euclid(size) as f32;
             }
-            whole.moved[axis] = middle;
+            piece.moved[axis] = middle;
         }
-        whole
+        piece
     }
 
     /// Where a coordinate of the moved liquid is in the box, m.

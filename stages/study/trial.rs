@@ -19,6 +19,9 @@ use crate::print::note;
 /// Time between two checks for a request to stop.
 const POLL: Duration = Duration::from_millis(20);
 
+/// Largest size of a scene file, bytes, as where it is loaded.
+const LONGEST: u64 = 16 << 20;
+
 /// A run of a study.
 #[derive(Clone)]
 pub struct Trial {
@@ -45,7 +48,7 @@ pub struct Trial {
 
 /// Content of a scene file, of which a point is made.
 pub fn source(path: &Path) -> Result<Vec<u8>> {
-    Ok(coronet::file::read(path, u64::MAX)?)
+    Ok(coronet::file::read(path, LONGEST)?)
 }
 
 /// Where results are kept.

@@ -142,6 +142,9 @@ fn frames_out_of_order_and_an_empty_run_are_errors() {
         started.frame(&all[2]),
         Err(PostError::Order { .. })
     ));
+    let error = Table::read(&folder.path().join("nowhere.csv"), None).err();
+    let error = error.unwrap();
+    assert!(error.to_string().contains("nowhere.csv"), "{error}");
 }
 
 fn has(canvas: &Canvas, test: impl Fn([u8; 3]) -> bool) -> usize {

@@ -1,8 +1,12 @@
 //! Parallel loops over particles with fixed chunks, so that results never depend on thread count.
+//!
+//! What a loop does to a chunk is passed as a reference to a function, so that the machinery of
+//! the threads is compiled once, and not once for each loop: it was a quarter of the program.
 
 use super::larger::larger;
 use super::ranks::span::Span;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Particles per chunk.
 const CHUNK: usize = 4096;
@@ -49,59 +53,191 @@ pub fn slots3<T>(v: &mut [Vec<T>; 3]) -> [Slots<'_, T>; 3] {
     [Slots::new(x), Slots::new(y), Slots::new(z)]
 }
 
+/// Calls `f(c)` for every chunk `c < n`, on all threads.
+pub fn chunks(n: usize, f: &(dyn Fn(usize) + Sync)) {
+    match n {
+        0 => {}
+        1 => f(0),
+        _ => (0..n).into_par_iter().for_each(f),
+    }
+}
+
+/// Items `c * size ..` of `n`, of which the last chunk has the rest.
+#[inline(always)]
+pub fn chunk(c: usize, size: usize, n: usize) -> Range<usize> {
+    c * size..((c + 1) * size).min(n)
+}
+
 /// Calls `f(i)` for every `i < n`.
 pub fn each(n: usize, f: impl Fn(usize) + Sync) {
-    (0..n.div_ceil(CHUNK)).into_par_iter().for_each(|c| {
-        for i in c * CHUNK..((c + 1) * CHUNK).min(n) {
-            f(i);
+    chunks(n.div_ceil(CHUNK), &|c| chunk(c, CHUNK, n).for_each(&f));
+}
+
+/// A slice, or several slices of one length of which an item each is used at a time.
+///
+/// # Safety
+/// Items of different numbers share no memory.
+pub unsafe trait Items {
+    /// An item, or one of each.
+    type Item;
+    /// Where they are, for all threads.
+    type Slots: Sync;
+    /// Gives them up, and how many there are.
+    fn slots(self) -> (Self::Slots, usize);
+    /// Item `i`.
+    ///
+    /// # Safety
+    /// There are more than `i`, and nobody else uses the same item at a time.
+    unsafe fn at(slots: &Self::Slots, i: usize) -> Self::Item;
+}
+
+// SAFETY: items of a slice are apart.
+unsafe impl<'a, T: Send> Items for &'a mut [T] {
+    type Item = &'a mut T;
+    type Slots = Slots<'a, T>;
+    fn slots(self) -> (Slots<'a, T>, usize) {
+        let count = self.len();
+        (Slots::new(self), count)
+    }
+    #[inline(always)]
+    unsafe fn at(slots: &Slots<'a, T>, i: usize) -> &'a mut T {
+        // SAFETY: as the caller says.
+        unsafe { &mut *slots.start.add(i) }
+    }
+}
+
+/// A slice in parts of a length, of which the last has the rest.
+pub struct Parts<'a, T> {
+    items: &'a mut [T],
+    size: usize,
+    before: usize,
+}
+
+impl<'a, T> Parts<'a, T> {
+    /// Of `size` items each.
+    pub fn of(items: &'a mut [T], size: usize) -> Self {
+        Parts::after(0, items, size)
+    }
+
+    /// The same where the first part lacks as many as `before`.
+    pub fn after(before: usize, items: &'a mut [T], size: usize) -> Self {
+        debug_assert!(before < size);
+        Parts {
+            items,
+            size,
+            before,
+        }
+    }
+
+    /// The items of part `c` of `n` items.
+    #[inline(always)]
+    pub fn range(c: usize, size: usize, before: usize, n: usize) -> Range<usize> {
+        (c * size).saturating_sub(before)..((c + 1) * size - before).min(n)
+    }
+}
+
+// SAFETY: parts of a slice are apart.
+unsafe impl<'a, T: Send> Items for Parts<'a, T> {
+    type Item = &'a mut [T];
+    type Slots = (Slots<'a, T>, [usize; 2]);
+    fn slots(self) -> (Self::Slots, usize) {
+        let count = (self.items.len() + self.before).div_ceil(self.size);
+        let slots = Slots::new(self.items);
+        ((slots, [self.size, self.before]), count)
+    }
+    #[inline(always)]
+    unsafe fn at((slots, [size, before]): &Self::Slots, i: usize) -> &'a mut [T] {
+        let range = Self::range(i, *size, *before, slots.len);
+        // SAFETY: the range is within the slice, and nobody else uses it.
+        unsafe { std::slice::from_raw_parts_mut(slots.start.add(range.start), range.len()) }
+    }
+}
+
+// SAFETY: those of one vector are apart from each other, and so are vectors.
+unsafe impl<A: Items, const K: usize> Items for [A; K] {
+    type Item = [A::Item; K];
+    type Slots = [A::Slots; K];
+    fn slots(self) -> (Self::Slots, usize) {
+        let mut count = usize::MAX;
+        let slots = self.map(|items| {
+            let (slots, many) = items.slots();
+            count = count.min(many);
+            slots
+        });
+        (slots, count)
+    }
+    #[inline(always)]
+    unsafe fn at(slots: &Self::Slots, i: usize) -> Self::Item {
+        // SAFETY: as the caller says, and of each.
+        std::array::from_fn(|k| unsafe { A::at(&slots[k], i) })
+    }
+}
+
+/// [`Items`] of several.
+macro_rules! together {
+    ($($of:ident)*) => {
+        // SAFETY: those of each are apart from each other, and so are they all.
+        unsafe impl<$($of: Items),*> Items for ($($of,)*) {
+            type Item = ($($of::Item,)*);
+            type Slots = ($($of::Slots,)*);
+            #[expect(non_snake_case, reason = "a value is named after its type")]
+            fn slots(self) -> (Self::Slots, usize) {
+                let ($($of,)*) = self;
+                let mut count = usize::MAX;
+                $(let ($of, many) = $of.slots(); count = count.min(many);)*
+                (($($of,)*), count)
+            }
+            #[inline(always)]
+            #[expect(non_snake_case, reason = "a value is named after its type")]
+            unsafe fn at(($($of,)*): &Self::Slots, i: usize) -> Self::Item {
+                // SAFETY: as the caller says, and of each.
+                unsafe { ($($of::at($of, i),)*) }
+            }
+        }
+    };
+}
+together!(A B);
+together!(A B C);
+together!(A B C D E F);
+
+/// Calls `f` with every item and its number.
+pub fn each_mut<I: Items>(items: I, f: impl Fn(usize, I::Item) + Sync) {
+    in_chunks(items, CHUNK, f);
+}
+
+/// The same where an item is the work of a chunk.
+pub fn each_part<I: Items>(items: I, f: impl Fn(usize, I::Item) + Sync) {
+    in_chunks(items, 1, f);
+}
+
+#[inline(always)]
+fn in_chunks<I: Items>(items: I, size: usize, f: impl Fn(usize, I::Item) + Sync) {
+    let (slots, n) = items.slots();
+    chunks(n.div_ceil(size), &|c| {
+        for i in chunk(c, size, n) {
+            // SAFETY: there is such an item, and it is of one chunk.
+            f(i, unsafe { I::at(&slots, i) });
         }
     });
 }
 
-/// Calls `f` with every item and its number: of a slice, or of several slices of one length.
-pub fn each_mut<I>(items: I, f: impl Fn(usize, I::Item) + Sync + Send)
-where
-    I: IntoParallelIterator,
-    I::Iter: IndexedParallelIterator,
-{
-    let items = items.into_par_iter().enumerate().with_min_len(CHUNK);
-    items.for_each(|(i, item)| f(i, item));
-}
-
 /// The first `n` items of three components, together.
-pub fn three<T: Send>(
-    [x, y, z]: &mut [Vec<T>; 3],
-    n: usize,
-) -> impl IndexedParallelIterator<Item = [&mut T; 3]> {
-    let items = (&mut x[..n], &mut y[..n], &mut z[..n]).into_par_iter();
-    items.map(|(x, y, z)| [x, y, z])
+pub fn three<T>(components: &mut [Vec<T>; 3], n: usize) -> [&mut [T]; 3] {
+    components.each_mut().map(|component| &mut component[..n])
 }
 
 /// [`sum_in`] of what `f` makes of every item, as in [`each_mut`].
-pub fn sum_mut<const K: usize, I>(
+pub fn sum_mut<const K: usize, I: Items>(
     parts: &mut Vec<[f64; K]>,
     span: impl Into<Span>,
     items: I,
-    f: impl Fn(usize, I::Item) -> [f64; K] + Sync + Send,
-) -> [f64; K]
-where
-    I: IntoParallelIterator,
-    I::Iter: IndexedParallelIterator,
-{
-    let items = items.into_par_iter().enumerate();
+    f: impl Fn(usize, I::Item) -> [f64; K] + Sync,
+) -> [f64; K] {
+    let (slots, n) = items.slots();
     let span = span.into();
-    debug_assert_eq!(span.len(), items.len());
-    if span.is_shared() {
-        let each = items.with_min_len(CHUNK).map(|(i, item)| f(i, item));
-        each.collect_into_vec(parts);
-        return span.sum(CHUNK, parts);
-    }
-    parts.resize(items.len().div_ceil(CHUNK), [0.0; K]);
-    items
-        .fold_chunks(CHUNK, || [0.0; K], |sum, (i, item)| plus(sum, f(i, item)))
-        .zip(parts.par_iter_mut())
-        .for_each(|(sum, part)| *part = sum);
-    parts.iter().fold([0.0; K], |s, p| plus(s, *p))
+    debug_assert_eq!(span.len(), n);
+    // SAFETY: there is such an item, and each is asked for once.
+    sum_all(parts, span, n, |i| f(i, unsafe { I::at(&slots, i) }))
 }
 
 #[inline(always)]
@@ -113,15 +249,18 @@ fn plus<const K: usize>(mut a: [f64; K], b: [f64; K]) -> [f64; K] {
 /// Largest `f(i)`; negative infinity for none. NaN wins.
 pub fn max(span: impl Into<Span>, f: impl Fn(usize) -> f64 + Sync) -> f64 {
     let span = span.into();
-    let (begin, end) = (span.own.start, span.own.end);
-    let own = (0..span.len().div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|c| {
-            let chunk = begin + c * CHUNK..(begin + (c + 1) * CHUNK).min(end);
-            chunk.fold(f64::NEG_INFINITY, |m, i| larger(f(i), m))
-        })
-        .reduce(|| f64::NEG_INFINITY, larger);
-    span.max(own)
+    let (begin, n) = (span.own.start, span.len());
+    let largest = |c| {
+        let chunk = chunk(c, CHUNK, n);
+        chunk.fold(f64::NEG_INFINITY, |m, i| larger(f(begin + i), m))
+    };
+    span.max(largest_of(n.div_ceil(CHUNK), &largest))
+}
+
+/// Largest `f(c)` of the chunks `c < n`, as [`max`].
+pub fn largest_of(n: usize, f: &(dyn Fn(usize) -> f64 + Sync)) -> f64 {
+    let each = (0..n).into_par_iter().map(f);
+    each.reduce(|| f64::NEG_INFINITY, larger)
 }
 
 /// Sums of `K` values over the items of a span: chunk by chunk, then in chunk order.
@@ -139,15 +278,26 @@ pub fn sum_in<const K: usize>(
     f: impl Fn(usize) -> [f64; K] + Sync,
 ) -> [f64; K] {
     let span = span.into();
+    let (begin, n) = (span.own.start, span.len());
+    sum_all(parts, span, n, |i| f(begin + i))
+}
+
+/// Sums of what `f` makes of the first `n` numbers, which are those of the span.
+#[inline(always)]
+fn sum_all<const K: usize>(
+    parts: &mut Vec<[f64; K]>,
+    span: Span,
+    n: usize,
+    f: impl Fn(usize) -> [f64; K] + Sync,
+) -> [f64; K] {
     if span.is_shared() {
-        let each = span.own.clone().into_par_iter().with_min_len(CHUNK).map(&f);
-        each.collect_into_vec(parts);
+        parts.resize(n, [0.0; K]);
+        each_mut(&mut parts[..], |i, part| *part = f(i));
         return span.sum(CHUNK, parts);
     }
-    let n = span.len();
     parts.resize(n.div_ceil(CHUNK), [0.0; K]);
-    parts.par_iter_mut().enumerate().for_each(|(c, part)| {
-        *part = (c * CHUNK..((c + 1) * CHUNK).min(n)).fold([0.0; K], |s, i| plus(s, f(i)));
+    each_part(&mut parts[..], |c, part| {
+        *part = chunk(c, CHUNK, n).fold([0.0; K], |s, i| plus(s, f(i)));
     });
     parts.iter().fold([0.0; K], |s, p| plus(s, *p))
 }

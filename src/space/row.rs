@@ -6,7 +6,7 @@ use super::column::{Columns, Place};
 use super::eights::{Eights, Groups};
 use super::grid::Grid;
 use super::lane::{self, Job, Lanes, Real, WIDTH, dot};
-use rayon::prelude::*;
+use super::parallel::{chunk, each_part};
 
 /// Rows per chunk; fixed, so that nothing depends on the number of threads.
 pub const CHUNK: usize = 1024;
@@ -176,19 +176,15 @@ impl Rows {
         (self.first, self.count) = (first, count);
         self.chunks
             .resize_with(count.div_ceil(CHUNK), Chunk::default);
-        self.chunks
-            .par_iter_mut()
-            .enumerate()
-            .for_each(|(c, chunk)| {
-                let range = c * CHUNK..((c + 1) * CHUNK).min(count);
-                lane::run_mixed(Filling {
-                    search,
-                    first,
-                    position,
-                    range,
-                    chunk,
-                });
+        each_part(&mut self.chunks[..], |c, rows| {
+            lane::run_mixed(Filling {
+                search,
+                first,
+                position,
+                range: chunk(c, CHUNK, count),
+                chunk: rows,
             });
+        });
         self.bound = points;
     }
 }

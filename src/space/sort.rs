@@ -3,7 +3,6 @@
 use super::grid::Grid;
 use super::parallel::each_mut;
 use super::room::{make_room, resize};
-use rayon::prelude::*;
 
 /// Particles counted into cells.
 #[derive(Clone, Debug, Default)]
@@ -47,14 +46,15 @@ impl Cells {
 
     /// Puts `data` into the order of the last sort; `scratch` is swapped with it.
     pub fn permute<T: Copy + Send + Sync>(&self, data: &mut Vec<T>, scratch: &mut Vec<T>) {
-        let old = |&old: &u32| data[old as usize];
         scratch.clear();
+        let Some(&first) = data.first() else {
+            return;
+        };
         make_room(scratch, self.order.len());
-        self.order
-            .par_iter()
-            .with_min_len(4096)
-            .map(old)
-            .collect_into_vec(scratch);
+        scratch.resize(self.order.len(), first);
+        each_mut(&mut scratch[..], |i, item| {
+            *item = data[self.order[i] as usize]
+        });
         std::mem::swap(data, scratch);
     }
 }

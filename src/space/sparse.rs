@@ -7,11 +7,11 @@
 use super::eights::{Eights, Group, Groups};
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, WIDTH};
+use super::parallel::{Parts, each_part};
 use super::room::make_room;
 use super::row::{CHUNK, Rows};
 use super::sweep::{Pair, Payload, Records, STAGED, Stage, TOO_FEW, carried, splat};
 use num_traits::AsPrimitive;
-use rayon::prelude::*;
 
 /// What couples a pair, and what else is summed along the row.
 pub trait Couple<const N: usize>: Sync {
@@ -217,9 +217,8 @@ impl Sparse {
             .resize_with(self.count.div_ceil(CHUNK), Chunk::default);
         degree.resize(self.count, 0.0);
         sums.resize(self.count, [0.0; N]);
-        let out = degree.par_chunks_mut(CHUNK).zip(sums.par_chunks_mut(CHUNK));
-        let chunks = self.chunks.par_iter_mut().zip(out).enumerate();
-        chunks.for_each(|(c, (chunk, (degree, sums)))| {
+        let out = (Parts::of(degree, CHUNK), Parts::of(sums, CHUNK));
+        each_part((&mut self.chunks[..], out), |c, (chunk, (degree, sums))| {
             chunk.start.clear();
             chunk.count.clear();
             chunk.groups.clear();

@@ -187,20 +187,32 @@ fn words() -> Vec<u32> {
     words
 }
 
+/// What the processor has, all operations of `lanes`.
 #[cfg(target_arch = "x86_64")]
-#[test]
-fn every_operation_gives_the_bits_of_its_scalar_twin() {
-    use coronet::space::lane::{Avx2, Avx2Double, Scalar};
-
+fn everything_wide<L: Lanes>(lanes: L, out: &mut Vec<u64>) {
     #[target_feature(enable = "avx2,fma,popcnt")]
-    fn everything_wide<L: Lanes>(lanes: L, out: &mut Vec<u64>) {
+    fn with_features<L: Lanes>(lanes: L, out: &mut Vec<u64>) {
         everything(lanes, out)
     }
+    assert!(wide());
+    // SAFETY: `wide` has found the features.
+    unsafe { with_features(lanes, out) };
+}
+
+/// The same.
+#[cfg(target_arch = "aarch64")]
+fn everything_wide<L: Lanes>(lanes: L, out: &mut Vec<u64>) {
+    everything(lanes, out)
+}
+
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[test]
+fn every_operation_gives_the_bits_of_its_scalar_twin() {
+    use coronet::space::lane::Scalar;
+
     fn compare<L: Lanes, T: Lanes>(lanes: L, twin: T) {
         let (mut fast, mut plain) = (Vec::new(), Vec::new());
-        assert!(wide());
-        // SAFETY: `wide` has found the features.
-        unsafe { everything_wide(lanes, &mut fast) };
+        everything_wide(lanes, &mut fast);
         everything(twin, &mut plain);
         assert!(fast.len() > 500_000, "{}", fast.len());
         assert_eq!(fast.len(), plain.len());
@@ -211,12 +223,24 @@ fn every_operation_gives_the_bits_of_its_scalar_twin() {
     if !wide() {
         return;
     }
-    // SAFETY: `wide` has found the features.
-    let (mixed, single, double) =
-        unsafe { (Avx2::<false>::new(), Avx2::<true>::new(), Avx2Double::new()) };
-    compare(mixed, Portable::new());
-    compare(single, Scalar::<f32, true>::new());
-    compare(double, Scalar::<f64, false>::new());
+    #[cfg(target_arch = "x86_64")]
+    {
+        use coronet::space::lane::{Avx2, Avx2Double};
+
+        // SAFETY: `wide` has found the features.
+        let (mixed, single, double) =
+            unsafe { (Avx2::<false>::new(), Avx2::<true>::new(), Avx2Double::new()) };
+        compare(mixed, Portable::new());
+        compare(single, Scalar::<f32, true>::new());
+        compare(double, Scalar::<f64, false>::new());
+    }
+    #[cfg(target_arch = "aarch64")]
+    {
+        use coronet::space::lane::Neon;
+
+        compare(Neon::<false>::new(), Portable::new());
+        compare(Neon::<true>::new(), Scalar::<f32, true>::new());
+    }
 }
 
 /// What rows, sums and whole steps give, as lines `name bits`.

@@ -57,12 +57,12 @@ use super::wetting::Wetting;
 use super::wetting::typed::Typed;
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::{KernelName, TensionForm};
+use crate::space::parallel::each_mut;
 use crate::space::ranks::span::Span;
 use crate::space::sweep::{self, Field, Kept, Pass};
 use counted::Counted;
 use energy::Energy;
 use pass::{Summed, Tensor, Whole};
-use rayon::prelude::*;
 use std::marker::PhantomData;
 use stressed::Stressed;
 
@@ -356,9 +356,9 @@ impl Tension {
         };
         let own_factor = self.force_factor::<K>(flow.mass);
         let volumes = &self.payload[0];
-        let near = self.near.par_iter().zip(&mut self.normals);
-        near.for_each(|(&i, (v, own))| {
-            let i = i as usize;
+        let near = &self.near;
+        each_mut(&mut self.normals[..near.len()], |k, (v, own)| {
+            let i = near[k] as usize;
             let (volume, rho) = if printed {
                 (flow.mass / self.density, flow.density[i])
             } else if raw {

@@ -21,14 +21,13 @@ use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::WIDTH;
 use crate::space::larger::larger;
 use crate::space::mirror::{Mirror, Planes};
-use crate::space::parallel::{each_mut, three};
+use crate::space::parallel::{Parts, each_mut, each_part, largest_of, three};
 use crate::space::ranks::Ranks;
 use crate::space::ranks::halo::Halo;
 use crate::space::room::resize;
 use crate::space::row::Rows;
 use crate::space::sort::Cells;
 use crate::space::sweep::Records;
-use rayon::prelude::*;
 
 /// Least and largest extra reach of the rows, in units of that where nothing is known of speeds.
 const LEAST: f64 = 0.25;
@@ -259,8 +258,7 @@ impl Flow {
                 larger(f(first + k, square[k]), most)
             })
         };
-        let parts = (0..n.div_ceil(PART)).into_par_iter();
-        self.largest(parts.map(of_part).reduce(|| f64::NEG_INFINITY, larger))
+        self.largest(largest_of(n.div_ceil(PART), &of_part))
     }
 
     #[inline(always)]
@@ -356,8 +354,10 @@ impl Flow {
             let (liquid, wall) = (&self.particles.position[a], &self.wall.position[a]);
             let (own, rest) = self.at[a].split_at_mut(n);
             for (x, at) in [(liquid, own), (wall, &mut rest[..m])] {
-                let parts = at.par_chunks_mut(PART).zip(x.par_chunks(PART));
-                parts.for_each(|(at, x)| self.grid.fix_all(a, x, at));
+                each_part(Parts::of(at, PART), |part, at| {
+                    let from = part * PART;
+                    self.grid.fix_all(a, &x[from..from + at.len()], at);
+                });
             }
         }
         if let Some(ranks) = &self.ranks {

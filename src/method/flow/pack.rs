@@ -4,10 +4,9 @@ use super::{Flow, PART};
 use crate::particle::{Particles, Wall};
 use crate::space::grid::Grid;
 use crate::space::lane::{Record, WIDTH};
-use crate::space::parallel::each_mut;
+use crate::space::parallel::{Parts, each_mut, each_part};
 use crate::space::room::resize;
 use crate::space::sweep::{Payload, words_of};
-use rayon::prelude::*;
 
 impl Flow {
     /// Writes all records: current positions, payloads by liquid index and by wall index.
@@ -70,8 +69,7 @@ fn write<P: Payload>(
     records: &mut [Record],
     payload: impl Fn(usize) -> P + Sync,
 ) {
-    let parts = records.par_chunks_mut(PART).enumerate();
-    parts.for_each(|(part, records)| {
+    each_part(Parts::of(records, PART), |part, records| {
         let from = part * PART;
         let mut at = [[0; PART]; 3];
         for (a, at) in at.iter_mut().enumerate() {

@@ -2,8 +2,7 @@
 //! definite.
 
 use super::Equation;
-use crate::space::parallel::each_mut;
-use rayon::prelude::*;
+use crate::space::parallel::{Parts, each_mut, each_part};
 
 /// Rows that one sweep of [`ssor`] takes together; fixed, so that nothing depends on threads.
 const BLOCK: usize = 1024;
@@ -16,7 +15,7 @@ pub fn diagonal(equation: &Equation, r: &[f64], z: &mut [f64]) {
 /// M = (D + L) D^-1 (D + L^T), symmetric Gauss-Seidel, within blocks of rows: couplings between
 /// blocks are left out, so that blocks run in parallel and their order does not matter.
 pub fn ssor(equation: &Equation, r: &[f64], z: &mut [f64]) {
-    z.par_chunks_mut(BLOCK).enumerate().for_each(|(block, z)| {
+    each_part(Parts::of(z, BLOCK), |block, z| {
         let first = block * BLOCK;
         let inside = |i: usize, z: &[f64], range: std::ops::Range<usize>| {
             let mut sum = 0.0;

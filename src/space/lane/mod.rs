@@ -1,5 +1,5 @@
-//! Eight lanes, of f32 or of f64: AVX2 + FMA where the processor has them, and portable twins with
-//! the same bits.
+//! Eight lanes, of f32 or of f64: AVX2 + FMA or NEON where the processor has them, and portable
+//! twins with the same bits.
 //!
 //! Only exact IEEE operations (no reciprocal estimates), so both give the same result everywhere.
 //! Features of the processor are proved by values. A value of a [`Lanes`] type is a token: it is
@@ -18,6 +18,8 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod double;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod portable;
 mod record;
 
@@ -25,6 +27,8 @@ mod record;
 pub use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 pub use double::Avx2Double;
+#[cfg(target_arch = "aarch64")]
+pub use neon::Neon;
 pub use portable::{Portable, Scalar};
 pub use record::{Half, Record};
 
@@ -300,6 +304,14 @@ pub fn run(precision: Precision, job: impl Job) {
             }
         };
     }
+    #[cfg(target_arch = "aarch64")]
+    if wide() {
+        return match precision {
+            Precision::Single => job.run(Neon::<true>::new()),
+            Precision::Mixed => job.run(Neon::<false>::new()),
+            Precision::Double => job.run(Scalar::<f64, false>::new()),
+        };
+    }
     match precision {
         Precision::Single => job.run(Scalar::<f32, true>::new()),
         Precision::Mixed => job.run(Portable::new()),
@@ -314,6 +326,10 @@ pub fn run_mixed(job: impl Job) {
     if wide() {
         // SAFETY: `wide` has found the features.
         return unsafe { with_features(Avx2::<false>::new(), job) };
+    }
+    #[cfg(target_arch = "aarch64")]
+    if wide() {
+        return job.run(Neon::<false>::new());
     }
     job.run(Portable::new())
 }
@@ -356,7 +372,7 @@ fn with_avx2<R>(f: impl FnOnce() -> R) -> R {
     f()
 }
 
-/// Whether the AVX2 + FMA path may run; `CORONET_LANES=portable` forces the twin.
+/// Whether the path of AVX2 + FMA, or of NEON, may run; `CORONET_LANES=portable` forces the twin.
 pub fn wide() -> bool {
     use std::sync::OnceLock;
     static WIDE: OnceLock<bool> = OnceLock::new();
@@ -367,7 +383,7 @@ pub fn wide() -> bool {
             && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("popcnt");
         #[cfg(not(target_arch = "x86_64"))]
-        let able = false;
+        let able = cfg!(target_arch = "aarch64");
         able && !forced
     })
 }

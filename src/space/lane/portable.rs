@@ -1,4 +1,5 @@
-//! The scalar twins: same operations, one lane after the other.
+//! The scalar twins: same operations, one lane after the other. They serve tests, and processors
+//! without AVX2 or NEON: what would be long is not inlined, for it would be a third of the program.
 
 use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, operators};
 use num_traits::{AsPrimitive, Float};
@@ -27,6 +28,12 @@ pub struct Eight<T>([T; WIDTH]);
 #[inline(always)]
 fn each<T>(f: impl Fn(usize) -> T) -> [T; WIDTH] {
     std::array::from_fn(f)
+}
+
+/// a b + c, rounded once: mostly a call for every lane.
+#[inline(never)]
+fn fused<T: Number>(a: &[T; WIDTH], b: &[T; WIDTH], c: &[T; WIDTH]) -> [T; WIDTH] {
+    each(|k| a[k].mul_add(b[k], c[k]))
 }
 
 /// What the numbers of a lane can do.
@@ -78,7 +85,7 @@ impl<T: Number> Real for Eight<T> {
     }
     #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
-        Eight(each(|k| self.0[k].mul_add(b.0[k], c.0[k])))
+        Eight(fused(&self.0, &b.0, &c.0))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -118,7 +125,7 @@ impl<T: Number> Real for Eight<T> {
             }
         }))
     }
-    #[inline(always)]
+    #[inline(never)]
     fn less_mask(self, b: Self) -> u32 {
         (0..WIDTH).fold(0, |m, k| m | (((self.0[k] < b.0[k]) as u32) << k))
     }
@@ -156,7 +163,7 @@ where
     fn constant(self, x: f64) -> Eight<T> {
         Eight([x.as_(); WIDTH])
     }
-    #[inline(always)]
+    #[inline(never)]
     fn difference(self, own: i32, other: [i32; WIDTH]) -> Eight<T> {
         if !ABSOLUTE {
             return Eight(each(|k| own.wrapping_sub(other[k]).as_()));
@@ -169,11 +176,11 @@ where
             if d < -half { d + turn } else { d }
         }))
     }
-    #[inline(always)]
+    #[inline(never)]
     fn first(self, count: usize, value: Eight<T>, other: Eight<T>) -> Eight<T> {
         Eight(each(|k| if k < count { value.0[k] } else { other.0[k] }))
     }
-    #[inline(always)]
+    #[inline(never)]
     unsafe fn gather<J: AsPrimitive<usize>>(
         self,
         records: *const Record,
@@ -185,7 +192,7 @@ where
         let payload = std::array::from_fn(|c| Eight(each(|k| records[k].payload(c).as_())));
         (at, payload)
     }
-    #[inline(always)]
+    #[inline(never)]
     unsafe fn gather_halves(
         self,
         points: *const Half,
@@ -207,7 +214,7 @@ where
         // SAFETY: there are eight words.
         unsafe { std::ptr::read_unaligned(words as *const [i32; WIDTH]) }
     }
-    #[inline(always)]
+    #[inline(never)]
     unsafe fn compress(self, mask: u32, words: *const u32, out: *mut u32) -> usize {
         let count = mask.count_ones() as usize;
         for k in 0..count {

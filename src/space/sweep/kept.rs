@@ -8,8 +8,8 @@ use super::{FAR, Field, Pass, Payload, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::WIDE;
 use crate::space::lane::{self, Half, Job, Lanes, WIDTH, dot};
+use crate::space::parallel::{Parts, chunk, each_mut, each_part};
 use crate::space::row::{CHUNK, Near, Search, count_points, separation};
-use rayon::prelude::*;
 
 /// See the [module](self).
 #[derive(Default)]
@@ -72,24 +72,24 @@ impl Kept {
         count_points(search.at, search.sources);
         let chunks = self.targets.len().div_ceil(CHUNK);
         self.chunks.resize_with(chunks, Chunk::default);
-        let targets = self.targets.par_chunks(CHUNK);
-        let chunks = self.chunks.par_iter_mut().zip(targets);
-        chunks.for_each(|(chunk, targets)| {
+        let targets = &self.targets;
+        each_part(&mut self.chunks[..], |c, found| {
             lane::run_mixed(Filling {
                 search,
                 position,
                 cutoff: &cutoff,
-                targets,
-                chunk,
+                targets: &targets[chunk(c, CHUNK, targets.len())],
+                chunk: found,
             });
         });
     }
 
     /// Takes over where the points are now, in fixed point.
     pub fn place(&mut self, [x, y, z]: &[Vec<i32>; 3]) {
-        let at = x.par_iter().zip(y).zip(z).with_min_len(CHUNK);
-        at.map(|((x, y), z)| Half([*x as u32, *y as u32, *z as u32, 0]))
-            .collect_into_vec(&mut self.points);
+        self.points.resize(x.len(), Half([0; 4]));
+        each_mut(&mut self.points[..], |i, point| {
+            *point = Half([x[i] as u32, y[i] as u32, z[i] as u32, 0])
+        });
     }
 
     /// Sums over the neighbours, where [`Kept::place`] has seen them; `out[k]` belongs to target
@@ -104,17 +104,15 @@ impl Kept {
         const { assert!(W <= 1) };
         Field::<W, O>::check::<P::Payload>();
         assert_eq!(out.len(), self.targets.len());
-        let targets = self.targets.par_chunks(CHUNK);
-        let chunks = self.chunks.par_iter_mut().zip(targets);
-        let chunks = chunks.zip(out.par_chunks_mut(CHUNK));
-        let points = self.points.as_slice();
-        chunks.for_each(|((chunk, targets), out)| {
+        let (points, targets) = (self.points.as_slice(), &self.targets);
+        let chunks = (&mut self.chunks[..], Parts::of(out, CHUNK));
+        each_part(chunks, |c, (of, out)| {
             let job = Summing {
                 field,
                 points,
                 pass,
-                targets,
-                chunk,
+                targets: &targets[chunk(c, CHUNK, targets.len())],
+                chunk: of,
                 out,
             };
             lane::run(field.scale.precision, job);

@@ -12,6 +12,7 @@ mod stage;
 
 use super::grid::Scale;
 use super::lane::{self, Job, Lanes, Real, Record};
+use super::parallel::{Parts, each_part};
 use super::row::{CHUNK, Rows};
 use payload::IN_RECORD;
 
@@ -19,7 +20,6 @@ pub use super::row::Source;
 pub use kept::Kept;
 pub use near::{Field, runs};
 pub use payload::{Fields, Payload, PayloadField, Records, WORDS, words_of};
-use rayon::prelude::*;
 pub use shared::runs_shared;
 pub(super) use stage::{STAGED, Stage};
 
@@ -102,7 +102,7 @@ pub fn rows<const N: usize, P: Pass<N>>(
     assert_eq!(out.len(), rows.len());
     assert!(rows.bound() <= records.len(), "{TOO_FEW}");
     records.check::<P::Payload>();
-    out.par_chunks_mut(CHUNK).enumerate().for_each(|(c, out)| {
+    each_part(Parts::of(out, CHUNK), |c, out| {
         let from = c * CHUNK;
         let job = InRows {
             records,

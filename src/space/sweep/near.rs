@@ -8,8 +8,8 @@ use super::{FAR, Fields, Pass, Payload, WORDS, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::{Grid, Scale, WIDE};
 use crate::space::lane::{self, Job, Lanes, Real, WIDTH, dot};
+use crate::space::parallel::{Parts, each_part};
 use crate::space::row::{CHUNK, Source, count_points, separation};
-use rayon::prelude::*;
 
 /// Candidates that are looked at together.
 const ROOM: usize = 1024;
@@ -112,24 +112,18 @@ pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     let all = field.at[0].len();
     let carried = field.payload.iter().all(|words| words.len() >= all);
     assert!(carried, "points without a payload");
-    let sum = |(out, targets)| {
+    // Chunks begin where those of all targets do: targets of a chunk look together.
+    let before = field.first % CHUNK;
+    each_part(Parts::after(before, out, CHUNK), |c, out| {
+        let range = Parts::<P::Out>::range(c, CHUNK, before, targets.len());
         let job = InRuns {
             field,
-            targets,
+            targets: &targets[range],
             pass,
             out,
         };
         lane::run(field.scale.precision, job);
-    };
-    // Chunks begin where those of all targets do: targets of a chunk look together.
-    let head = (CHUNK - field.first % CHUNK) % CHUNK;
-    let (out, others) = out.split_at_mut(head.min(targets.len()));
-    let (targets, more) = targets.split_at(out.len());
-    let chunks = others.par_chunks_mut(CHUNK).zip(more.par_chunks(CHUNK));
-    if !targets.is_empty() {
-        sum((out, targets));
-    }
-    chunks.for_each(sum);
+    });
 }
 
 /// Some targets of [`runs`].
@@ -158,21 +152,16 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<
             let block = Carrying::of(block, (&field, pass), &targets[begin..]);
             let about = (bounds.centre, scale, reach);
             let mut sums = [[lanes.splat(0.0); N]; MEMBERS];
-            for &column in columns.about(&low, &high, field.cutoff) {
-                for source in field.sources {
-                    let (mut j, end) = source.run(column);
-                    while j < end {
-                        if near.count + WIDTH > ROOM {
-                            block.add((&mut near, &mut stage), about, pass, &mut sums);
-                        }
-                        // SAFETY: `runs` has seen that all points of the sources are followed by
-                        // eight words, and there is room for eight.
-                        unsafe { near.take(&field, j, end - j, &bounds) };
-                        j += WIDTH;
-                    }
+            let mut left = Left::of(columns.about(&low, &high, field.cutoff), field.sources);
+            // Mostly one turn: all candidates find room.
+            loop {
+                // SAFETY: `runs` has seen that all points of the sources are followed by eight.
+                let full = unsafe { near.fill(&field, &mut left, &bounds) };
+                block.add((&mut near, &mut stage), about, pass, &mut sums);
+                if !full {
+                    break;
                 }
             }
-            block.add((&mut near, &mut stage), about, pass, &mut sums);
             for (k, sum) in sums.iter().enumerate().take(count) {
                 let target = targets[begin + k] as usize;
                 pass.finish(target, total(sum), &mut self.out[begin + k]);
@@ -237,25 +226,69 @@ impl<C: Payload> Carrying<C> {
                 true => &near.carrying[..near.carriers],
                 false => &EVERY[..groups],
             };
-            let mut filled = 0;
-            for &group in looked_at {
-                let group = group as usize;
-                let away = near.away(group, away);
-                let mut q2 = dot(away, away);
-                if group == whole {
-                    q2 = lanes.first(left, q2, lanes.splat(FAR));
+            let mut looked_at = looked_at.iter();
+            loop {
+                let mut filled = 0;
+                while filled < STAGED {
+                    let Some(&group) = looked_at.next() else {
+                        break;
+                    };
+                    let group = group as usize;
+                    let away = near.away(group, away);
+                    let mut q2 = dot(away, away);
+                    if group == whole {
+                        q2 = lanes.first(left, q2, lanes.splat(FAR));
+                    }
+                    // Eight that are all out of reach add nothing: the next take their place.
+                    stage.put(filled, away, q2, near.carried(group));
+                    filled += usize::from(q2.less_mask(reach) != 0);
                 }
-                // Eight that are all out of reach add nothing: the next eight take their place.
-                stage.put(filled, away, q2, near.carried(group));
-                filled += usize::from(q2.less_mask(reach) != 0);
-                if filled == STAGED {
-                    stage.add(filled, pass, own, sums);
-                    filled = 0;
+                stage.add(filled, pass, own, sums);
+                if filled < STAGED {
+                    break;
                 }
             }
-            stage.add(filled, pass, own, sums);
         }
         near.count = 0;
+    }
+}
+
+/// Points that may be candidates, a run of each source after the other.
+struct Left<'a> {
+    columns: &'a [(u32, u32)],
+    sources: &'a [Source<'a>],
+    /// Number of the next run.
+    next: usize,
+    /// What is left of the last one.
+    run: (usize, usize),
+}
+
+impl<'a> Left<'a> {
+    #[inline(always)]
+    fn of(columns: &'a [(u32, u32)], sources: &'a [Source<'a>]) -> Self {
+        Left {
+            columns,
+            sources,
+            next: 0,
+            run: (0, 0),
+        }
+    }
+
+    /// A point and how many follow in its run, itself among them.
+    #[inline(always)]
+    fn next(&mut self) -> Option<(usize, usize)> {
+        let many = self.sources.len();
+        while self.run.0 >= self.run.1 {
+            if self.next == many * self.columns.len() {
+                return None;
+            }
+            let (column, source) = (self.next / many, self.next % many);
+            self.run = self.sources[source].run(self.columns[column]);
+            self.next += 1;
+        }
+        let j = self.run.0;
+        self.run.0 += WIDTH;
+        Some((j, self.run.1 - j))
     }
 }
 
@@ -336,6 +369,27 @@ impl<L: Lanes, const W: usize> Near<L, W> {
                 word[group] = away;
             }
         }
+    }
+
+    /// Copies who of `left` is within `bounds`, as far as there is room: whether it is full.
+    ///
+    /// # Safety
+    /// `field` has eight coordinates and payloads from each point of `left` on.
+    #[inline(always)]
+    unsafe fn fill<const O: usize>(
+        &mut self,
+        field: &Field<W, O>,
+        left: &mut Left,
+        bounds: &Bounds<L>,
+    ) -> bool {
+        while self.count + WIDTH <= ROOM {
+            let Some((j, many)) = left.next() else {
+                return false;
+            };
+            // SAFETY: there are eight points, and there is room for eight.
+            unsafe { self.take(field, j, many, bounds) };
+        }
+        true
     }
 
     /// Copies who of the points from `j` on, at least one and at most `left`, is within `bounds`.

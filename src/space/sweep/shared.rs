@@ -94,6 +94,17 @@ struct Hosting<'a, P> {
     extras: &'a [[f32; 3]],
 }
 
+impl<'a, P> Hosting<'a, P> {
+    /// Without guests: the same code for a rank and for one process.
+    fn alone(pass: &'a P) -> Self {
+        Hosting {
+            pass,
+            first: usize::MAX,
+            extras: &[],
+        }
+    }
+}
+
 impl<const N: usize, P: Pass<N>> Pass<N> for Hosting<'_, P> {
     type Payload = P::Payload;
     type Out = P::Out;
@@ -135,7 +146,7 @@ pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     P::Out: Copy + Default,
 {
     let Some(with) = span.ranks() else {
-        return runs(field, targets, pass, out);
+        return runs(field, targets, &Hosting::alone(pass), out);
     };
     // What may go on in the last block of this rank.
     let heads = targets.iter().take(MEMBERS - 1);

@@ -2,9 +2,8 @@
 
 use super::super::Equation;
 use super::level::Level;
-use crate::space::parallel::{each_mut, max};
+use crate::space::parallel::{each_mut, each_part, max};
 use crate::space::ranks::halo::Carried;
-use rayon::prelude::*;
 
 /// Where grids are laid.
 #[derive(Clone, Copy, Debug, Default)]
@@ -159,7 +158,7 @@ impl Elements {
             true => 1.0 / (self.pitch[a] * self.pitch[a]),
             false => 0.0,
         });
-        matrix.par_iter_mut().enumerate().for_each(|(cell, out)| {
+        each_part(&mut matrix[..], |cell, out| {
             *out = [0.0; 36];
             for &u in self.members(cell) {
                 let u = u as usize;
@@ -183,7 +182,7 @@ impl Elements {
     pub fn restrict(&self, r: &[f64], level: &mut Level) {
         let mut b = std::mem::take(&mut level.b);
         let grid = &*level;
-        b.par_iter_mut().enumerate().for_each(|(node, b)| {
+        each_part(&mut b[..], |node, b| {
             *b = 0.0;
             for corner in 0..8 {
                 let Some(cell) = grid.cell_of(node, corner) else {

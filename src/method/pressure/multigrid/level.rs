@@ -1,7 +1,6 @@
 //! A regular grid of nodes with a stencil of 27 entries a node, and how it meets the next one.
 
-use crate::space::parallel::each_mut;
-use rayon::prelude::*;
+use crate::space::parallel::{each_mut, each_part};
 
 /// Over-relaxation of the smoother. With absolute row sums the eigenvalues of linear elements are
 /// at most 3/4 and those of the upper half of the spectrum at least 1/4 (their stencil in 2-D and
@@ -99,7 +98,7 @@ impl Level {
     pub fn assemble(&mut self, matrix: impl Fn(usize, usize, usize) -> f64 + Sync) {
         let mut stencil = std::mem::take(&mut self.stencil);
         let grid = &*self;
-        stencil.par_iter_mut().enumerate().for_each(|(node, out)| {
+        each_part(&mut stencil[..], |node, out| {
             *out = [0.0; 27];
             for own in 0..8usize {
                 let Some(cell) = grid.cell_of(node, own) else {
@@ -229,7 +228,7 @@ impl Level {
         self.shape(count, fine.periodic);
         let mut stencil = std::mem::take(&mut self.stencil);
         let grid = &*self;
-        stencil.par_iter_mut().enumerate().for_each(|(node, out)| {
+        each_part(&mut stencil[..], |node, out| {
             *out = [0.0; 27];
             let own = grid.at(node);
             grid.children(fine, node, |i, at, weight| {
@@ -289,7 +288,7 @@ impl Level {
         }
         let mut b = std::mem::take(&mut coarse.b);
         let (fine, grid) = (&*self, &*coarse);
-        b.par_iter_mut().enumerate().for_each(|(node, b)| {
+        each_part(&mut b[..], |node, b| {
             *b = 0.0;
             grid.children(fine, node, |i, _, weight| *b += weight * left[i]);
         });
@@ -301,7 +300,7 @@ impl Level {
     pub fn prolong(&mut self, coarse: &Level) {
         let mut x = std::mem::take(&mut self.x);
         let fine = &*self;
-        x.par_iter_mut().enumerate().for_each(|(i, x)| {
+        each_part(&mut x[..], |i, x| {
             let parents = coarse.parents(fine, fine.at(i));
             let part: f64 = parents.iter().map(|p| 1.0 / p.1 as f64).product();
             let mut sum = 0.0;

@@ -35,7 +35,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 24;
     /// Of the evaluation.
-    pub const POST: u32 = 19;
+    pub const POST: u32 = 20;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {
@@ -46,6 +46,21 @@ pub mod version {
                 let is_dual = matches!(settings.time_stepping, TimeStepping::Dual { .. });
                 if !is_dual && matches!(settings.density, Density::Continuity { .. }) {
                     parts.push(part("one-rate", 1));
+                }
+                if settings.exponent.fract() != 0.0 {
+                    parts.push(part("exponent", 1));
+                }
+                let is_energetic = problem.effects.has_tension(TensionForm::SurfaceEnergy);
+                let shifts = settings.shifting > 0.0 && !is_energetic;
+                let [wets, flows] = [
+                    problem.effects.wetting.is_some(),
+                    problem.effects.viscosity.is_none(),
+                ];
+                if shifts && (wets || flows) {
+                    parts.push(part("shifting", 1));
+                }
+                if problem.domain.is_axial() {
+                    parts.push(part("adaption", 1));
                 }
             }
             // 3 and 4 were trials (docs/lab.md).

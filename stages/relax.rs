@@ -50,7 +50,9 @@ impl Stage for Relax<'_> {
 
     fn run(&self, context: &mut Context) -> Result<Vec<Output>, StageError> {
         let RelaxInput { problem, relax } = &self.input;
-        let (state, calm_since) = match flight::newest(context)?.and_then(restored) {
+        let resumed = flight::newest(context)?.and_then(restored);
+        let is_resumed = resumed.is_some();
+        let (state, calm_since) = match resumed {
             Some(start) => {
                 context.resumed();
                 start
@@ -74,12 +76,21 @@ impl Stage for Relax<'_> {
         let mut solver = built.map_err(StageError::failed)?;
         let mut flight = Flight::new(context, self.checkpoint_every)?;
         let mut pace = Pace::new(solver.as_ref());
+        // A state is saved after it was looked at: what the look needs is not saved.
+        let mut seen = match is_resumed {
+            true => None,
+            false => Some(rest.look(solver.as_ref(), particle_mass, relax)),
+        };
         let unrest = loop {
-            let (unrest, ends) = rest.look(solver.as_ref(), particle_mass, relax);
-            if ends {
+            if let Some((unrest, true)) = seen {
                 break unrest;
             }
             solver.advance(&mut |_| {}).map_err(StageError::failed)?;
+            let (unrest, ends) = rest.look(solver.as_ref(), particle_mass, relax);
+            seen = Some((unrest, ends));
+            if ends {
+                continue;
+            }
             let stopped = context.stopped();
             if stopped || flight.is_due() {
                 let checkpoint = checkpoint(solver.as_ref(), rest.calm_since);

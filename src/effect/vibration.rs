@@ -2,7 +2,7 @@
 //!
 //! (1) a = A omega^2 sin(omega t),  omega = 2 pi f,
 //!
-//! that of a box at -A sin(omega t) turned round. Its work is that of the walls, which move.
+//! that of a box at A sin(omega t). Its work is that of the walls, which move.
 //!
 //! Time step: 1 / (20 f): the acceleration in the middle of a step is within (omega dt)^2 / 24,
 //! 0.4 %, of its mean. Test: tests/validation/vibration.rs (frequencies of a standing wave).

@@ -4,7 +4,7 @@
 //! Test: tests/engine/measure_lamella.rs.
 
 use super::kind::strikes_wall;
-use crate::scene::lamella::Thickness;
+use crate::scene::lamella::{Thickness, spreads_in};
 use crate::scene::{Dimension, Scene, numbers};
 
 /// d1: diameter over that of the drop.
@@ -26,7 +26,7 @@ impl Lamella {
         let angle = scene.effects.wetting?.advancing();
         let numbers = numbers::of(scene);
         let (weber, reynolds) = (numbers.get("We")?, numbers.get("Re")?);
-        Some(Lamella::new(scene.dimension, weber, reynolds, angle))
+        Some(Lamella::new(spreads_in(scene), weber, reynolds, angle))
     }
 
     /// We and Re of the drop's diameter; `angle`: contact angle, degrees.

@@ -80,9 +80,9 @@ impl Adaption {
 }
 
 impl Liquid {
-    /// Whether rings split and merge.
+    /// Whether rings split and merge: not in a body that comes to rest, whose particles are counted.
     pub fn adapts(&self) -> bool {
-        self.flow.is_axial() && self.case.damping == 0.0
+        self.flow.is_axial() && !self.case.rests
     }
 
     /// Merges and splits rings; `own`: columns of the method. Particles have to be sorted, and rows

@@ -33,6 +33,7 @@ use crate::kernel::Kernel;
 use crate::particle::wall::layers;
 use crate::particle::{Frame, Particles, State, Wall};
 use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
+use crate::scene::{Viscosity, ViscosityForm};
 use crate::space::ranks::{Communicator, Ranks, broadcast};
 use crate::space::row::Source;
 use flow::{Flow, Lengths};
@@ -228,7 +229,13 @@ fn build_on(
         .or_else(|| normals_of(&case, &problem.method));
     let effects = select::active(&case.effects, tension);
     let (settings, d, h) = (case.sph, case.space, case.h);
-    let asked = case.effects.clone();
+    let mut asked = case.effects.clone();
+    if matches!(problem.method, Method::Wcsph(_)) && case.shifts(problem.method.shifting()) {
+        // Shifting reads relative speeds, which are found with viscosity, if only with none.
+        let dynamic = 0.0;
+        let form = ViscosityForm::Morris;
+        asked.viscosity = asked.viscosity.or(Some(Viscosity { dynamic, form }));
+    }
     let parts = Parts {
         problem,
         phase,

@@ -34,6 +34,8 @@ pub struct Case {
     pub speed: f64,
     /// Damping rate, 1/s; 0 in the impact.
     pub damping: f64,
+    /// Whether a body comes to rest by itself, without the others.
+    pub rests: bool,
     /// Whether the pressure solves an equation.
     pub is_implicit: bool,
 }
@@ -73,6 +75,7 @@ impl Case {
             widest: problem.widest(),
             density: problem.density,
             speed: numbers::reference_speed(problem),
+            rests: matches!(phase, Phase::Relax { .. }),
             damping: match phase {
                 Phase::Relax { damping } => damping,
                 Phase::Impact => 0.0,
@@ -120,7 +123,12 @@ impl Model {
             let e2 = e * e;
             (e * e2 * (e2 * e2) - 1.0) / 7.0
         } else {
-            (e.powi(self.settings.exponent as i32) - 1.0) / self.settings.exponent
+            let chi = self.settings.exponent;
+            let power = match chi.fract() == 0.0 {
+                true => e.powi(chi as i32),
+                false => e.powf(chi),
+            };
+            (power - 1.0) / chi
         };
         let p = self.density * self.sound_speed * self.sound_speed * p;
         match self.settings.pressure {

@@ -231,8 +231,14 @@ fn join_states(whole: &mut State, part: State, count: usize) {
     }
     append(&mut own.density, &more.density, count);
     append(&mut own.weight, &more.weight, count);
-    for ((_, own), (_, more)) in whole.arrays.iter_mut().zip(&part.arrays) {
-        append(own, more, count);
+    // A rank without particles has no arrays.
+    for (name, more) in &part.arrays {
+        let place = whole.arrays.iter().position(|(own, _)| own == name);
+        let place = place.unwrap_or_else(|| {
+            whole.arrays.push((name.clone(), Vec::new()));
+            whole.arrays.len() - 1
+        });
+        append(&mut whole.arrays[place].1, more, count);
     }
 }
 

@@ -12,7 +12,15 @@
 //!
 //! Holds while there is a film, h1 well below 1/2. Test: tests/engine/measure_lamella.rs.
 
-use super::Dimension;
+use super::{Dimension, Problem};
+
+/// Dimensions of the space in which a drop spreads: three where particles are rings.
+pub fn spreads_in(problem: &Problem) -> Dimension {
+    match problem.space() {
+        3 => Dimension::Three,
+        _ => Dimension::Two,
+    }
+}
 
 /// h1: mean thickness over the diameter of the drop.
 #[derive(Clone, Copy, Debug, PartialEq)]

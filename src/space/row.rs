@@ -328,7 +328,8 @@ impl Near {
         row.reserve(count + 2 * WIDTH);
         let mut filled = row.len();
         let (out, words) = (row.as_mut_ptr(), self.index.as_ptr());
-        let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr());
+        let [x, y, z] = &self.at;
+        let (x, y, z) = (x.as_ptr(), y.as_ptr(), z.as_ptr());
         let mut j = 0;
         while j < count {
             // SAFETY: the arrays hold as many whole eights, as asserted.

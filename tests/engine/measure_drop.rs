@@ -295,6 +295,13 @@ fn falling() -> Scene {
 fn a_lamella_and_a_rebound_need_a_drop_that_falls_on_a_wall() {
     let scene = falling();
     assert!(strikes_wall(&scene) && Lamella::of(&scene).is_some());
+    // Rings are a sphere.
+    let mut rings = scene.clone();
+    rings.dimension = Dimension::Two;
+    let disc = Lamella::of(&rings);
+    rings.domain.revolved = Some(Rings::default());
+    assert_ne!(Lamella::of(&rings), disc);
+    assert_eq!(Lamella::of(&rings), Lamella::of(&scene));
     let no = |change: &dyn Fn(&mut Scene)| {
         let mut scene = falling();
         change(&mut scene);

@@ -1,6 +1,7 @@
 //! What a solver derives from a scene: the same numbers that the user is told.
 
 use super::method_scene::{EFFECTS, GRAVITY, disturbed, drop_scene, splash_scene};
+use coronet::method::model::Model;
 use coronet::method::{self, Phase};
 use coronet::particle::pack::{mass, pack};
 use coronet::scene::{Scene, SpeedOf, numbers};
@@ -88,4 +89,31 @@ fn particles_that_rose_into_another_body_are_counted() {
     }
     // Of the highest row, 0.4 mm below the centre of the drop, who is up to 0.6 mm from its axis.
     assert_eq!(method::intruders(&scene, &state), Some((0, 1, 4)));
+}
+
+#[test]
+fn the_equation_of_state_has_its_inverse_and_its_energy() {
+    let scene = drop_scene("modern", 3, "");
+    let coronet::scene::Method::Wcsph(mut settings) = scene.method.clone() else {
+        panic!("{}", scene.method.name());
+    };
+    for exponent in [1.0, 1.5, 3.0, 7.0, 7.15] {
+        settings.exponent = exponent;
+        let model = Model::new(&scene, &settings, Phase::Impact);
+        let (rho0, c) = (model.density, model.sound_speed);
+        for rho in [0.99 * rho0, 1.02 * rho0] {
+            let p = model.pressure(rho);
+            assert!(
+                (model.density_at(p) / rho - 1.0).abs() < 1e-12,
+                "{exponent}"
+            );
+            // d e / d rho = P / rho^2, and d P / d rho = c^2 at rho0.
+            let d = 1e-4 * rho0;
+            let rise = model.compression(rho + d) - model.compression(rho - d);
+            let slope = rise / (2.0 * d);
+            assert!((slope * rho * rho / p - 1.0).abs() < 1e-4, "{exponent}");
+            let stiffness = (model.pressure(rho0 + d) - model.pressure(rho0 - d)) / (2.0 * d);
+            assert!((stiffness / (c * c) - 1.0).abs() < 1e-3, "{exponent}");
+        }
+    }
 }

@@ -78,6 +78,17 @@ pub fn hearing(command: &mut Command) -> &mut Command {
     unsafe { command.pre_exec(hear) }
 }
 
+/// The program; `CORONET` names another build, behind what emulates its processor.
+fn program() -> Command {
+    let Ok(other) = std::env::var("CORONET") else {
+        return Command::new(env!("CARGO_BIN_EXE_coronet"));
+    };
+    let mut words = other.split(' ');
+    let mut command = Command::new(words.next().unwrap());
+    command.args(words);
+    command
+}
+
 impl Program {
     /// With [`TINY`] as `tiny.toml`.
     pub fn new() -> Self {
@@ -98,7 +109,7 @@ impl Program {
     }
 
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_coronet"));
+        let mut command = program();
         command.current_dir(self.folder.path()).args(arguments);
         command
             .stdin(Stdio::null())

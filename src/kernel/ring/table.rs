@@ -124,8 +124,11 @@ impl Table {
         let j = (place as usize).min(OWN - 1);
         let part = place - j as f64;
         let (low, high) = (&self.own[j], &self.own[j + 1]);
-        let at = |k: usize| low[k] + part * (high[k] - low[k]);
-        ([0, 1, 2, 3].map(at), s)
+        let mut found = *low;
+        for (found, high) in found.iter_mut().zip(high) {
+            *found += part * (high - *found);
+        }
+        (found, s)
     }
 }
 

@@ -99,7 +99,7 @@ pub(super) struct Mps {
     rings: Option<[Rings; 2]>,
     /// 1, or 0 where p = 0 is given, by unknown.
     inside: Vec<f32>,
-    /// Least pressure about, Pa, by liquid and wall particle.
+    /// Least pressure about, Pa, by liquid particle.
     least: Vec<f64>,
 }
 

@@ -17,7 +17,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn books(&self) -> bool {
         self.is_dual()
             && self.model.diffusion().is_some()
-            && self.model.settings.wall_pressure != WallPressure::Summation
+            && (self.liquid.flow.walls() == 0
+                || self.model.settings.wall_pressure != WallPressure::Summation)
             && (self.liquid.case.effects.tension.is_none() || self.liquid.follows_energy())
     }
 

@@ -14,6 +14,7 @@
 use super::Wcsph;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
+use crate::method::adapt::Adaption;
 use crate::method::ledger::Ledger;
 use crate::method::liquid::Moment;
 use crate::method::{Diverged, frame};
@@ -43,6 +44,7 @@ pub(super) struct Control {
     now: Moment,
     ledger: Ledger,
     sound_speed: f64,
+    adaption: Adaption,
 }
 
 /// How the steps of a run went.
@@ -192,6 +194,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         control.walls.remember(&self.walls);
         (control.now, control.ledger) = (self.liquid.now, self.liquid.ledger);
         control.sound_speed = self.model.sound_speed;
+        control.adaption = self.adaption;
     }
 
     fn restore(&mut self) {
@@ -205,6 +208,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.own.force.resize(n, [0.0; 3]);
         (self.liquid.now, self.liquid.ledger) = (control.now, control.ledger);
         self.model.sound_speed = control.sound_speed;
+        self.adaption = control.adaption;
         self.tension_age = f64::INFINITY;
         self.liquid.flow.count();
     }

@@ -105,8 +105,22 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             let around = &mut self.own.around[..self.own.held.len()];
             each_mut(around, |i, around| around.vector = tension.root_of(i));
         }
+        self.see_dry_walls();
         // Pressure acceleration belongs to the acoustic criterion.
         self.liquid.now.max_acceleration = self.acceleration();
+    }
+
+    /// Keeps what dry walls add to the sums by which particles are shifted.
+    fn see_dry_walls(&mut self) {
+        self.own.dry.clear();
+        if !self.liquid.case.shifts(self.model.settings.shifting) {
+            return;
+        }
+        let n = self.liquid.len();
+        for (i, dry) in self.liquid.effects.tension.iter().flat_map(|t| t.dry()) {
+            resize(&mut self.own.dry, n, [0.0; 3]);
+            self.own.dry[i] = dry;
+        }
     }
 
     /// Rows are found again first if this step could let a pair be missed.
@@ -218,8 +232,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             unit: gradient,
         };
         let scale = self.sum_factor();
-        for (i, dry) in self.liquid.effects.tension.iter().flat_map(|t| t.dry()) {
-            (0..3).for_each(|a| self.own.driven[i].1[a] -= dry[a]);
+        for ((_, slope), dry) in self.own.driven.iter_mut().zip(&self.own.dry) {
+            (0..3).for_each(|a| slope[a] -= dry[a]);
         }
         let (around, driven) = (&self.own.around, &self.own.driven);
         let span = self.liquid.flow.span();

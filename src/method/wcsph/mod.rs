@@ -59,6 +59,8 @@ columns! {
         /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
         pub driven: Driven => Role::Scratch,
         pub around: Surroundings => Role::Held,
+        /// What dry walls add to SUM slope d (shifting beside them only; else empty).
+        pub dry: [f32; 3] => Role::Held,
         /// Of a tension that has an energy; else empty. That of [`Default`] away from a surface.
         pub completed: Completed => Role::Scratch,
         /// Kernel sum, where mist is removed at the next rebuild.
@@ -108,6 +110,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             force: vec![[0.0; 3]; n],
             driven: Vec::new(),
             around: vec![Surroundings::default(); n],
+            dry: Vec::new(),
             completed: Vec::new(),
             kernel_sum: Vec::new(),
             role_of_held: match is_dual {
@@ -206,7 +209,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// (5): the sum can only lack support, so that it is the least that density can be. (2) does
     /// not see particles that pile up where a contact line recedes; without a pressure of their
-    /// own they would end at one place. It gets what stops the flow, rho0 V^2, and no more.
+    /// own they would end at one place. It gets what stops the flow, rho0 V^2 with V the speed for
+    /// which c was chosen, and no more.
     fn show_crushed(&mut self) {
         let (model, around, scale) = (&self.model, &self.own.around, self.sum_factor());
         let most = model.settings.sound_speed_factor.powi(-2);

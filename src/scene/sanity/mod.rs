@@ -11,7 +11,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::lamella::Thickness;
+use super::lamella::{Thickness, spreads_in};
 use super::numbers;
 use super::quantity::{Unit, human};
 use super::{AXES, Body, Dimension, Motion, Scene, Shape, Side, TensionForm};
@@ -268,7 +268,7 @@ fn lamella(scene: &Scene) -> Option<Warning> {
         .effects
         .wetting
         .map_or(NEUTRAL, |wetting| wetting.advancing());
-    let thickness = Thickness::new(scene.dimension, weber, reynolds, angle).corrected * diameter;
+    let thickness = Thickness::new(spreads_in(scene), weber, reynolds, angle).corrected * diameter;
     let count = thickness / scene.spacing;
     (count < THIN).then(|| {
         let why = format!(

@@ -32,7 +32,7 @@ fn each<T>(f: impl Fn(usize) -> T) -> [T; WIDTH] {
 
 /// a b + c, rounded once: mostly a call for every lane.
 #[inline(never)]
-fn fused<T: Number>(a: &[T; WIDTH], b: &[T; WIDTH], c: &[T; WIDTH]) -> [T; WIDTH] {
+fn fused<T: Number>(a: [T; WIDTH], b: [T; WIDTH], c: [T; WIDTH]) -> [T; WIDTH] {
     each(|k| a[k].mul_add(b[k], c[k]))
 }
 
@@ -85,7 +85,7 @@ impl<T: Number> Real for Eight<T> {
     }
     #[inline(always)]
     fn mul_add(self, b: Self, c: Self) -> Self {
-        Eight(fused(&self.0, &b.0, &c.0))
+        Eight(fused(self.0, b.0, c.0))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

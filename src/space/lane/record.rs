@@ -9,9 +9,8 @@ impl Record {
     /// Fixed-point coordinates and five payloads.
     #[inline(always)]
     pub fn new(at: [i32; 3], payload: [f32; 5]) -> Self {
-        let [x, y, z] = at.map(|v| v as u32);
-        let [a, b, c, d, e] = carried_all(payload);
-        Record([x, y, z, a, b, c, d, e])
+        let ([x, y, z], [a, b, c, d, e]) = (at, carried_all(payload));
+        Record([x as u32, y as u32, z as u32, a, b, c, d, e])
     }
 
     /// Changes the payloads.

@@ -239,9 +239,9 @@ impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for Summing
                 let (i, count) = (target as usize, count as usize);
                 let (row, rest) = places.split_at(count.next_multiple_of(WIDTH));
                 places = rest;
-                let [x, y, z, _] = points[i].0.map(|word| word as i32);
+                let [x, y, z, _] = points[i].0;
                 let own = splat(lanes, field.own_of(pass, i), pass.extra(i));
-                let at = [x, y, z];
+                let at = [x as i32, y as i32, z as i32];
                 let mut sum = [lanes.splat(0.0); N];
                 let mut left = count;
                 for part in row.chunks(STAGED * WIDTH) {

@@ -60,7 +60,11 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
 
     /// What target `i` carries.
     #[inline(always)]
-    pub(super) fn own_of<const N: usize, P: Pass<N>>(&self, pass: &P, i: usize) -> P::Payload {
+    pub(super) fn own_of<const N: usize, const V: usize, P: Pass<N, V>>(
+        &self,
+        pass: &P,
+        i: usize,
+    ) -> P::Payload {
         let mut words = [0.0; WORDS];
         for (word, own) in words.iter_mut().zip(self.own) {
             *word = own[i];
@@ -97,7 +101,7 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
 ///
 /// # Panics
 /// If the sources are not all among the points of `field`, or a payload is not of all points.
-pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
+pub fn runs<const N: usize, const V: usize, const W: usize, const O: usize, P: Pass<N, V>>(
     field: Field<W, O>,
     targets: &[u32],
     pass: &P,
@@ -127,20 +131,22 @@ pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
 }
 
 /// Some targets of [`runs`].
-struct InRuns<'a, const N: usize, const W: usize, const O: usize, P: Pass<N>> {
+struct InRuns<'a, const N: usize, const V: usize, const W: usize, const O: usize, P: Pass<N, V>> {
     field: Field<'a, W, O>,
     targets: &'a [u32],
     pass: &'a P,
     out: &'a mut [P::Out],
 }
 
-impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<'_, N, W, O, P> {
+impl<const N: usize, const V: usize, const W: usize, const O: usize, P: Pass<N, V>> Job
+    for InRuns<'_, N, V, W, O, P>
+{
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
         let (field, pass, targets) = (self.field, self.pass, self.targets);
         let mut columns = Columns::new(field.grid, field.cutoff, WIDE);
         let mut near = Near::<L, W>::new(lanes);
-        let mut stage = Stage::<L::F, P::Payload>::new(lanes);
+        let mut stage = Stage::<L::F, P::Payload, V>::new(lanes);
         let scale = field.scale.lanes(lanes);
         let reach = field.scale.square(field.grid, MARGIN * field.cutoff);
         let reach = lanes.splat(reach as f32);
@@ -181,7 +187,13 @@ struct Carrying<C> {
 impl<C: Payload> Carrying<C> {
     /// `targets`: from the first of the block on.
     #[inline(always)]
-    fn of<const N: usize, const W: usize, const O: usize, P: Pass<N, Payload = C>>(
+    fn of<
+        const N: usize,
+        const V: usize,
+        const W: usize,
+        const O: usize,
+        P: Pass<N, V, Payload = C>,
+    >(
         block: Block,
         (field, pass): (&Field<W, O>, &P),
         targets: &[u32],
@@ -196,9 +208,9 @@ impl<C: Payload> Carrying<C> {
 
     /// Adds what the candidates give each target, and forgets them.
     #[inline(always)]
-    fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N, Payload = C>>(
+    fn add<L: Lanes, const N: usize, const V: usize, const W: usize, P: Pass<N, V, Payload = C>>(
         &self,
-        (near, stage): (&mut Near<L, W>, &mut Stage<L::F, C>),
+        (near, stage): (&mut Near<L, W>, &mut Stage<L::F, C, V>),
         (centre, scale, reach): ([i32; 3], [L::F; 3], L::F),
         pass: &P,
         sums: &mut [[L::F; N]; MEMBERS],
@@ -211,7 +223,8 @@ impl<C: Payload> Carrying<C> {
             near.find_carrying();
         }
         for (k, sums) in sums.iter_mut().enumerate().take(self.block.count) {
-            let [x, y, z] = self.block.at[k].map(|at| [at; WIDTH]);
+            let [x, y, z] = self.block.at[k];
+            let (x, y, z) = ([x; WIDTH], [y; WIDTH], [z; WIDTH]);
             // SAFETY: there are eight of each.
             let at = unsafe {
                 [
@@ -357,11 +370,11 @@ impl<L: Lanes, const W: usize> Near<L, W> {
         for group in 0..self.count.div_ceil(WIDTH) {
             // SAFETY: `count` is at most the room, so that eight words follow.
             let at = unsafe {
-                let [x, y, z] = [0, 1, 2].map(|a| self.at[a].as_ptr().add(group * WIDTH));
+                let (from, [x, y, z]) = (group * WIDTH, &self.at);
                 [
-                    lanes.load_fixed(x),
-                    lanes.load_fixed(y),
-                    lanes.load_fixed(z),
+                    lanes.load_fixed(x.as_ptr().add(from)),
+                    lanes.load_fixed(y.as_ptr().add(from)),
+                    lanes.load_fixed(z.as_ptr().add(from)),
                 ]
             };
             let away = separation(lanes, centre, at, scale);

@@ -28,7 +28,7 @@ struct Staged<F: Copy, P: Payload> {
 impl<F: Real, P: Payload> Staged<F, P> {
     /// With their weights and what the target has.
     #[inline(always)]
-    fn pair(&self, weight: [F; 2], (own, extra): Own<F, P>) -> Pair<F, P> {
+    fn pair<const V: usize>(&self, weight: [F; V], (own, extra): Own<F, P>) -> Pair<F, P, V> {
         Pair {
             d: self.d,
             q2: self.q2,
@@ -41,12 +41,12 @@ impl<F: Real, P: Payload> Staged<F, P> {
 }
 
 /// Up to [`STAGED`] times eight pairs of one target.
-pub struct Stage<F: Copy, P: Payload> {
+pub struct Stage<F: Copy, P: Payload, const V: usize = 2> {
     staged: [Staged<F, P>; STAGED],
-    weight: [[F; 2]; STAGED],
+    weight: [[F; V]; STAGED],
 }
 
-impl<F: Real, P: Payload> Stage<F, P> {
+impl<F: Real, P: Payload, const V: usize> Stage<F, P, V> {
     /// Room for them, in lanes of a kind.
     #[inline(always)]
     pub fn new<L: Lanes<F = F>>(lanes: L) -> Self {
@@ -58,7 +58,7 @@ impl<F: Real, P: Payload> Stage<F, P> {
         };
         Stage {
             staged: [empty; STAGED],
-            weight: [[zero; 2]; STAGED],
+            weight: [[zero; V]; STAGED],
         }
     }
 
@@ -114,19 +114,19 @@ impl<F: Real, P: Payload> Stage<F, P> {
 
     /// Sets [`Pass::weigh`] of place `k`.
     #[inline(always)]
-    pub fn weight(&mut self, k: usize, weight: [F; 2]) {
+    pub fn weight(&mut self, k: usize, weight: [F; V]) {
         self.weight[k] = weight;
     }
 
     /// Those of place `k`, with what the target has.
     #[inline(always)]
-    pub fn pair(&self, k: usize, (own, extra): Own<F, P>) -> Pair<F, P> {
+    pub fn pair(&self, k: usize, (own, extra): Own<F, P>) -> Pair<F, P, V> {
         self.staged[k].pair(self.weight[k], (own, extra))
     }
 
     /// Adds the first `count` to the sums of their target.
     #[inline(always)]
-    pub fn add<const N: usize, Q: Pass<N, Payload = P>>(
+    pub fn add<const N: usize, Q: Pass<N, V, Payload = P>>(
         &mut self,
         count: usize,
         pass: &Q,

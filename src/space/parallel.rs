@@ -62,10 +62,16 @@ pub fn chunks(n: usize, f: &(dyn Fn(usize) + Sync)) {
     }
 }
 
-/// Items `c * size ..` of `n`, of which the last chunk has the rest.
+/// The items of chunk `c` of `n`: `size` each, of which the last chunk has the rest.
 #[inline(always)]
 pub fn chunk(c: usize, size: usize, n: usize) -> Range<usize> {
-    c * size..((c + 1) * size).min(n)
+    chunk_after(0, c, size, n)
+}
+
+/// The same where the first chunk lacks as many as `before`.
+#[inline(always)]
+pub fn chunk_after(before: usize, c: usize, size: usize, n: usize) -> Range<usize> {
+    (c * size).saturating_sub(before)..((c + 1) * size - before).min(n)
 }
 
 /// Calls `f(i)` for every `i < n`.
@@ -128,12 +134,6 @@ impl<'a, T> Parts<'a, T> {
             before,
         }
     }
-
-    /// The items of part `c` of `n` items.
-    #[inline(always)]
-    pub fn range(c: usize, size: usize, before: usize, n: usize) -> Range<usize> {
-        (c * size).saturating_sub(before)..((c + 1) * size - before).min(n)
-    }
 }
 
 // SAFETY: parts of a slice are apart.
@@ -147,7 +147,7 @@ unsafe impl<'a, T: Send> Items for Parts<'a, T> {
     }
     #[inline(always)]
     unsafe fn at((slots, [size, before]): &Self::Slots, i: usize) -> &'a mut [T] {
-        let range = Self::range(i, *size, *before, slots.len);
+        let range = chunk_after(*before, i, *size, slots.len);
         // SAFETY: the range is within the slice, and nobody else uses it.
         unsafe { std::slice::from_raw_parts_mut(slots.start.add(range.start), range.len()) }
     }

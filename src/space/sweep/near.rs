@@ -8,7 +8,7 @@ use super::{FAR, Fields, Pass, Payload, WORDS, splat, total};
 use crate::space::column::Columns;
 use crate::space::grid::{Grid, Scale, WIDE};
 use crate::space::lane::{self, Job, Lanes, Real, WIDTH, dot};
-use crate::space::parallel::{Parts, each_part};
+use crate::space::parallel::{Parts, chunk_after, each_part};
 use crate::space::row::{CHUNK, Source, count_points, separation};
 
 /// Candidates that are looked at together.
@@ -119,10 +119,9 @@ pub fn runs<const N: usize, const V: usize, const W: usize, const O: usize, P: P
     // Chunks begin where those of all targets do: targets of a chunk look together.
     let before = field.first % CHUNK;
     each_part(Parts::after(before, out, CHUNK), |c, out| {
-        let range = Parts::<P::Out>::range(c, CHUNK, before, targets.len());
         let job = InRuns {
             field,
-            targets: &targets[range],
+            targets: &targets[chunk_after(before, c, CHUNK, targets.len())],
             pass,
             out,
         };

@@ -33,6 +33,11 @@ pub struct Untrusted(pub String);
 #[error("{0}")]
 pub struct Stopped(pub String);
 
+/// Every point of a study failed, the last of them by this exit code.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Failed(pub String, pub u8);
+
 /// Files that cannot be read were found.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
@@ -66,6 +71,7 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
             | PipelineError::UnknownPipeline { .. }
             | PipelineError::Name { .. }
             | PipelineError::Within { .. }
+            | PipelineError::Around { .. }
             | PipelineError::NoNames { .. }
             | PipelineError::NotAStore { .. } => Some(USAGE),
             PipelineError::Busy { .. } => Some(BUSY),
@@ -112,6 +118,9 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
     }
     if error.is::<Stopped>() {
         return Some(INTERRUPTED);
+    }
+    if let Some(Failed(_, code)) = error.downcast_ref() {
+        return Some(*code);
     }
     if error.is::<Unreadable>() {
         return Some(FILES);

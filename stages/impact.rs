@@ -195,7 +195,7 @@ impl Impact<'_> {
     }
 
     /// The latest known instant: of an unfinished run, of a finished relative, or t = 0.
-    fn start(&self, context: &Context) -> Result<Start, StageError> {
+    fn start(&self, context: &mut Context) -> Result<Start, StageError> {
         let flying = flight::newest(context)?.and_then(start);
         let since = flying
             .as_ref()
@@ -266,11 +266,18 @@ impl Impact<'_> {
     }
 
     /// The latest usable instant after `since` of a finished run with another end.
-    fn relative(&self, context: &Context, since: f64) -> Result<Option<Start>, StageError> {
-        for (_, index, file) in self.instants(&context.relatives, since)? {
-            let relative = &context.relatives[index];
+    fn relative(&self, context: &mut Context, since: f64) -> Result<Option<Start>, StageError> {
+        let relatives = context.relatives.clone();
+        for (time, index, file) in self.instants(&relatives, since)? {
+            let relative = &relatives[index];
             match adopt(context, relative, file)? {
-                Ok(start) => return Ok(Some(start)),
+                Ok(start) => {
+                    let last = checkpoint::peek(&relative.folder.join(STATE));
+                    let whole = last.map_or(time, |last| last.time);
+                    let past = since.max(0.0);
+                    context.goes_on_from(&relative.stamp, (time - past) / whole);
+                    return Ok(Some(start));
+                }
                 Err(what) => {
                     let folder = relative.folder.display();
                     context.warn(&format!("{folder} cannot be continued: {what}"));

@@ -50,7 +50,8 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return help(&error),
     };
-    let done = check(&arguments.command)
+    let done = signals::leave_sizes_to_writers()
+        .and_then(|()| check(&arguments.command))
         .and_then(|()| ranks::join())
         .and_then(|()| obey(&arguments.command));
     ranks::leave();

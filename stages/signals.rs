@@ -21,6 +21,13 @@ pub fn stop_flag(words: &'static str) -> Result<Arc<AtomicBool>> {
     Ok(stop)
 }
 
+/// A file that grows beyond the limit of the process is an error of its writing, not a signal.
+pub fn leave_sizes_to_writers() -> Result<()> {
+    #[cfg(unix)]
+    signal_hook::flag::register(libc::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
+    Ok(())
+}
+
 /// Leaves it to another process to stop this one.
 pub fn leave_to_another() -> Result<()> {
     #[cfg(unix)]

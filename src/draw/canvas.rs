@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use super::sheet::font::{self, Look};
+use crate::record::mark::MARK;
 
 /// Red, green, blue.
 pub type Colour = [u8; 3];
@@ -182,6 +183,7 @@ impl Canvas {
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
+        encoder.add_text_chunk("Software".to_string(), MARK.to_string())?;
         let mut writer = encoder.write_header()?;
         let mut stream = writer.stream_writer()?;
         stream.write_all(self.pixels.as_flattened())?;

@@ -122,6 +122,13 @@ impl Context<'_> {
         self.resumed = true;
     }
 
+    /// Records that this attempt goes on from a `part`, 0 to 1, of a finished result: that much of
+    /// its time belongs to this one too.
+    pub fn goes_on_from(&mut self, stamp: &Stamp, part: f64) {
+        self.spent.wall_seconds += part * stamp.wall_seconds;
+        self.spent.cpu_seconds += part * stamp.cpu_seconds;
+    }
+
     /// Saves the time spent so far, so that the stamp counts attempts that are killed later.
     ///
     /// # Errors

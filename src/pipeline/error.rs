@@ -146,6 +146,17 @@ pub enum PipelineError {
         /// The name that is a part of it.
         outer: String,
     },
+    /// A name whose folder contains another one's.
+    #[error(
+        "{name:?} cannot be the name of results, for {inner:?} is one: its folder is not shared; \
+         choose another with --name"
+    )]
+    Around {
+        /// The name.
+        name: String,
+        /// The name that it is a part of.
+        inner: String,
+    },
     /// Removal would leave no result.
     #[error(
         "{}: no name in latest/ leads to a result, so every finished result would be removed; \

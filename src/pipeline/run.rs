@@ -61,6 +61,12 @@ impl Run<'_> {
                 let (name, outer) = (name.to_string(), outer.to_string());
                 return Err(PipelineError::Within { name, outer });
             }
+            let inside = format!("{name}/");
+            let known = latest::pipelines(self.store)?;
+            if let Some(inner) = known.into_iter().find(|known| known.starts_with(&inside)) {
+                let name = name.to_string();
+                return Err(PipelineError::Around { name, inner });
+            }
         }
         needed(self.pipeline, self.until).map(drop)
     }

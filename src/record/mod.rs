@@ -9,6 +9,7 @@
 //! | [`background`] | checkpoints that are written while the solver continues |
 //! | [`layout`] | a layout file for viewers of the log |
 //! | [`export`] | checkpoints and logs as VTK, CSV, PLY |
+//! | [`mark`] | the mark by which the program knows its own pictures and meshes |
 //! | [`mesh`] | triangles as PLY, OBJ, glTF, VTP |
 
 pub mod atomic;
@@ -18,6 +19,7 @@ pub mod digest;
 pub mod export;
 pub mod layout;
 pub mod log;
+pub mod mark;
 pub mod mesh;
 
 pub use checkpoint::{Array, Checkpoint, CheckpointError};

@@ -306,7 +306,7 @@ pub struct ShowArguments {
     /// Folder of all results
     #[arg(long, value_name = "DIR", default_value = "artifacts")]
     pub artifacts: PathBuf,
-    /// One JSON object on standard output, for scripts
+    /// One JSON object on standard output for each result, for scripts
     #[arg(long)]
     pub json: bool,
 }

@@ -7,7 +7,8 @@ use anyhow::{Context as _, Result, bail};
 use coronet::file::exists;
 use coronet::pipeline::content::CHECKPOINT;
 use coronet::pipeline::{Stamp, Store};
-use coronet::record::export::{self, Exported, Selection, Which};
+use coronet::record::CheckpointError;
+use coronet::record::export::{self, ExportError, Exported, Selection, Which};
 use coronet::scene::quantity::{self, Unit};
 use serde_json::json;
 
@@ -138,9 +139,14 @@ impl Order<'_> {
             )));
         }
         let exported = export::export_checkpoints(files, self.folder, self.format);
-        exported.map_err(|error| match error.is_usage() {
-            true => Usage(error.to_string()).into(),
-            false => error.into(),
+        exported.map_err(|error| match &error {
+            ExportError::Checkpoint(of @ CheckpointError::WrongContent { .. }) => Usage(format!(
+                "{}: {of}; give the folder of a packing, a relaxation or an impact",
+                path.display()
+            ))
+            .into(),
+            _ if error.is_usage() => Usage(error.to_string()).into(),
+            _ => error.into(),
         })
     }
 

@@ -10,7 +10,7 @@ use coronet::draw::render::Material;
 use coronet::draw::render::artist::{Artist, Style, Survey};
 use coronet::draw::render::camera::View;
 use coronet::particle::Frame;
-use coronet::record::{atomic, mesh};
+use coronet::record::{atomic, mark, mesh};
 use coronet::scene::quantity::{self, Unit};
 use coronet::scene::{Dimension, Rgb, Scene};
 use serde_json::json;
@@ -103,6 +103,7 @@ pub fn render(arguments: &RenderArguments) -> Result<()> {
             "an MP4 film needs an even width and height; change --size".into()
         ));
     }
+    keep_others(arguments)?;
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().context("cannot start the threads")?;
@@ -123,6 +124,35 @@ pub fn render(arguments: &RenderArguments) -> Result<()> {
         print(arguments, &made);
         Ok(())
     })
+}
+
+/// An error if what would be replaced or removed is not of this program, or is a result.
+fn keep_others(arguments: &RenderArguments) -> Result<()> {
+    let path = &arguments.output;
+    let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+    let store = arguments.store.artifacts.canonicalize();
+    if folder
+        .zip(store.ok())
+        .is_some_and(|(folder, store)| folder.starts_with(store))
+    {
+        let text = format!(
+            "{} would be among results; give an --output elsewhere",
+            path.display()
+        );
+        bail!(Usage(text));
+    }
+    let numbered = (0..).map(|number| numbered(path, number));
+    let series = numbered.take_while(|path| is_series(arguments) && path.exists());
+    for path in series.chain([path.clone()]) {
+        if !mark::may_replace(&path)? {
+            let text = format!(
+                "{} is not of this program and stays as it is; give another --output",
+                path.display()
+            );
+            bail!(Usage(text));
+        }
+    }
+    Ok(())
 }
 
 fn is_series(arguments: &RenderArguments) -> bool {

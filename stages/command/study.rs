@@ -20,7 +20,7 @@ use serde_json::json;
 
 use crate::arguments::{On, StudyArguments};
 use crate::batch;
-use crate::fault::{Stopped, Usage};
+use crate::fault::{Failed, Stopped, Usage};
 use crate::print::{note, out};
 use crate::signals;
 use crate::study::finding::{comparison, figure, groups, samples, sentence, table};
@@ -146,7 +146,7 @@ fn tell_costs(
             "{}",
             json!({ "table": text(&out.join(TABLE)), "groups": rows, "figure": figure })
         );
-        return Ok(());
+        return some_ended(&outcomes);
     }
     for (g, name) in groups.iter().enumerate() {
         if let Some(sentence) = sentence(study.cost, name, &samples, g) {
@@ -157,7 +157,25 @@ fn tell_costs(
     if figure.is_some() {
         out!("figure   {}", out.join(FIGURE).display());
     }
-    Ok(())
+    some_ended(&outcomes)
+}
+
+/// An error if no point ended well.
+fn some_ended(outcomes: &[Outcome]) -> Result<()> {
+    let failed = outcomes.iter().map(|outcome| match outcome {
+        Outcome::Failed { why, code, .. } => Some((why, *code)),
+        Outcome::Done { .. } => None,
+    });
+    match failed.collect::<Option<Vec<_>>>() {
+        Some(all) if !all.is_empty() => {
+            let (why, code) = all[all.len() - 1];
+            bail!(Failed(
+                format!("every point failed, the last one: {why}"),
+                code
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Warns if points have ended and none has an error.
@@ -212,7 +230,7 @@ fn tell_figures(
             json!({ "table": text(&table), "page": text(&read), "points": trials.len(),
                     "plots": plots.iter().map(|plot| text(plot)).collect::<Vec<_>>() })
         );
-        return missing;
+        return missing.and(some_ended(outcomes));
     }
     out!("{}", page.trim_end());
     out!("table    {}", table.display());
@@ -220,7 +238,7 @@ fn tell_figures(
     for plot in plots {
         out!("plot     {}", plot.display());
     }
-    missing
+    missing.and(some_ended(outcomes))
 }
 
 fn text(path: &Path) -> String {

@@ -36,6 +36,15 @@ fn from(table: &Series, instant: f64) -> Series {
     table
 }
 
+/// Whether measures go on to a time, to a row; all do without one.
+fn reaches(measures: &Series, to: f64) -> bool {
+    let times = measures.time();
+    match times {
+        [.., before, last] if to.is_finite() => last + 1.5 * (last - before) >= to,
+        _ => true,
+    }
+}
+
 impl Figure {
     fn times(&self) -> Result<([f64; 2], Option<f64>), Usage> {
         let part = format!("[[figure]] `{}`", self.name);
@@ -175,7 +184,11 @@ pub fn measure(
                 None => Some(1.0),
                 Some(reference) => figure.of(&beside_point(reference, *contact))?,
             };
-            let value = figure.of(series)?.zip(unit);
+            // What a run that ended before has is of another window.
+            let value = match reaches(series, figure.times()?.0[1]) {
+                true => figure.of(series)?.zip(unit),
+                false => None,
+            };
             row.push(value.map_or(f64::NAN, |(value, unit)| value / unit));
         }
     }

@@ -140,7 +140,48 @@ pub fn load(path: &Path) -> Result<(Study, Vec<Trial>)> {
     Ok((study, trials))
 }
 
+/// The first name that stood before.
+fn twice<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let names: Vec<&str> = names.collect();
+    (1..names.len())
+        .find(|&k| names[..k].contains(&names[k]))
+        .map(|k| names[k])
+}
+
+/// The key that an override changes.
+fn key_of(set: &str) -> &str {
+    set.split('=').next().unwrap_or_default().trim()
+}
+
+impl Axis {
+    /// Whether it changes this key.
+    fn changes(&self, key: &str) -> bool {
+        let mut sets = self.points.iter().flat_map(|point| &point.set);
+        self.key.as_deref() == Some(key) || sets.any(|set| key_of(set) == key)
+    }
+}
+
 impl Study {
+    /// Of two axes that change the same key one would lie about its points.
+    fn check_axes(&self) -> Result<(), String> {
+        for (k, axis) in self.axis.iter().enumerate() {
+            let sets = axis.points.iter().flat_map(|point| &point.set);
+            let mut keys = axis
+                .key
+                .as_deref()
+                .into_iter()
+                .chain(sets.map(|set| key_of(set)));
+            let other = |key: &&str| self.axis[..k].iter().any(|other| other.changes(key));
+            if let Some(key) = keys.find(other) {
+                let name = &axis.name;
+                return Err(format!(
+                    "axis `{name}` changes `{key}` as another one does; join the two to one"
+                ));
+            }
+        }
+        Ok(())
+    }
+
     fn check(&self) -> Result<(), String> {
         match (&self.error, self.figure.is_empty(), self.case.is_empty()) {
             (Some(error), true, true) => error.check().map_err(str::to_string)?,
@@ -158,7 +199,7 @@ impl Study {
             ));
         }
         for set in &self.set {
-            let key = set.split('=').next().unwrap_or_default().trim();
+            let key = key_of(set);
             if self
                 .axis
                 .iter()
@@ -168,6 +209,21 @@ impl Study {
                     "set: an axis changes `{key}`; remove one of the two"
                 ));
             }
+        }
+        self.check_axes()?;
+        let names = ["point", "status", "cpu_s"].into_iter();
+        let names = names.chain(self.axis.iter().map(|axis| axis.name.as_str()));
+        let names = names.chain(self.figure.iter().map(|figure| figure.name.as_str()));
+        if let Some(name) = twice(names) {
+            return Err(format!(
+                "two columns of the table would be `{name}`; rename an axis or a figure"
+            ));
+        }
+        if let Some(name) = twice(self.case.iter().map(|case| case.name.as_str())) {
+            return Err(format!("two cases are `{name}`; rename one"));
+        }
+        if !labels.is_empty() && labels.iter().all(|label| self.except.contains(label)) {
+            return Err("except: no point is left; leave out fewer".to_string());
         }
         if let Some(label) = self.except.iter().find(|label| !labels.contains(label)) {
             let labels = labels.join("; ");

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use coronet::measure::lamella::Lamella;
-use coronet::measure::norm::compare_column;
+use coronet::measure::norm::{Norm, compare_column};
 use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::{mean, period};
 use coronet::scene::quantity::{Unit, parse};
@@ -13,6 +13,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::fault::Usage;
+use crate::print::note;
 use crate::study::trial::{Outcome, Trial};
 
 /// The reference of the error: exactly one of `value`, `theory`, `reference` and `finest`.
@@ -96,7 +97,13 @@ pub fn window(part: &str, from: &Option<String>, to: &Option<String>) -> Result<
             parse(text, Unit::Time).map_err(|error| Usage(format!("{part}: `{text}` {error}")))
         }
     };
-    Ok([time(from, f64::NEG_INFINITY)?, time(to, f64::INFINITY)?])
+    let [from, to] = [time(from, f64::NEG_INFINITY)?, time(to, f64::INFINITY)?];
+    if from > to {
+        return Err(Usage(format!(
+            "{part}: `from` is after `to`; exchange them"
+        )));
+    }
+    Ok([from, to])
 }
 
 /// Result of a point.
@@ -210,19 +217,41 @@ impl Target {
             },
         };
         reference.table = reference.table.window(from, to);
-        (0..trials.len())
+        let norms: Vec<Option<Norm>> = (0..trials.len())
             .map(|k| {
-                let found = |error: f64| Found {
-                    error,
-                    against: None,
-                };
                 let Some(measures) = known(k).filter(|_| !self.finest || Some(k) != finest) else {
-                    return Ok(found(f64::NAN));
+                    return Ok(None);
                 };
                 let shift = reference.shift(trials[k].contact()?);
-                let norm = compare_column(measures, &reference.table, "", column, shift);
-                Ok(found(norm.map_or(f64::NAN, |norm| norm.l2)))
+                Ok(compare_column(
+                    measures,
+                    &reference.table,
+                    "",
+                    column,
+                    shift,
+                ))
             })
-            .collect()
+            .collect::<Result<_>>()?;
+        // An error over a part of the instants is none of the whole.
+        let most = norms.iter().flatten().map(|norm| norm.points).max();
+        let whole = |norm: &Norm| most.is_some_and(|most| norm.points >= most - most / 10);
+        let points = norms.into_iter().zip(trials);
+        let found = points.map(|(norm, trial)| {
+            let counted = norm.as_ref().filter(|norm| whole(norm));
+            if let (Some(norm), None) = (&norm, counted) {
+                note!(
+                    "warning: {} has no error: it has {} of the {} instants of the reference that \
+                     other points have; let it run as long",
+                    trial.title,
+                    norm.points,
+                    most.unwrap_or_default()
+                );
+            }
+            Found {
+                error: counted.map_or(f64::NAN, |norm| norm.l2),
+                against: None,
+            }
+        });
+        Ok(found.collect())
     }
 }

@@ -275,6 +275,11 @@ fn sides_walls_and_times_are_checked() {
     holds(&gravity, &["effects.gravity.direction", "has no direction"]);
     let frames = edited("\"0.5 ms\"", "\"1 ns\"").to_string();
     holds(&frames, &["frames.interval", "frames", "longer"]);
+    for scale in ["1e30", "1e-12"] {
+        let times = format!("\"0.5 ms\"\ntime_scale = {scale}");
+        let times = edited("\"0.5 ms\"", &times).to_string();
+        holds(&times, &["frames.time_scale", "nearer to 1"]);
+    }
     let step = "[method.wcsph]\ntime_stepping = { fixed = { step = \"1 ms\" } }\n[relax]";
     let unstable = edited("[relax]", step).to_string();
     holds(

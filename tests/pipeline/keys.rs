@@ -371,6 +371,9 @@ fn names_that_would_break_the_store_are_refused() {
     let named = |name: &str| program.call(&["run", "tiny.toml", "--name", name]);
     named("manifest.json").badly(2, &["manifest.json"]);
     named("tiny/pack").badly(2, &["tiny/pack", "\"tiny\""]);
+    let inner = ["run", "tiny.toml", "--until", "pack", "--name", "x/y"];
+    program.call(&inner).well();
+    named("x").badly(2, &["\"x\"", "\"x/y\""]);
     program.call(&["verify"]).well();
 }
 

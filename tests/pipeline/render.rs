@@ -71,6 +71,31 @@ fn a_run_becomes_a_picture_a_series_and_a_film() {
     let (long, short) = (series("3.2 ms"), series("1.2 ms"));
     assert!(long > short && short >= 2, "{long} {short}");
 
+    // A file of somebody else is neither replaced nor removed, nor is a result.
+    for (name, set) in [
+        ("s-00000.png", "s.png"),
+        ("s-00009.png", "s.png"),
+        ("q.obj", "q.obj"),
+    ] {
+        fs::write(program.path(name), "a photo").unwrap();
+        (1..9).for_each(|n| {
+            fs::write(program.path(&format!("s-{n:05}.png")), b"\x89PNG coronet").unwrap();
+        });
+        let more = ["--until", "1.2 ms"];
+        let series = [&["render", "tiny", "--output", set], &more[..]].concat();
+        program.call(&series).badly(2, &[name, "stays as it is"]);
+        assert_eq!(fs::read(program.path(name)).unwrap(), b"a photo");
+        fs::remove_file(program.path(name)).unwrap();
+        fs::write(program.path("s-00000.png"), b"\x89PNG coronet").unwrap();
+    }
+    let inside = [
+        "render",
+        "tiny",
+        "--output",
+        "artifacts/latest/tiny/post/new.png",
+    ];
+    program.call(&inside).badly(2, &["among results"]);
+
     let film = render(&["--output", "a.gif", "--material", "speed"]);
     assert!(film.out.contains("a.gif: "), "{}", film.out);
     assert_eq!(fs::read(program.path("a.gif")).unwrap()[..6], *b"GIF89a");

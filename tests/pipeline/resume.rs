@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::time::{Duration, Instant};
 
+use coronet::pipeline::Stamp;
+
 use crate::program::{Program, label, members};
 
 /// Kills over the test, at least; more if these hit fewer than [`STAGES`].
@@ -115,13 +117,21 @@ fn another_end_continues_and_equals_a_run_from_the_start() {
         })
         .collect();
     let program = Program::new();
+    let mut costs = Vec::new();
     for (index, end) in ends.iter().enumerate() {
         let objects = program.run(&["--set", end]);
         assert_eq!(program.fingerprint(&objects), from_start[index], "{end}");
         // The longer one continues; the shorter one starts from a checkpoint on the way.
         let status = &members(&objects, "status")["impact"];
         assert_eq!(status, if index == 0 { "ran" } else { "resumed" }, "{end}");
+        let stamp = Stamp::read(&program.latest("impact")).unwrap().unwrap();
+        costs.push(stamp.cpu_seconds);
     }
+    // With the part that another run had made.
+    assert!(
+        costs[1] > costs[0] && costs[2] > 0.2 * costs[1],
+        "{costs:?}"
+    );
 }
 
 #[test]

@@ -120,6 +120,22 @@ fn mistakes_are_named_before_anything_runs() {
         ),
         ("column =", "colum =", "colum"),
         ("values =", "points = []\nvalue =", "value"),
+        // Such an axis would lie about its points.
+        (
+            "method.wcsph.sound_speed=constant",
+            "pack.spacing=0.5 mm",
+            "pack.spacing",
+        ),
+        (
+            "name = \"speed of sound\"",
+            "name = \"spacing\"",
+            "two columns",
+        ),
+        (
+            "finest = true",
+            "finest = true\nfrom = \"2 ms\"\nto = \"1 ms\"",
+            "is after `to`",
+        ),
     ];
     for (old, new, word) in cases {
         let program = program();
@@ -143,6 +159,20 @@ fn a_point_may_fail() {
     program.call(&["study", "study.toml"]).well();
     let states = column(&results(&program), "status");
     assert_eq!(states, ["done", "diverged", "done", "diverged"]);
+}
+
+/// So that a script sees it.
+#[test]
+fn a_study_without_a_point_that_ended_well_fails() {
+    let program = program();
+    let study = STUDY.replace("\"0.6 mm\", \"0.4 mm\", ", "").replace(
+        "set = [\"impact.end=2 ms\"",
+        "set = [\"method.wcsph.reference_speed=0.01 m/s\", \"impact.end=2 ms\"",
+    );
+    fs::write(program.path("study.toml"), study).unwrap();
+    let ended = program.call(&["study", "study.toml"]);
+    ended.badly(3, &["every point failed", "diverged"]);
+    assert_eq!(column(&results(&program), "status"), ["diverged"; 2]);
 }
 
 /// Seeds that only repeat are one group, of which the worst counts; what it costs is a choice.

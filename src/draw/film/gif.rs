@@ -4,6 +4,7 @@ use gif::{Frame, Repeat};
 
 use super::{Encoder, FilmError, failed};
 use crate::draw::canvas::Canvas;
+use crate::record::mark::MARK;
 
 /// Speed of the choice of colours, 1 (best) to 30.
 const SPEED: i32 = 10;
@@ -19,6 +20,9 @@ impl Gif {
         let [width, height] = size.map(|s| s as u16);
         let mut encoder = gif::Encoder::new(Vec::new(), width, height, &[]).map_err(failed)?;
         encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
+        let comment = gif::AnyExtension::from(gif::Extension::Comment);
+        let mark = encoder.write_raw_extension(comment, &[MARK.as_bytes()]);
+        mark.map_err(failed)?;
         // Viewers slow down what is faster than 50 pictures a second.
         let delay = (100.0 / rate).round().clamp(2.0, 1000.0) as u16;
         Ok(Gif { encoder, delay })

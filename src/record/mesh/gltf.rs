@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use serde_json::{Value, json};
 
 use super::{Mesh, indices, numbers};
+use crate::record::mark::MARK;
 
 /// Component types and targets, as in OpenGL.
 const FLOAT: u32 = 5126;
@@ -51,7 +52,7 @@ pub fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
         attributes["COLOR_0"] = json!(3);
     }
     let text = json!({
-        "asset": {"version": "2.0", "generator": "coronet"},
+        "asset": {"version": "2.0", "generator": MARK},
         "extras": {"time_s": mesh.time},
         "scene": 0,
         "scenes": [{"nodes": [0]}],

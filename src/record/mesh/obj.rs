@@ -3,9 +3,14 @@
 use std::io::{self, Write};
 
 use super::Mesh;
+use crate::record::mark::MARK;
 
 pub fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "# liquid surface at {:?} s, m\no liquid", mesh.time)?;
+    writeln!(
+        out,
+        "# {MARK}: liquid surface at {:?} s, m\no liquid",
+        mesh.time
+    )?;
     for (i, [x, y, z]) in mesh.points.iter().enumerate() {
         match mesh
             .colours

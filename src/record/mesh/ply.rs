@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 
 use super::Mesh;
+use crate::record::mark::MARK;
 
 pub fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     write!(
         out,
-        "ply\nformat binary_little_endian 1.0\ncomment time_s {:?}\nelement vertex {}\n",
+        "ply\nformat binary_little_endian 1.0\ncomment {MARK}\ncomment time_s {:?}\nelement vertex {}\n",
         mesh.time,
         mesh.points.len(),
     )?;

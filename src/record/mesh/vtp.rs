@@ -4,6 +4,7 @@
 use std::io::{self, Write};
 
 use super::{Mesh, numbers};
+use crate::record::mark::MARK;
 
 pub fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     let corners = mesh.triangles.as_flattened().iter();
@@ -34,6 +35,7 @@ pub fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     write!(
         out,
         r#"<?xml version="1.0"?>
+<!-- {MARK} -->
 <VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
   <PolyData>
     <FieldData>

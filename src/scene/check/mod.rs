@@ -23,6 +23,9 @@ const BODIES: usize = 255;
 const PARTICLES: f64 = 4e9;
 /// Largest number of frames in a log.
 const FRAMES: f64 = 1e6;
+/// Least time between frames in a log, and its last time, s.
+const TICK: f64 = 1e-9;
+const LAST: f64 = 1.5e10;
 /// Relative difference below which lengths are equal: they come from decimal texts.
 const EQUAL: f64 = 1e-9;
 /// Least distance of two mirrors, in supports of the widest sum, with room for lists.
@@ -322,6 +325,15 @@ fn times(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     if scene.impact.end / scene.frames.interval > FRAMES {
         let problem = format!("makes more than {FRAMES:.0e} frames until `impact.end`");
         return Err(tree.fault("frames.interval", &problem, "make it longer"));
+    }
+    let scale = scene.frames.time_scale;
+    let [least, most] = [scene.frames.interval, scene.impact.end].map(|time| time * scale);
+    if least < TICK || most > LAST {
+        let problem = format!(
+            "makes log times from {least:.1e} to {most:.1e} s, which have nanoseconds and end after \
+             500 years"
+        );
+        return Err(tree.fault("frames.time_scale", &problem, "set it nearer to 1"));
     }
     if let Some(settings) = scene.method.projection() {
         return steps(scene.method.name(), settings, tree);

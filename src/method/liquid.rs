@@ -148,16 +148,12 @@ impl Liquid {
     }
 
     /// Sums of `pass` over the neighbours of each particle.
-    pub fn sum<const N: usize, const V: usize, P: Pass<N, V>>(&self, pass: &P, out: &mut [P::Out]) {
+    pub fn sum<const N: usize, P: Pass<N>>(&self, pass: &P, out: &mut [P::Out]) {
         sweep::rows(&self.flow.records, &self.flow.rows, self.scale(), pass, out);
     }
 
     /// Sums of `pass` over the liquid around each wall particle, and over walls if they see walls.
-    pub fn sum_at_walls<const N: usize, const V: usize, P: Pass<N, V>>(
-        &self,
-        pass: &P,
-        out: &mut [P::Out],
-    ) {
+    pub fn sum_at_walls<const N: usize, P: Pass<N>>(&self, pass: &P, out: &mut [P::Out]) {
         let rows = &self.flow.wall_rows;
         sweep::rows(&self.flow.records, rows, self.scale(), pass, out);
     }

@@ -13,7 +13,7 @@
 use super::liquid::Liquid;
 use super::pass::{Moving, Sparing, WallSums, beyond};
 use crate::effect::tension::ringed::{Heavy, Look};
-use crate::kernel::ring::{FIRST, Radii, Rings, between, mass_apart, places, weights};
+use crate::kernel::ring::{Radii, between, mass_apart, places};
 use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
@@ -58,7 +58,7 @@ pub struct Surrounded<'a> {
     pub viscosity: f32,
 }
 
-impl Pass<3, FIRST> for Surrounded<'_> {
+impl Pass<3> for Surrounded<'_> {
     type Payload = Ring;
     type Out = [f32; 3];
     #[inline(always)]
@@ -66,11 +66,7 @@ impl Pass<3, FIRST> for Surrounded<'_> {
         self.radii.of(target)
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; FIRST] {
-        Rings::weigh(q2)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Ring, FIRST>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 3]) {
         let (own, other) = (&pair.own, &pair.other);
         let w = between(self.radii.rings, pair);
         let m = mass_apart(other.mass, pair.q2);
@@ -130,7 +126,7 @@ pub struct Continuity<'a> {
 impl Continuity<'_> {
     /// What diffusion evens out of a pair, before the slope of the kernel.
     #[inline(always)]
-    pub fn evened<F: Real>(&self, pair: &Pair<F, Compressed, FIRST>) -> F {
+    pub fn evened<F: Real>(&self, pair: &Pair<F, Compressed>) -> F {
         let (own, other) = (&pair.own, &pair.other);
         let held = pair.d[2] * self.held;
         let evened = (own.excess - other.excess) * self.diffusion - held;
@@ -138,7 +134,7 @@ impl Continuity<'_> {
     }
 }
 
-impl Pass<2, FIRST> for Continuity<'_> {
+impl Pass<2> for Continuity<'_> {
     type Payload = Compressed;
     type Out = [f32; 3];
     #[inline(always)]
@@ -146,11 +142,7 @@ impl Pass<2, FIRST> for Continuity<'_> {
         self.radii.of(target)
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; FIRST] {
-        Rings::weigh(q2)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Compressed, FIRST>, sum: &mut [F; 2]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 2]) {
         let (own, other) = (&pair.own, &pair.other);
         let w = between(self.radii.rings, pair);
         let m = mass_apart(other.mass, pair.q2);
@@ -172,7 +164,7 @@ pub struct Force<'a> {
     pub radii: Radii<'a>,
 }
 
-impl Pass<2, FIRST> for Force<'_> {
+impl Pass<2> for Force<'_> {
     type Payload = Ring;
     type Out = [f32; 3];
     #[inline(always)]
@@ -180,11 +172,7 @@ impl Pass<2, FIRST> for Force<'_> {
         self.radii.of(target)
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; FIRST] {
-        Rings::weigh(q2)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Ring, FIRST>, sum: &mut [F; 2]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 2]) {
         let w = between(self.radii.rings, pair);
         let p = pair.own.pressure + pair.other.pressure;
         let push = pair.q2.splat(0.0) - mass_apart(pair.other.mass, pair.q2) * p;
@@ -203,7 +191,7 @@ pub struct Extrapolation<'a> {
     pub radii: Radii<'a>,
 }
 
-impl Pass<7, FIRST> for Extrapolation<'_> {
+impl Pass<7> for Extrapolation<'_> {
     type Payload = Ring;
     type Out = WallSums;
     #[inline(always)]
@@ -211,11 +199,7 @@ impl Pass<7, FIRST> for Extrapolation<'_> {
         self.radii.of(target)
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; FIRST] {
-        Rings::weigh(q2)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Ring, FIRST>, sum: &mut [F; 7]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 7]) {
         let other = &pair.other;
         let w = between(self.radii.rings, pair);
         let m = mass_apart(other.mass, pair.q2);
@@ -267,10 +251,7 @@ impl<const N: usize> Couple<N> for Laplacian<'_> {
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Joined>, sum: &mut [F; N]) -> F {
         let ([own, other], is_far) = places(pair);
-        let radii = &self.radii;
-        let [_, slope, _] = radii
-            .rings
-            .first(is_far, pair.q2, own * other, weights(pair));
+        let [_, slope, _] = self.radii.rings.first(is_far, pair.q2, own * other);
         let volumes = mass_apart(pair.own.volume * pair.other.volume, pair.q2);
         let w = volumes * slope * -2.0;
         sum[0] = w.mul_add(pair.q2, sum[0]);

@@ -3,7 +3,6 @@
 use super::cloud::{Cloud, OPEN};
 use coronet::effect::tension::pass::{Energetic, Pull};
 use coronet::effect::tension::ringed::{self, Heavy, alone};
-use coronet::kernel::ring::{FIRST, SECOND};
 use coronet::kernel::{Kernel, WendlandC2, plane};
 use coronet::method::completed::{Completed, pass, ring};
 use coronet::method::pass::{Spared, Sparing};
@@ -176,11 +175,8 @@ impl Body {
         self.cloud.pack::<ringed::Energetic>(&carried);
         let flow = &self.cloud.flow;
         let radii = flow.radii(self.cloud.h);
-        let pass = ringed::Pull::<FIRST> { radii };
+        let pass = ringed::Pull { radii };
         rows(&flow.records, &flow.rows, scale, &pass, &mut out);
-        let (pass, mut same) = (ringed::Pull::<SECOND> { radii }, out.clone());
-        rows(&flow.records, &flow.rows, scale, &pass, &mut same);
-        assert_eq!(out, same, "weights found in advance and on the way");
         let whole = |i: usize| {
             let [r, _, z] = out[i].map(f64::from);
             let Completed { slope, along, .. } = completed[i];

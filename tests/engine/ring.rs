@@ -25,8 +25,8 @@ impl Job for Eight<'_> {
         let one = lanes.splat(1.0);
         let (y, p) = (one.of_array(self.y), one.of_array(self.p));
         let rings = Rings::default();
-        let first = rings.first(self.is_far, y, p, Rings::weigh(y));
-        let second = rings.second(self.is_far, y, p, Rings::weigh(y));
+        let first = rings.first(self.is_far, y, p);
+        let second = rings.second(self.is_far, y, p);
         for (out, found) in self.out.iter_mut().zip(first.into_iter().chain(second)) {
             *out = found.to_array();
         }

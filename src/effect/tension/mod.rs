@@ -300,7 +300,7 @@ impl Tension {
     }
 
     /// Sums over all particles, with the long kernel and some of the payload.
-    fn runs<const N: usize, const V: usize, const W: usize, P: Pass<N, V>>(
+    fn runs<const N: usize, const W: usize, P: Pass<N>>(
         &self,
         flow: &Surface,
         payload: &[Vec<f32>; W],

@@ -9,9 +9,7 @@
 use super::Tension;
 use super::shore::Shore;
 use crate::effect::surface::Surface;
-use crate::kernel::ring::{
-    Between, FIRST, Radii, Rings, SECOND, between, mass_apart, places, weights,
-};
+use crate::kernel::ring::{Between, Radii, Rings, between, mass_apart, places};
 use crate::payload;
 use crate::space::lane::{Real, are_zero};
 use crate::space::parallel::each_mut;
@@ -33,7 +31,7 @@ pub struct Look<'a, W> {
     pub wanted: W,
 }
 
-impl<W: Fn(usize) -> bool + Sync> Pass<3, FIRST> for Look<'_, W> {
+impl<W: Fn(usize) -> bool + Sync> Pass<3> for Look<'_, W> {
     type Payload = Heavy;
     type Out = [f32; 4];
     #[inline(always)]
@@ -45,11 +43,7 @@ impl<W: Fn(usize) -> bool + Sync> Pass<3, FIRST> for Look<'_, W> {
         self.radii.of(target)
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; FIRST] {
-        Rings::weigh(q2)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Heavy, FIRST>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Heavy>, sum: &mut [F; 3]) {
         let w = between(self.radii.rings, pair);
         let m = mass_apart(pair.other.mass, pair.q2);
         sum[0] = m.mul_add(w.radial[0], sum[0]);
@@ -93,13 +87,9 @@ pub(crate) struct Bent<F> {
 impl<F: Real> Bent<F> {
     /// Of a pair whose target has its radius in `extra`.
     #[inline(always)]
-    pub fn of<P: Payload, const V: usize>(
-        rings: Rings,
-        pair: &Pair<F, P, V>,
-        w: &Between<F>,
-    ) -> Self {
+    pub fn of<P: Payload>(rings: Rings, pair: &Pair<F, P>, w: &Between<F>) -> Self {
         let ([own, other], is_far) = places(pair);
-        let [yy, yp, pp] = rings.second(is_far, pair.q2, own * other, weights(pair));
+        let [yy, yp, pp] = rings.second(is_far, pair.q2, own * other);
         let [r, z] = [pair.d[0] * 2.0, pair.d[2] * 2.0];
         let zero = pair.q2.splat(0.0);
         // By r_a and r_b of F_y, and of F_p.
@@ -135,14 +125,13 @@ impl Energetic {
     }
 }
 
-/// (2) without a itself, before its factor; `V`: [`SECOND`] where most rings are near a surface,
-/// [`FIRST`] where most are not, whose second derivatives add nothing.
-pub struct Pull<'a, const V: usize> {
+/// (2) without a itself, before its factor.
+pub struct Pull<'a> {
     /// Where rings are.
     pub radii: Radii<'a>,
 }
 
-impl<const V: usize> Pass<2, V> for Pull<'_, V> {
+impl Pass<2> for Pull<'_> {
     type Payload = Energetic;
     type Out = [f32; 3];
     #[inline(always)]
@@ -150,11 +139,7 @@ impl<const V: usize> Pass<2, V> for Pull<'_, V> {
         self.radii.of(target)
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; V] {
-        Rings::weigh(q2)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Energetic, V>, sum: &mut [F; 2]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Energetic>, sum: &mut [F; 2]) {
         let (a, b) = (&pair.own, &pair.other);
         let m = mass_apart(b.mass, pair.q2);
         let w = between(self.radii.rings, pair);
@@ -279,15 +264,11 @@ impl Tension {
         let masses = std::mem::take(&mut self.energy.masses);
         let empty = std::mem::replace(&mut words[2], masses);
         let radii = self.radii(flow);
-        self.hold_lines(
-            flow,
-            (words, &[0, 1, 3]),
-            (&Pull::<SECOND> { radii }, factor),
-        );
+        self.hold_lines(flow, (words, &[0, 1, 3]), (&Pull { radii }, factor));
         self.runs(
             flow,
             words,
-            (&self.reached, &0.into(), &Pull::<SECOND> { radii }),
+            (&self.reached, &0.into(), &Pull { radii }),
             force,
         );
         let reached = &self.reached;

@@ -215,10 +215,7 @@ impl Shore {
 /// What others do to a target that has nothing itself.
 struct Others<'a, P>(&'a P);
 
-impl<const N: usize, const V: usize, P> Pass<N, V> for Others<'_, P>
-where
-    P: Pass<N, V, Out = [f32; 3]>,
-{
+impl<const N: usize, P: Pass<N, Out = [f32; 3]>> Pass<N> for Others<'_, P> {
     type Payload = P::Payload;
     type Out = [f32; 3];
     const SKIPS_ZEROS: bool = P::SKIPS_ZEROS;
@@ -231,11 +228,11 @@ where
         self.0.extra(target)
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; V] {
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
         self.0.weigh(q2)
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload, V>, sum: &mut [F; N]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload>, sum: &mut [F; N]) {
         self.0.pair(pair, sum)
     }
     #[inline(always)]
@@ -248,7 +245,7 @@ impl Tension {
     /// Friction of lines with hysteresis; then gives walls, so far of cos theta = 1, the angles
     /// that lines have. `words`: what `pull` reads, of which those of `scaled` go with the cosine;
     /// its sums times `factor` are accelerations.
-    pub(super) fn hold_lines<const N: usize, const V: usize, P: Pass<N, V, Out = [f32; 3]>>(
+    pub(super) fn hold_lines<const N: usize, P: Pass<N, Out = [f32; 3]>>(
         &mut self,
         flow: &Surface,
         (words, scaled): (&mut [Vec<f32>; 4], &[usize]),

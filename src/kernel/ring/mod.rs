@@ -51,12 +51,6 @@ const M1: [f32; 7] = [
     -0.011_205_646,
 ];
 
-/// Values of [`Rings::weigh`] that [`between`] needs.
-pub const FIRST: usize = 4;
-
-/// With those that second derivatives need.
-pub const SECOND: usize = 6;
-
 /// Least q where second derivatives are divided by it.
 const TINY: f32 = 1e-3;
 
@@ -132,28 +126,12 @@ impl Rings {
         Rings(Box::leak(Box::new(Table::of(&function, 0.5 * apart))))
     }
 
-    /// The first of what (3) has of the distance alone, for eight pairs: M_0 and its derivative,
-    /// M_1 / 8 and its derivative, and both second derivatives.
+    /// F, F_y and F_p of (1) for eight pairs; `far`: whether (3) holds; zero for q >= 2.
     #[inline(always)]
-    pub fn weigh<F: Real, const V: usize>(q2: F) -> [F; V] {
+    pub fn first<F: Real>(self, far: bool, q2: F, p: F) -> [F; 3] {
         let q = q2.sqrt().min(q2.splat(2.0));
-        let [m, n] = match V > FIRST {
-            true => moments::<F, true>(q, q * q),
-            false => moments::<F, false>(q, q * q),
-        };
-        let (all, mut found) = ([m[0], m[1], n[0], n[1], m[2], n[2]], [q; V]);
-        for (found, all) in found.iter_mut().zip(all) {
-            *found = all;
-        }
-        found
-    }
-
-    /// F, F_y and F_p of (1) for eight pairs; `far`: whether (3) holds, for which there is
-    /// `weight`, of [`Rings::weigh`]; zero for q >= 2.
-    #[inline(always)]
-    pub fn first<F: Real>(self, far: bool, q2: F, p: F, weight: [F; FIRST]) -> [F; 3] {
         if far && self.0.is_fitted {
-            let (m, n) = ([weight[0], weight[1]], [weight[2], weight[3]]);
+            let [m, n] = moments::<F, false>(q, q * q);
             // Lanes without a pair may have any p.
             let p = p.at_least(1.0);
             let (root, inverse) = (p.sqrt(), p.splat(1.0) / p);
@@ -161,9 +139,8 @@ impl Rings {
             let f = n[0].mul_add(inverse, m[0]);
             let fy = n[1].mul_add(inverse, m[1]);
             let fp = (n[0] * 1.5).mul_add(inverse, m[0] * 0.5);
-            return [scale * f, scale * fy, q2.splat(0.0) - scale * inverse * fp];
+            return [scale * f, scale * fy, q.splat(0.0) - scale * inverse * fp];
         }
-        let q = q2.sqrt().min(q2.splat(2.0));
         let s = p.splat(1.0) / (p + 1.0).sqrt();
         let [f, fy, fp] = interpolated(&self.0.first, q, p);
         [f * s, fy * s, fp * s * s * s]
@@ -171,10 +148,10 @@ impl Rings {
 
     /// F_yy, F_yp and F_pp, likewise.
     #[inline(always)]
-    pub fn second<F: Real>(self, far: bool, q2: F, p: F, weight: [F; SECOND]) -> [F; 3] {
+    pub fn second<F: Real>(self, far: bool, q2: F, p: F) -> [F; 3] {
+        let q = q2.sqrt().min(q2.splat(2.0));
         if far {
-            let m = [weight[0], weight[1], weight[4]];
-            let n = [weight[2], weight[3], weight[5]];
+            let [m, n] = moments::<F, true>(q, q * q);
             // Lanes without a pair may have any p.
             let p = p.at_least(1.0);
             let (root, inverse) = (p.sqrt(), p.splat(1.0) / p);
@@ -183,9 +160,8 @@ impl Rings {
             let yp = (n[1] * 1.5).mul_add(inverse, m[1] * 0.5);
             let pp = (n[0] * 3.75).mul_add(inverse, m[0] * 0.75);
             let by_p = scale * inverse;
-            return [scale * yy, q2.splat(0.0) - by_p * yp, by_p * inverse * pp];
+            return [scale * yy, q.splat(0.0) - by_p * yp, by_p * inverse * pp];
         }
-        let q = q2.sqrt().min(q2.splat(2.0));
         let s = p.splat(1.0) / (p + 1.0).sqrt();
         let [yy, yp, pp] = interpolated(&self.0.second, q, p);
         let z = q.mul_add(q, p).sqrt().at_least(TINY);
@@ -268,7 +244,7 @@ pub struct Between<F> {
 
 /// Radii of a pair whose target has its own in `extra`, and whether it is far from the axis.
 #[inline(always)]
-pub fn places<F: Real, P: Payload, const V: usize>(pair: &Pair<F, P, V>) -> ([F; 2], bool) {
+pub fn places<F: Real, P: Payload>(pair: &Pair<F, P>) -> ([F; 2], bool) {
     let own = pair.extra[0];
     let other = (own - pair.d[0]).at_least(0.0);
     ([own, other], own.less_mask(own.splat(FAR)) == 0)
@@ -280,30 +256,11 @@ pub fn mass_apart<F: Real>(mass: F, q2: F) -> F {
     mass.if_less(q2.splat(0.0), q2)
 }
 
-/// The first `N` weights of a pair: those of its pass if there are as many, which are then of
-/// [`Rings::weigh`].
-#[inline(always)]
-pub fn weights<F: Real, P: Payload, const V: usize, const N: usize>(
-    pair: &Pair<F, P, V>,
-) -> [F; N] {
-    if V < N {
-        return Rings::weigh(pair.q2);
-    }
-    let mut found = [pair.q2; N];
-    for (found, weight) in found.iter_mut().zip(pair.weight) {
-        *found = weight;
-    }
-    found
-}
-
 /// Of a pair whose target has its radius in `extra`.
 #[inline(always)]
-pub fn between<F: Real, P: Payload, const V: usize>(
-    rings: Rings,
-    pair: &Pair<F, P, V>,
-) -> Between<F> {
+pub fn between<F: Real, P: Payload>(rings: Rings, pair: &Pair<F, P>) -> Between<F> {
     let ([own, other], is_far) = places(pair);
-    let [value, slope, turn] = rings.first(is_far, pair.q2, own * other, weights(pair));
+    let [value, slope, turn] = rings.first(is_far, pair.q2, own * other);
     let twice = slope * 2.0;
     let along = twice * pair.d[0];
     Between {

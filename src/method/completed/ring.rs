@@ -2,7 +2,7 @@
 
 use super::Completed;
 use crate::effect::tension::ringed::{Bent, Energetic, alone};
-use crate::kernel::ring::{FIRST, Radii, Rings, between, mass_apart};
+use crate::kernel::ring::{Radii, between, mass_apart};
 use crate::method::ring::{self, Compressed};
 use crate::space::lane::{Real, are_zero};
 use crate::space::sweep::{Pair, Pass};
@@ -16,7 +16,7 @@ pub struct Continuity<'a> {
     pub completed: &'a [Completed],
 }
 
-impl Pass<3, FIRST> for Continuity<'_> {
+impl Pass<3> for Continuity<'_> {
     type Payload = Compressed;
     type Out = [f32; 3];
     #[inline(always)]
@@ -26,11 +26,7 @@ impl Pass<3, FIRST> for Continuity<'_> {
         [radius, r, z]
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; FIRST] {
-        Rings::weigh(q2)
-    }
-    #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, Compressed, FIRST>, sum: &mut [F; 3]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, Compressed>, sum: &mut [F; 3]) {
         let (a, b) = (&pair.own, &pair.other);
         let w = between(self.plain.radii.rings, pair);
         let m = mass_apart(b.mass, pair.q2);

@@ -13,7 +13,7 @@ use super::correction::IDENTITY;
 use super::look::{Local, Sums};
 use super::{Projection, Scheme};
 use crate::effect::tension::ringed::{Energetic, Pull};
-use crate::kernel::ring::{FIRST, Radii};
+use crate::kernel::ring::Radii;
 use crate::method::completed::Completed;
 use crate::method::completed::ring as completed;
 use crate::method::pass::{Extrapolation as Plain, Sparing};
@@ -235,7 +235,7 @@ impl<S: Scheme> Projection<S> {
         let mut push = std::mem::take(&mut self.own.push);
         push.resize(n, [0.0; 3]);
         let radii = self.sloping();
-        self.liquid.sum(&Pull::<FIRST> { radii }, &mut push);
+        self.liquid.sum(&Pull { radii }, &mut push);
         let factor = -S::weight(self).1 / self.liquid.case.density;
         let p = &self.liquid.flow.particles;
         each_mut(&mut push[..n], |i, push| {

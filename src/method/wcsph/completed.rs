@@ -7,7 +7,6 @@ use crate::effect::tension::pass::Pull;
 use crate::effect::tension::ringed;
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::kernel::ring::FIRST;
 use crate::method::completed::pass;
 use crate::method::completed::ring::alone_of;
 use crate::method::pass::Spared;
@@ -85,7 +84,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         );
         let radii = self.liquid.flow.radii(self.liquid.case.h);
         self.liquid
-            .sum(&ringed::Pull::<FIRST> { radii }, &mut self.own.force);
+            .sum(&ringed::Pull { radii }, &mut self.own.force);
         let p = &self.liquid.flow.particles;
         each_mut(&mut self.own.force[..p.len()], |i, out| {
             let pressed = of(p.density[i]) as f64 * p.weight(i);

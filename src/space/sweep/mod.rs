@@ -30,13 +30,13 @@ pub(super) const TOO_FEW: &str = "rows of more points than there are records";
 const FAR: f32 = 1e12;
 
 /// Lanes of one pair: separation and the payloads of both points.
-pub struct Pair<F: Copy, P: Payload, const V: usize = 2> {
+pub struct Pair<F: Copy, P: Payload> {
     /// Own minus other, in units of the smoothing length.
     pub d: [F; 3],
     /// |d|^2; lanes that hold no pair are at 0 (padding of rows) or beyond the support.
     pub q2: F,
     /// [`Pass::weigh`] of `q2`.
-    pub weight: [F; V],
+    pub weight: [F; 2],
     /// [`Pass::own`] of the target, splatted.
     pub own: P::Of<F>,
     /// Payload of the neighbours.
@@ -48,8 +48,8 @@ pub struct Pair<F: Copy, P: Payload, const V: usize = 2> {
 /// `own` and `extra` of a [`Pair`].
 pub(super) type Own<F, P> = (<P as Payload>::Of<F>, [F; 3]);
 
-/// What one pair adds to `N` sums, and what becomes of the sums; `V`: values of [`Pass::weigh`].
-pub trait Pass<const N: usize, const V: usize = 2>: Sync {
+/// What one pair adds to `N` sums, and what becomes of the sums.
+pub trait Pass<const N: usize>: Sync {
     /// What the points carry.
     type Payload: Payload;
     /// What a target gets.
@@ -76,11 +76,12 @@ pub trait Pass<const N: usize, const V: usize = 2>: Sync {
     /// These are long chains of operations (a root, then mostly a division), and a processor waits
     /// for them where each eight pairs are finished at once: they are found for many pairs first.
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; V] {
-        [q2.sqrt(); V]
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
+        let q = q2.sqrt();
+        [q, q]
     }
     /// Adds eight pairs. A padding pair (d = 0, own = other) must add nothing.
-    fn pair<F: Real>(&self, pair: &Pair<F, Self::Payload, V>, sum: &mut [F; N]);
+    fn pair<F: Real>(&self, pair: &Pair<F, Self::Payload>, sum: &mut [F; N]);
     /// Makes `out` of the sums of `target`, a record index.
     fn finish(&self, target: usize, sum: [f32; N], out: &mut Self::Out);
 }
@@ -91,7 +92,7 @@ pub trait Pass<const N: usize, const V: usize = 2>: Sync {
 /// # Panics
 /// If `rows` was built for more points than there are records, or if they carry what the pass does
 /// not read.
-pub fn rows<const N: usize, const V: usize, P: Pass<N, V>>(
+pub fn rows<const N: usize, P: Pass<N>>(
     records: &Records,
     rows: &Rows,
     scale: Scale,
@@ -116,7 +117,7 @@ pub fn rows<const N: usize, const V: usize, P: Pass<N, V>>(
 }
 
 /// Some targets of [`rows`].
-struct InRows<'a, const N: usize, const V: usize, P: Pass<N, V>> {
+struct InRows<'a, const N: usize, P: Pass<N>> {
     records: &'a [Record],
     rows: &'a Rows,
     scale: Scale,
@@ -125,12 +126,12 @@ struct InRows<'a, const N: usize, const V: usize, P: Pass<N, V>> {
     out: &'a mut [P::Out],
 }
 
-impl<const N: usize, const V: usize, P: Pass<N, V>> Job for InRows<'_, N, V, P> {
+impl<const N: usize, P: Pass<N>> Job for InRows<'_, N, P> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
         let (records, rows, pass, from) = (self.records, self.rows, self.pass, self.from);
         let scale = self.scale.lanes(lanes);
-        let mut stage = Stage::<L::F, P::Payload, V>::new(lanes);
+        let mut stage = Stage::<L::F, P::Payload>::new(lanes);
         for (k, out) in self.out.iter_mut().enumerate() {
             let target = rows.first + from + k;
             if pass.skips(target) {

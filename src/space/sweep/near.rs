@@ -60,11 +60,7 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
 
     /// What target `i` carries.
     #[inline(always)]
-    pub(super) fn own_of<const N: usize, const V: usize, P: Pass<N, V>>(
-        &self,
-        pass: &P,
-        i: usize,
-    ) -> P::Payload {
+    pub(super) fn own_of<const N: usize, P: Pass<N>>(&self, pass: &P, i: usize) -> P::Payload {
         let mut words = [0.0; WORDS];
         for (word, own) in words.iter_mut().zip(self.own) {
             *word = own[i];
@@ -101,7 +97,7 @@ impl<'a, const W: usize, const O: usize> Field<'a, W, O> {
 ///
 /// # Panics
 /// If the sources are not all among the points of `field`, or a payload is not of all points.
-pub fn runs<const N: usize, const V: usize, const W: usize, const O: usize, P: Pass<N, V>>(
+pub fn runs<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     field: Field<W, O>,
     targets: &[u32],
     pass: &P,
@@ -130,22 +126,20 @@ pub fn runs<const N: usize, const V: usize, const W: usize, const O: usize, P: P
 }
 
 /// Some targets of [`runs`].
-struct InRuns<'a, const N: usize, const V: usize, const W: usize, const O: usize, P: Pass<N, V>> {
+struct InRuns<'a, const N: usize, const W: usize, const O: usize, P: Pass<N>> {
     field: Field<'a, W, O>,
     targets: &'a [u32],
     pass: &'a P,
     out: &'a mut [P::Out],
 }
 
-impl<const N: usize, const V: usize, const W: usize, const O: usize, P: Pass<N, V>> Job
-    for InRuns<'_, N, V, W, O, P>
-{
+impl<const N: usize, const W: usize, const O: usize, P: Pass<N>> Job for InRuns<'_, N, W, O, P> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
         let (field, pass, targets) = (self.field, self.pass, self.targets);
         let mut columns = Columns::new(field.grid, field.cutoff, WIDE);
         let mut near = Near::<L, W>::new(lanes);
-        let mut stage = Stage::<L::F, P::Payload, V>::new(lanes);
+        let mut stage = Stage::<L::F, P::Payload>::new(lanes);
         let scale = field.scale.lanes(lanes);
         let reach = field.scale.square(field.grid, MARGIN * field.cutoff);
         let reach = lanes.splat(reach as f32);
@@ -186,13 +180,7 @@ struct Carrying<C> {
 impl<C: Payload> Carrying<C> {
     /// `targets`: from the first of the block on.
     #[inline(always)]
-    fn of<
-        const N: usize,
-        const V: usize,
-        const W: usize,
-        const O: usize,
-        P: Pass<N, V, Payload = C>,
-    >(
+    fn of<const N: usize, const W: usize, const O: usize, P: Pass<N, Payload = C>>(
         block: Block,
         (field, pass): (&Field<W, O>, &P),
         targets: &[u32],
@@ -207,9 +195,9 @@ impl<C: Payload> Carrying<C> {
 
     /// Adds what the candidates give each target, and forgets them.
     #[inline(always)]
-    fn add<L: Lanes, const N: usize, const V: usize, const W: usize, P: Pass<N, V, Payload = C>>(
+    fn add<L: Lanes, const N: usize, const W: usize, P: Pass<N, Payload = C>>(
         &self,
-        (near, stage): (&mut Near<L, W>, &mut Stage<L::F, C, V>),
+        (near, stage): (&mut Near<L, W>, &mut Stage<L::F, C>),
         (centre, scale, reach): ([i32; 3], [L::F; 3], L::F),
         pass: &P,
         sums: &mut [[L::F; N]; MEMBERS],

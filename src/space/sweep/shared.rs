@@ -25,10 +25,10 @@ struct Guest {
 }
 
 impl Guest {
-    fn of<const N: usize, const V: usize, const O: usize>(
+    fn of<const N: usize, const O: usize>(
         position: &[Vec<f64>; 3],
         own: &[Vec<f32>; O],
-        pass: &impl Pass<N, V>,
+        pass: &impl Pass<N>,
         i: u32,
     ) -> Self {
         let extra = pass.extra(i as usize);
@@ -105,7 +105,7 @@ impl<'a, P> Hosting<'a, P> {
     }
 }
 
-impl<const N: usize, const V: usize, P: Pass<N, V>> Pass<N, V> for Hosting<'_, P> {
+impl<const N: usize, P: Pass<N>> Pass<N> for Hosting<'_, P> {
     type Payload = P::Payload;
     type Out = P::Out;
     const SKIPS_ZEROS: bool = P::SKIPS_ZEROS;
@@ -121,11 +121,11 @@ impl<const N: usize, const V: usize, P: Pass<N, V>> Pass<N, V> for Hosting<'_, P
         }
     }
     #[inline(always)]
-    fn weigh<F: Real>(&self, q2: F) -> [F; V] {
+    fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
         self.pass.weigh(q2)
     }
     #[inline(always)]
-    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload, V>, sum: &mut [F; N]) {
+    fn pair<F: Real>(&self, pair: &Pair<F, P::Payload>, sum: &mut [F; N]) {
         self.pass.pair(pair, sum)
     }
     #[inline(always)]
@@ -136,7 +136,7 @@ impl<const N: usize, const V: usize, P: Pass<N, V>> Pass<N, V> for Hosting<'_, P
 
 /// [`runs`]; `span`: `targets` in the list of all ranks. A pass must ask for nothing of a target
 /// but what it carries, except for [`Pass::extra`].
-pub fn runs_shared<const N: usize, const V: usize, const W: usize, const O: usize, P: Pass<N, V>>(
+pub fn runs_shared<const N: usize, const W: usize, const O: usize, P: Pass<N>>(
     field: Field<W, O>,
     span: &Span,
     targets: &[u32],

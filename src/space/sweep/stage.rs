@@ -28,7 +28,7 @@ struct Staged<F: Copy, P: Payload> {
 impl<F: Real, P: Payload> Staged<F, P> {
     /// With their weights and what the target has.
     #[inline(always)]
-    fn pair<const V: usize>(&self, weight: [F; V], (own, extra): Own<F, P>) -> Pair<F, P, V> {
+    fn pair(&self, weight: [F; 2], (own, extra): Own<F, P>) -> Pair<F, P> {
         Pair {
             d: self.d,
             q2: self.q2,
@@ -41,12 +41,12 @@ impl<F: Real, P: Payload> Staged<F, P> {
 }
 
 /// Up to [`STAGED`] times eight pairs of one target.
-pub struct Stage<F: Copy, P: Payload, const V: usize = 2> {
+pub struct Stage<F: Copy, P: Payload> {
     staged: [Staged<F, P>; STAGED],
-    weight: [[F; V]; STAGED],
+    weight: [[F; 2]; STAGED],
 }
 
-impl<F: Real, P: Payload, const V: usize> Stage<F, P, V> {
+impl<F: Real, P: Payload> Stage<F, P> {
     /// Room for them, in lanes of a kind.
     #[inline(always)]
     pub fn new<L: Lanes<F = F>>(lanes: L) -> Self {
@@ -58,7 +58,7 @@ impl<F: Real, P: Payload, const V: usize> Stage<F, P, V> {
         };
         Stage {
             staged: [empty; STAGED],
-            weight: [[zero; V]; STAGED],
+            weight: [[zero; 2]; STAGED],
         }
     }
 
@@ -114,19 +114,19 @@ impl<F: Real, P: Payload, const V: usize> Stage<F, P, V> {
 
     /// Sets [`Pass::weigh`] of place `k`.
     #[inline(always)]
-    pub fn weight(&mut self, k: usize, weight: [F; V]) {
+    pub fn weight(&mut self, k: usize, weight: [F; 2]) {
         self.weight[k] = weight;
     }
 
     /// Those of place `k`, with what the target has.
     #[inline(always)]
-    pub fn pair(&self, k: usize, (own, extra): Own<F, P>) -> Pair<F, P, V> {
+    pub fn pair(&self, k: usize, (own, extra): Own<F, P>) -> Pair<F, P> {
         self.staged[k].pair(self.weight[k], (own, extra))
     }
 
     /// Adds the first `count` to the sums of their target.
     #[inline(always)]
-    pub fn add<const N: usize, Q: Pass<N, V, Payload = P>>(
+    pub fn add<const N: usize, Q: Pass<N, Payload = P>>(
         &mut self,
         count: usize,
         pass: &Q,

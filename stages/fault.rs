@@ -71,7 +71,6 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
             | PipelineError::UnknownPipeline { .. }
             | PipelineError::Name { .. }
             | PipelineError::Within { .. }
-            | PipelineError::Around { .. }
             | PipelineError::NoNames { .. }
             | PipelineError::NotAStore { .. } => Some(USAGE),
             PipelineError::Busy { .. } => Some(BUSY),

@@ -130,11 +130,22 @@ fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
     }
 }
 
-/// Mean of a column over the rows where it has a value; `None` without any.
+/// Mean of a column over the time of the rows where it has a value, of which each has half of the
+/// time to those beside it; `None` without any.
 pub fn mean(series: &Series, column: &str) -> Option<f64> {
-    let known = series.column(column)?.iter().filter(|v| v.is_finite());
-    let (sum, count) = known.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
-    (count > 0).then(|| sum / count as f64)
+    let rows = series.time().iter().zip(series.column(column)?);
+    let known: Vec<_> = rows.filter(|(_, value)| value.is_finite()).collect();
+    let last = known.len().checked_sub(1)?;
+    let apart = |k: usize| known[k + 1].0 - known[k].0;
+    let share = |k: usize| match k {
+        _ if last == 0 => 1.0,
+        0 => apart(0),
+        _ if k == last => apart(k - 1),
+        _ => 0.5 * (apart(k - 1) + apart(k)),
+    };
+    let shares: Vec<f64> = (0..=last).map(share).collect();
+    let sum: f64 = known.iter().zip(&shares).map(|((_, v), s)| *v * s).sum();
+    Some(sum / shares.iter().sum::<f64>())
 }
 
 /// (d - 1) sigma / R of the only body in free space, Pa.

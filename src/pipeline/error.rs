@@ -146,17 +146,6 @@ pub enum PipelineError {
         /// The name that is a part of it.
         outer: String,
     },
-    /// A name whose folder contains another one's.
-    #[error(
-        "{name:?} cannot be the name of results, for {inner:?} is one: its folder is not shared; \
-         choose another with --name"
-    )]
-    Around {
-        /// The name.
-        name: String,
-        /// The name that it is a part of.
-        inner: String,
-    },
     /// Removal would leave no result.
     #[error(
         "{}: no name in latest/ leads to a result, so every finished result would be removed; \
@@ -196,7 +185,10 @@ pub enum PipelineError {
         holder: String,
     },
     /// The store does not contain the pipeline.
-    #[error("there is no pipeline {name:?} in {}", path.display())]
+    #[error(
+        "there is no pipeline {name:?} in {}; `coronet list` shows the names, of which a study has \
+         one for each point", path.display()
+    )]
     UnknownPipeline {
         /// Name of the pipeline.
         name: String,

@@ -57,15 +57,10 @@ impl Run<'_> {
                 let manifest = latest::folder(self.store, outer).join(MANIFEST);
                 manifest.symlink_metadata().is_ok()
             };
-            if let Some(outer) = outer.rev().find(is_taken) {
+            // Who was there before the other one goes on.
+            if let Some(outer) = outer.rev().find(is_taken).filter(|_| !is_taken(&name)) {
                 let (name, outer) = (name.to_string(), outer.to_string());
                 return Err(PipelineError::Within { name, outer });
-            }
-            let inside = format!("{name}/");
-            let known = latest::pipelines(self.store)?;
-            if let Some(inner) = known.into_iter().find(|known| known.starts_with(&inside)) {
-                let name = name.to_string();
-                return Err(PipelineError::Around { name, inner });
             }
         }
         needed(self.pipeline, self.until).map(drop)

@@ -184,7 +184,10 @@ impl Study {
 
     fn check(&self) -> Result<(), String> {
         match (&self.error, self.figure.is_empty(), self.case.is_empty()) {
-            (Some(error), true, true) => error.check().map_err(str::to_string)?,
+            (Some(error), true, true) => {
+                error.check().map_err(str::to_string)?;
+                error.window().map_err(|error| error.to_string())?;
+            }
             (None, false, true) | (None, true, false) => self.check_figures()?,
             _ => return Err("it needs just one of [error], [[figure]] and [[case]]".to_string()),
         }

@@ -2,6 +2,7 @@
 
 use coronet::measure::norm::compare;
 use coronet::measure::series::{Reference, Series, SeriesError};
+use coronet::measure::summary::mean;
 use coronet::scene::Clock;
 
 fn row(values: &[(&str, f64)]) -> Vec<(String, f64)> {
@@ -155,4 +156,25 @@ fn a_table_with_both_clocks_is_read_by_either() {
         let norms = compare(&Series::read(&path).unwrap(), &reference.table, "r", 0.0);
         assert_eq!(norms.len(), 1, "a clock is not a measure: {norms:?}");
     }
+}
+
+#[test]
+fn a_mean_is_over_time_however_rows_lie() {
+    let of = |times: &[f64], blank: usize| {
+        let mut series = Series::default();
+        for (k, t) in times.iter().enumerate() {
+            let value = if k == blank { f64::NAN } else { 2.0 * t + 1.0 };
+            series.push(&row(&[("time_s", *t), ("depth_m", value)]));
+        }
+        mean(&series, "depth_m")
+    };
+    // Of equal rows it is their mean.
+    assert_eq!(of(&[0.0, 0.25, 0.5, 0.75, 1.0], 9), Some(2.0));
+    assert_eq!(of(&[0.0, 0.25, 0.5, 0.75, 1.0], 0), Some(2.25));
+    // Rows that lie dense early do not count for more: by rows it would be 1.51.
+    let dense = [0.0, 0.01, 0.02, 0.03, 0.05, 0.1, 0.4, 0.7, 1.0];
+    let found = of(&dense, 9).unwrap();
+    assert!((found - 2.0).abs() < 0.2, "{found}");
+    assert_eq!(of(&[0.5], 9), Some(2.0));
+    assert_eq!(of(&[0.5], 0), None);
 }

@@ -373,7 +373,11 @@ fn names_that_would_break_the_store_are_refused() {
     named("tiny/pack").badly(2, &["tiny/pack", "\"tiny\""]);
     let inner = ["run", "tiny.toml", "--until", "pack", "--name", "x/y"];
     program.call(&inner).well();
-    named("x").badly(2, &["\"x\"", "\"x/y\""]);
+    // It was there before the name that it is inside of.
+    let outer = ["run", "tiny.toml", "--until", "pack", "--name", "x"];
+    program.call(&outer).well();
+    program.call(&inner).well();
+    named("x/z").badly(2, &["\"x/z\"", "\"x\""]);
     program.call(&["verify"]).well();
 }
 

@@ -13,8 +13,8 @@ use super::quantity::{Unit, human};
 use super::stage::LONGEST_REFERENCE;
 use super::tree::Tree;
 use super::{
-    AXES, Clock, Density, Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping,
-    WallPressure, Wetting, numbers,
+    AXES, Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, Wetting,
+    numbers,
 };
 
 /// Largest number of bodies: they are numbered by a byte.
@@ -43,27 +43,11 @@ pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneE
     found.take(axis::check(scene, tree));
     found.take(gradient::check(scene, tree));
     found.take(tension::check(scene, tree));
-    found.take(walls(scene, tree));
     found.take(times(scene, tree));
     found.take(stop::check(scene, tree));
     found.take(references(scene, tree, folder));
     found.take(figures(scene, tree));
     found.told()
-}
-
-/// Walls that sum their density have a pressure only where the liquid sums its own.
-fn walls(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
-    let Method::Wcsph(settings) = &scene.method else {
-        return Ok(());
-    };
-    let sums = settings.wall_pressure == WallPressure::Summation;
-    if !sums || settings.density == Density::Summation || !scene.has_wall() {
-        return Ok(());
-    }
-    let key = "method.wcsph.wall_pressure";
-    let remedy =
-        format!("set `{key} = \"extrapolated\"`, or `method.wcsph.density = \"summation\"`");
-    Err(tree.fault(key, "needs a density that is summed", &remedy))
 }
 
 fn bodies(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {

@@ -148,7 +148,8 @@ pub enum SpeedOf {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WallPressure {
-    /// Wall particles sum their own density (they take part in every sum).
+    /// Wall particles take part in every sum: of density too, if the liquid sums its own; else they
+    /// have the density of rest.
     Summation,
     /// Extrapolated from the liquid (Adami, Hu & Adams 2012).
     Extrapolated,

@@ -20,7 +20,7 @@ use crate::stop::{Past, Stop};
 pub const FRAMES: &str = "frames.mcap";
 
 /// The log of the result from which this one continues, in the work folder.
-const BASE: &str = "base.mcap";
+pub const BASE: &str = "base.mcap";
 
 /// Number of the next frame, as a scalar of a checkpoint.
 const NEXT: &str = "frames/next";

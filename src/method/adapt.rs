@@ -80,7 +80,7 @@ impl Adaption {
 }
 
 impl Liquid {
-    /// Whether rings split and merge: not in a body that comes to rest, whose particles are counted.
+    /// Whether rings split and merge: not in a body that comes to rest alone.
     pub fn adapts(&self) -> bool {
         self.flow.is_axial() && !self.case.rests
     }

@@ -5,7 +5,7 @@ use std::io::{self, Seek as _, Write as _};
 use std::path::Path;
 use std::time::Duration;
 
-use super::store::Store;
+use super::store::{Store, is_read_only};
 use crate::file::{self, FileError};
 
 pub(super) const LOCK: &str = "lock";
@@ -94,7 +94,7 @@ impl Store {
         let path = self.root().join(LOCK);
         let file = match open(&path) {
             Ok((file, _)) => file,
-            Err(error) if error.source.kind() == io::ErrorKind::ReadOnlyFilesystem => {
+            Err(error) if is_read_only(&error.source) => {
                 return Ok(None);
             }
             Err(error) => return Err(error),
@@ -169,15 +169,10 @@ fn open(path: &Path) -> Result<(File, bool), FileError> {
             }
             Ok((file, true))
         }
-        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
-            Ok((file::open_no_link(path)?, false))
-        }
-        Err(error) if error.kind() == io::ErrorKind::ReadOnlyFilesystem => {
-            match file::open_no_link(path) {
-                Ok(file) => Ok((file, false)),
-                Err(_) => Err(FileError::new(path, "open")(error)),
-            }
-        }
+        Err(error) if is_read_only(&error) => match file::open_no_link(path) {
+            Ok(file) => Ok((file, false)),
+            Err(_) => Err(FileError::new(path, "open")(error)),
+        },
         Err(error) => Err(FileError::new(path, "open")(error)),
     }
 }

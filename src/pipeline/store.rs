@@ -222,7 +222,7 @@ pub fn refuse_links_below(root: &Path, path: &Path) -> Result<(), FileError> {
 }
 
 /// Whether the folder is read-only, in contrast to a failed write.
-fn is_read_only(error: &io::Error) -> bool {
+pub(super) fn is_read_only(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         io::ErrorKind::ReadOnlyFilesystem | io::ErrorKind::PermissionDenied

@@ -300,6 +300,9 @@ impl Judge<'_> {
     }
 
     fn unfinished(&self, stage: &str, folder: &Path) -> Fate {
+        if let Some(holders) = self.roots.get(folder) {
+            return Fate::Keep(format!("unfinished, for {}", holders.join(", ")));
+        }
         let names = match entries(folder) {
             Ok(names) => names,
             Err(error) => return Fate::Unknown(error),

@@ -159,6 +159,14 @@ fn aside(store: &Store, folder: &Path, file: &Path) -> Result<Option<PathBuf>, F
         return Ok(None);
     };
     if file::is_there(file)? {
+        // Another process may have repaired it meanwhile.
+        let wanted = Stamp::read(folder).ok().flatten().and_then(|stamp| {
+            let mut outputs = stamp.outputs.into_iter();
+            outputs.find(|output| folder.join(&output.file) == file)
+        });
+        if wanted.is_some_and(|wanted| content(file).is_ok_and(|found| found == wanted.digest)) {
+            return Ok(None);
+        }
         return set_aside(folder, file).map(Some);
     }
     let stamp = folder.join(stamp::FILE);

@@ -69,7 +69,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true)]
     pub until: Option<f64>,
     /// Least time between two frames
-    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = export::step, allow_hyphen_values = true)]
     pub every: Option<f64>,
     /// Pictures a second of a film
     #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = render::rate)]

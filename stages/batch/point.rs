@@ -11,7 +11,7 @@ use super::FOLDER;
 use super::record::{self, Failure};
 use crate::arguments::StudyArguments;
 use crate::command::study::{STOPPING, told};
-use crate::fault::Usage;
+use crate::fault::{Failed, Usage};
 use crate::print::note;
 use crate::study::trial::{Outcome, Trial};
 use crate::{jobs, signals};
@@ -37,7 +37,10 @@ pub fn run(trials: &[Trial], number: usize, arguments: &StudyArguments, out: &Pa
         work,
     };
     record::set_failure(&folder, number, Some(&failure))?;
-    bail!("{}: {}", trial.name, failure.why)
+    bail!(Failed(
+        format!("{}: {}", trial.name, failure.why),
+        failure.code
+    ))
 }
 
 /// Key of the first result that a point lacks.

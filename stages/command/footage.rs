@@ -14,7 +14,7 @@ use coronet::scene::Scene;
 
 use crate::arguments::RenderArguments;
 use crate::fault::Usage;
-use crate::journal::FRAMES;
+use crate::journal::{BASE, FRAMES};
 use crate::runs::Run;
 
 /// Two times are equal if they differ by less, s.
@@ -163,11 +163,13 @@ fn logs(arguments: &RenderArguments) -> Result<(Vec<PathBuf>, bool)> {
     if let Some(job) = mine {
         let named = run.as_ref().ok().and_then(|run| run.named);
         if job.holder.is_some() || job.touched() > named {
-            let segments = log::segments(&job.folder.join(WORK))?;
-            return Ok((
-                segments.into_iter().map(|segment| segment.path).collect(),
-                true,
-            ));
+            let work = job.folder.join(WORK);
+            let segments = log::segments(&work)?;
+            // Frames of the run that this one continues.
+            let base = work.join(BASE);
+            let mut logs: Vec<PathBuf> = exists(&base)?.then_some(base).into_iter().collect();
+            logs.extend(segments.into_iter().map(|segment| segment.path));
+            return Ok((logs, true));
         }
     }
     let run = run?;

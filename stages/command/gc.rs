@@ -33,8 +33,7 @@ pub fn sweep(arguments: &SweepArguments) -> Result<()> {
         }
     }
     let approved: Vec<PathBuf> = planned.removed.into_iter().map(|(path, ..)| path).collect();
-    let mut swept = sweep::sweep(&store, &options, &approved)?;
-    swept.unknown.extend(planned.unknown);
+    let swept = sweep::sweep(&store, &options, &approved)?;
     print_swept(swept, json, "removed")
 }
 

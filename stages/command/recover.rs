@@ -16,6 +16,7 @@ pub fn recover(arguments: &RecoverArguments) -> Result<()> {
     let new = arguments.output.clone().unwrap_or(beside);
     let recovered = log::recover(&arguments.log, &new).map_err(|error| match error {
         LogError::NotReplaced { .. } => Usage(error.to_string()).into(),
+        LogError::Io(of) if of.is_not_found() => Usage(of.to_string()).into(),
         error if error.is_damage() => Untrusted(format!(
             "{error}; nothing was written. Run the pipeline again to get the frames: it continues \
              from its last checkpoint"

@@ -103,7 +103,7 @@ pub fn render(arguments: &RenderArguments) -> Result<()> {
             "an MP4 film needs an even width and height; change --size".into()
         ));
     }
-    keep_others(arguments)?;
+    keep_results(arguments)?;
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().context("cannot start the threads")?;
@@ -126,10 +126,13 @@ pub fn render(arguments: &RenderArguments) -> Result<()> {
     })
 }
 
-/// An error if what would be replaced or removed is not of this program, or is a result.
-fn keep_others(arguments: &RenderArguments) -> Result<()> {
-    let path = &arguments.output;
-    let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+/// An error if a file would be among results.
+fn keep_results(arguments: &RenderArguments) -> Result<()> {
+    let path = std::path::absolute(&arguments.output)?;
+    let folder = path
+        .ancestors()
+        .skip(1)
+        .find_map(|folder| folder.canonicalize().ok());
     let store = arguments.store.artifacts.canonicalize();
     if folder
         .zip(store.ok())
@@ -141,9 +144,12 @@ fn keep_others(arguments: &RenderArguments) -> Result<()> {
         );
         bail!(Usage(text));
     }
-    let numbered = (0..).map(|number| numbered(path, number));
-    let series = numbered.take_while(|path| is_series(arguments) && path.exists());
-    for path in series.chain([path.clone()]) {
+    Ok(())
+}
+
+/// An error if a file that would be replaced or removed is not of this program.
+fn keep_others(paths: impl IntoIterator<Item = PathBuf>) -> Result<()> {
+    for path in paths {
         if !mark::may_replace(&path)? {
             let text = format!(
                 "{} is not of this program and stays as it is; give another --output",
@@ -228,6 +234,7 @@ fn one(
     survey.add(scene, &frame);
     let artist = Artist::new(scene, &survey, style(arguments));
     let path = &arguments.output;
+    keep_others([path.clone()])?;
     path.parent().map_or(Ok(()), atomic::create_folder)?;
     match format {
         Format::Film(kind) => {
@@ -269,6 +276,14 @@ fn many(
     }
     let artist = Artist::new(scene, &survey, style(arguments));
     let path = &arguments.output;
+    if let Format::Film(_) = format {
+        keep_others([path.clone()])?;
+    } else {
+        // What is written, and what `clear` removes.
+        let rest = (count..).map(|number| numbered(path, number));
+        let rest = rest.take_while(|path| path.exists());
+        keep_others((0..count).map(|number| numbered(path, number)).chain(rest))?;
+    }
     path.parent().map_or(Ok(()), atomic::create_folder)?;
     let mut film = match format {
         Format::Film(kind) => Some(new_film(kind, arguments)?),

@@ -166,16 +166,12 @@ fn some_ended(outcomes: &[Outcome]) -> Result<()> {
         Outcome::Failed { why, code, .. } => Some((why, *code)),
         Outcome::Done { .. } => None,
     });
-    match failed.collect::<Option<Vec<_>>>() {
-        Some(all) if !all.is_empty() => {
-            let (why, code) = all[all.len() - 1];
-            bail!(Failed(
-                format!("every point failed, the last one: {why}"),
-                code
-            ))
-        }
-        _ => Ok(()),
-    }
+    let all: Option<Vec<_>> = failed.collect();
+    let Some((why, code)) = all.and_then(|mut all| all.pop()) else {
+        return Ok(());
+    };
+    let text = format!("every point failed, the last one: {why}");
+    bail!(Failed(text, code))
 }
 
 /// Warns if points have ended and none has an error.

@@ -81,6 +81,10 @@ impl Study {
                 let name = &figure.name;
                 return Err(format!("[[figure]] `{name}`: clock goes with reference"));
             }
+            if figure.at.is_some() && figure.of != Feature::default() {
+                let name = &figure.name;
+                return Err(format!("[[figure]] `{name}`: `at` goes without of"));
+            }
             if figure.at.is_some() && (figure.from.is_some() || figure.to.is_some()) {
                 let name = &figure.name;
                 return Err(format!(

@@ -75,6 +75,7 @@ pub struct Figure {
     #[serde(default)]
     pub of: Feature,
     pub from: Option<String>,
+    /// A run that ends before has no value.
     pub to: Option<String>,
     /// The value at this time, in place of `of` between the two.
     pub at: Option<String>,
@@ -303,7 +304,12 @@ impl Study {
         let mut trial = Trial {
             name,
             title: title.join(", "),
-            source: source(&pipeline)?,
+            source: match source(&pipeline) {
+                Err(error) if error.is_not_found() => {
+                    bail!(Usage(format!("{}: pipeline: {error}", path.display())))
+                }
+                found => found?,
+            },
             pipeline,
             sets: all,
             case,

@@ -27,7 +27,8 @@ pub struct Target {
     /// Feature of the column that is compared with value or theory.
     #[serde(default)]
     of: Feature,
-    /// A table with the column, relative to the study file.
+    /// A table with the column, relative to the study file. A point that has less than nine tenths
+    /// of its instants that another point has is without an error.
     reference: Option<PathBuf>,
     /// Zero of its times, also of `from` and `to`; left out: from the name of its column of times.
     clock: Option<Clock>,
@@ -140,6 +141,9 @@ impl Target {
             return Err(
                 "[error] value must be a finite number other than zero: errors are relative",
             );
+        }
+        if self.of != Feature::default() && (self.reference.is_some() || self.finest) {
+            return Err("[error] of goes with value or theory; a reference is compared as a curve");
         }
         if self.clock.is_some() && self.reference.is_none() {
             return Err("[error] clock goes with reference");

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail};
+use coronet::file::FileError;
 use coronet::measure::kind::contact_time;
 use coronet::measure::series::Series;
 use coronet::pipeline::Stamp;
@@ -47,8 +48,8 @@ pub struct Trial {
 }
 
 /// Content of a scene file, of which a point is made.
-pub fn source(path: &Path) -> Result<Vec<u8>> {
-    Ok(coronet::file::read(path, LONGEST)?)
+pub fn source(path: &Path) -> Result<Vec<u8>, FileError> {
+    coronet::file::read(path, LONGEST)
 }
 
 /// Where results are kept.

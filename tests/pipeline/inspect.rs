@@ -98,7 +98,7 @@ fn recover_saves_frames_or_fails_and_never_writes_over_a_file() {
     }
     program
         .call(&["recover", "missing.mcap"])
-        .badly(5, &["missing.mcap"]);
+        .badly(2, &["missing.mcap"]);
 }
 
 #[test]

@@ -71,31 +71,6 @@ fn a_run_becomes_a_picture_a_series_and_a_film() {
     let (long, short) = (series("3.2 ms"), series("1.2 ms"));
     assert!(long > short && short >= 2, "{long} {short}");
 
-    // A file of somebody else is neither replaced nor removed, nor is a result.
-    for (name, set) in [
-        ("s-00000.png", "s.png"),
-        ("s-00009.png", "s.png"),
-        ("q.obj", "q.obj"),
-    ] {
-        fs::write(program.path(name), "a photo").unwrap();
-        (1..9).for_each(|n| {
-            fs::write(program.path(&format!("s-{n:05}.png")), b"\x89PNG coronet").unwrap();
-        });
-        let more = ["--until", "1.2 ms"];
-        let series = [&["render", "tiny", "--output", set], &more[..]].concat();
-        program.call(&series).badly(2, &[name, "stays as it is"]);
-        assert_eq!(fs::read(program.path(name)).unwrap(), b"a photo");
-        fs::remove_file(program.path(name)).unwrap();
-        fs::write(program.path("s-00000.png"), b"\x89PNG coronet").unwrap();
-    }
-    let inside = [
-        "render",
-        "tiny",
-        "--output",
-        "artifacts/latest/tiny/post/new.png",
-    ];
-    program.call(&inside).badly(2, &["among results"]);
-
     let film = render(&["--output", "a.gif", "--material", "speed"]);
     assert!(film.out.contains("a.gif: "), "{}", film.out);
     assert_eq!(fs::read(program.path("a.gif")).unwrap()[..6], *b"GIF89a");
@@ -108,6 +83,39 @@ fn a_run_becomes_a_picture_a_series_and_a_film() {
         ];
         program.call(&arguments.concat()).well();
     }
+}
+
+/// A file of somebody else is neither replaced nor removed, nor is a result.
+#[test]
+fn files_of_others_stay_as_they_are() {
+    let program = Program::new();
+    program.run(&[]);
+    let numbered = |n: usize| program.path(&format!("s-{n:05}.png"));
+    for (name, set, own) in [
+        ("s-00000.png", "s.png", 1..9),
+        ("s-00009.png", "s.png", 0..9),
+        ("s-00001.png", "s.png", 5..6),
+        ("q.obj", "q.obj", 0..1),
+    ] {
+        (0..9).for_each(|n| drop(fs::remove_file(numbered(n))));
+        own.for_each(|n| fs::write(numbered(n), b"\x89PNG coronet").unwrap());
+        fs::write(program.path(name), "a photo").unwrap();
+        let more = match set {
+            "q.obj" => ["--at", "1.2 ms"],
+            _ => ["--until", "1.2 ms"],
+        };
+        let series = [&["render", "tiny", "--output", set], &more[..]].concat();
+        program.call(&series).badly(2, &[name, "stays as it is"]);
+        assert_eq!(fs::read(program.path(name)).unwrap(), b"a photo");
+        fs::remove_file(program.path(name)).unwrap();
+    }
+    let inside = [
+        "render",
+        "tiny",
+        "--output",
+        "artifacts/latest/tiny/post/new.png",
+    ];
+    program.call(&inside).badly(2, &["among results"]);
 }
 
 #[test]

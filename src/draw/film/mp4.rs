@@ -10,6 +10,7 @@ use openh264::formats::{RgbSliceU8, YUVBuffer};
 
 use super::{Encoder, FilmError, failed};
 use crate::draw::canvas::Canvas;
+use crate::record::mark;
 
 /// Quantisation, 0 (best) to 51: one that the eye does not see.
 const QUANTISER: QpRange = QpRange::new(14, 24);
@@ -65,6 +66,7 @@ impl Encoder for Mp4 {
             muxer.write_video(time, packet, *is_alone).map_err(failed)?;
         }
         muxer.finish().map_err(failed)?;
+        bytes.extend(mark::tail());
         Ok(bytes)
     }
 }

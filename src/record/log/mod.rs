@@ -53,7 +53,7 @@ pub enum LogError {
         path: PathBuf,
     },
     /// A record is incomplete or contradicts its checksum.
-    #[error("{} is cut off or damaged: {what}; `coronet recover` saves what is before that", path.display())]
+    #[error("{} is cut off or damaged: {what}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

@@ -240,7 +240,12 @@ impl Frames {
             if let Some(body) = message.body() {
                 cloud::decode(&message.data, body, &mut frame).map_err(&foreign)?;
             } else if message.is_measures() {
-                (frame.time, frame.scalars) = self.measures.decode(&message).map_err(foreign)?;
+                (frame.time, frame.scalars) = self.measures.decode(&message).map_err(&foreign)?;
+                if !frame.mass.is_empty() && frame.mass.len() != frame.id.len() {
+                    return Err(foreign(
+                        "some bodies of a frame have masses, some not".into(),
+                    ));
+                }
                 frame.sort();
                 return Ok(Some(frame));
             }

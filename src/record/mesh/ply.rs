@@ -8,7 +8,8 @@ use crate::record::mark::MARK;
 pub fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     write!(
         out,
-        "ply\nformat binary_little_endian 1.0\ncomment {MARK}\ncomment time_s {:?}\nelement vertex {}\n",
+        "ply\nformat binary_little_endian 1.0\ncomment {MARK}\ncomment time_s {:?}\n\
+         element vertex {}\n",
         mesh.time,
         mesh.points.len(),
     )?;

@@ -313,10 +313,7 @@ fn times(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let scale = scene.frames.time_scale;
     let [least, most] = [scene.frames.interval, scene.impact.end].map(|time| time * scale);
     if least < TICK || most > LAST {
-        let problem = format!(
-            "makes log times from {least:.1e} to {most:.1e} s, which have nanoseconds and end after \
-             500 years"
-        );
+        let problem = format!("makes log times from {least:.1e} to {most:.1e} s");
         return Err(tree.fault("frames.time_scale", &problem, "set it nearer to 1"));
     }
     if let Some(settings) = scene.method.projection() {

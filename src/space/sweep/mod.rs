@@ -4,6 +4,7 @@
 //! by one thread in the order of its row, so the result does not depend on the number of threads.
 
 mod block;
+mod candidates;
 mod kept;
 mod near;
 mod payload;

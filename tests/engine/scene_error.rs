@@ -275,6 +275,9 @@ fn sides_walls_and_times_are_checked() {
     holds(&gravity, &["effects.gravity.direction", "has no direction"]);
     let frames = edited("\"0.5 ms\"", "\"1 ns\"").to_string();
     holds(&frames, &["frames.interval", "frames", "longer"]);
+    // A wrong unit is told at once, without counting.
+    let tiny = edited("\"0.4 mm\"\n[relax]", "\"1e-16 m\"\n[relax]").to_string();
+    holds(&tiny, &["pack.spacing", "particles"]);
     for scale in ["1e30", "1e-12"] {
         let times = format!("\"0.5 ms\"\ntime_scale = {scale}");
         let times = edited("\"0.5 ms\"", &times).to_string();

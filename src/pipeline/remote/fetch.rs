@@ -128,6 +128,15 @@ fn check_stamp(stamp: &Stamp, wanted: &Wanted) -> Result<(), String> {
             return Err(format!("names a file {name:?}, which cannot be one"));
         }
     }
+    for name in &names {
+        if name
+            .ancestors()
+            .skip(1)
+            .any(|folder| names.contains(folder))
+        {
+            return Err(format!("names {name:?} inside another file"));
+        }
+    }
     let sizes = stamp.outputs.iter().map(|output| output.bytes as f64);
     let (size, free) = (sizes.sum::<f64>(), machine::free_disk(wanted.folder));
     if size > OF_DISK * free {
@@ -138,11 +147,14 @@ fn check_stamp(stamp: &Stamp, wanted: &Wanted) -> Result<(), String> {
     Ok(())
 }
 
+/// Longest name from elsewhere, bytes: shorter than the path of a file may be.
+const LONGEST: usize = 1000;
+
 /// Whether a name from elsewhere is one of a file of a result, and not one that the store uses.
 fn is_harmless(name: &str) -> bool {
     let first = name.split('/').next().unwrap_or_default();
     let is_own = [LOCK, WORK].contains(&first) || first.starts_with(stamp::FILE);
-    is_inside(name) && name.split('/').all(is_plain_name) && !is_own
+    name.len() <= LONGEST && is_inside(name) && name.split('/').all(is_plain_name) && !is_own
 }
 
 /// Fetches a file and compares it with the stamp: size, all bytes, content.

@@ -2,6 +2,7 @@
 
 mod axis;
 mod gradient;
+mod spacing;
 mod stop;
 mod tension;
 
@@ -19,8 +20,6 @@ use super::{
 
 /// Largest number of bodies: they are numbered by a byte.
 const BODIES: usize = 255;
-/// Largest number of particles: they are numbered by 32 bits.
-const PARTICLES: f64 = 4e9;
 /// Largest number of frames in a log.
 const FRAMES: f64 = 1e6;
 /// Least time between frames in a log, and its last time, s.
@@ -36,7 +35,7 @@ pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneE
     bodies(scene, tree)?;
     let mut found = Mistakes::default();
     found.take(overlaps(scene, tree));
-    found.take(spacing(scene, tree));
+    found.take(spacing::check(scene, tree));
     found.take(periodic_reach(scene, tree));
     found.take(mirrors(scene, tree));
     found.take(vortices(scene, tree));
@@ -138,69 +137,6 @@ fn overlap(scene: &Scene, first: &Shape, second: &Shape) -> bool {
             inside(first) && inside(second)
         })
     })
-}
-
-fn spacing(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
-    let spacing = scene.spacing;
-    let key = "pack.spacing";
-    for body in &scene.bodies {
-        let (low, high) = body.shape.bounds(&scene.domain, scene.dimension);
-        let axes = scene.dimension.axes();
-        if axes
-            .iter()
-            .any(|&axis| high[axis] - low[axis] < 1.9 * spacing)
-        {
-            let problem = format!("leaves fewer than 2 particles across body `{}`", body.name);
-            return Err(tree.fault(key, &problem, "make it smaller"));
-        }
-    }
-    let periodic: Vec<f64> = periodic_axes(scene)
-        .map(|axis| scene.domain.size[axis])
-        .collect();
-    let divides = |spacing: f64| {
-        periodic.iter().all(|side| {
-            let count = side / spacing;
-            (count - count.round()).abs() <= EQUAL * count
-        })
-    };
-    if !divides(spacing) {
-        let remedy = divisors(spacing, &periodic, divides);
-        let problem = "does not divide every periodic side of the box";
-        return Err(tree.fault(key, problem, &remedy));
-    }
-    let total: f64 = (0..scene.bodies.len())
-        .map(|body| numbers::count(scene, body) as f64)
-        .sum();
-    if total > PARTICLES {
-        let problem = format!("requires {total:.2e} particles");
-        let remedy = format!("at most {PARTICLES:.0e} can be numbered");
-        return Err(tree.fault(key, &problem, &remedy));
-    }
-    Ok(())
-}
-
-/// The nearest spacings below and above that divide all periodic sides.
-fn divisors(spacing: f64, sides: &[f64], divides: impl Fn(f64) -> bool) -> String {
-    let first = sides[0];
-    let count = (first / spacing).floor().max(1.0) as u64;
-    let exact = |count: u64| human(rounded(first / count as f64), Unit::Length);
-    let above = (1..=count)
-        .rev()
-        .find(|count| divides(first / *count as f64));
-    let below = (count + 1..count * 4 + 1000).find(|count| divides(first / *count as f64));
-    match (above, below) {
-        (Some(above), Some(below)) => {
-            format!(
-                "nearest that do: \"{}\" and \"{}\"",
-                exact(below),
-                exact(above)
-            )
-        }
-        (Some(only), None) | (None, Some(only)) => {
-            format!("nearest that does: \"{}\"", exact(only))
-        }
-        (None, None) => "make the periodic sides multiples of one length".to_string(),
-    }
 }
 
 /// Rounds to 12 digits, so that 40 mm / 80 is shown as 0.5 mm.

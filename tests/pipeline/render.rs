@@ -95,13 +95,13 @@ fn files_of_others_stay_as_they_are() {
         ("s-00000.png", "s.png", 1..9),
         ("s-00009.png", "s.png", 0..9),
         ("s-00001.png", "s.png", 5..6),
-        ("q.obj", "q.obj", 0..1),
+        ("q.png", "q.png", 0..1),
     ] {
         (0..9).for_each(|n| drop(fs::remove_file(numbered(n))));
         own.for_each(|n| fs::write(numbered(n), b"\x89PNG coronet").unwrap());
         fs::write(program.path(name), "a photo").unwrap();
         let more = match set {
-            "q.obj" => ["--at", "1.2 ms"],
+            "q.png" => ["--at", "1.2 ms"],
             _ => ["--until", "1.2 ms"],
         };
         let series = [&["render", "tiny", "--output", set], &more[..]].concat();

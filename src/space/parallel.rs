@@ -127,7 +127,7 @@ impl<'a, T> Parts<'a, T> {
 
     /// The same where the first part lacks as many as `before`.
     pub fn after(before: usize, items: &'a mut [T], size: usize) -> Self {
-        debug_assert!(before < size);
+        assert!(before < size);
         Parts {
             items,
             size,

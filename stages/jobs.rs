@@ -52,11 +52,8 @@ pub mod version {
                 }
                 let is_energetic = problem.effects.has_tension(TensionForm::SurfaceEnergy);
                 let shifts = settings.shifting > 0.0 && !is_energetic;
-                let [wets, flows] = [
-                    problem.effects.wetting.is_some(),
-                    problem.effects.viscosity.is_none(),
-                ];
-                if shifts && (wets || flows) {
+                let is_inviscid = problem.effects.viscosity.is_none();
+                if shifts && (is_inviscid || problem.effects.wetting.is_some()) {
                     parts.push(part("shifting", 1));
                 }
                 if problem.domain.is_axial() {

@@ -77,10 +77,7 @@ impl Stage for Relax<'_> {
         let mut flight = Flight::new(context, self.checkpoint_every)?;
         let mut pace = Pace::new(solver.as_ref());
         // A state is saved after it was looked at: what the look needs is not saved.
-        let mut seen = match is_resumed {
-            true => None,
-            false => Some(rest.look(solver.as_ref(), particle_mass, relax)),
-        };
+        let mut seen = (!is_resumed).then(|| rest.look(solver.as_ref(), particle_mass, relax));
         let unrest = loop {
             if let Some((unrest, true)) = seen {
                 break unrest;

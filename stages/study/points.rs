@@ -196,8 +196,7 @@ impl Study {
             return Err("[[curves]] go with [[figure]], of which there is none".to_string());
         }
         let labels: Vec<String> = self.points()?.iter().map(|p| p.0.join(", ")).collect();
-        if let Some(k) = (1..labels.len()).find(|&k| labels[..k].contains(&labels[k])) {
-            let label = &labels[k];
+        if let Some(label) = twice(labels.iter().map(String::as_str)) {
             return Err(format!(
                 "two points are `{label}`: give each value of an axis once"
             ));

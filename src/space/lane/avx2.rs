@@ -1,11 +1,8 @@
 //! AVX2 + FMA, eight f32.
 
-use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, ends, operators};
+use super::{COMPRESS, Half, Lanes, Real, Record, TURN, WIDTH, ends, operators};
 use num_traits::AsPrimitive;
 use std::arch::x86_64::*;
-
-/// Of the fixed-point coordinates.
-const TURN: f32 = 4294967296.0;
 
 /// Eight f32; `ABSOLUTE`: coordinates are rounded before they are subtracted.
 #[derive(Clone, Copy, Debug)]

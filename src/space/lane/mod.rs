@@ -39,6 +39,10 @@ use std::ops::{Add, AddAssign, Div, Mul, Sub};
 /// Number of lanes.
 pub const WIDTH: usize = 8;
 
+/// How many units the range of a fixed-point coordinate has.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+const TURN: f32 = 4294967296.0;
+
 /// Eight numbers that are computed with together, f32 or f64. Only [`Lanes`] makes the first one,
 /// where the processor has what it needs: whoever has a number may compute with it.
 ///

@@ -1,11 +1,8 @@
 //! NEON, eight f32. Every processor of the architecture has it.
 
-use super::{COMPRESS, Half, Lanes, Real, Record, WIDTH, operators};
+use super::{COMPRESS, Half, Lanes, Real, Record, TURN, WIDTH, operators};
 use num_traits::AsPrimitive;
 use std::arch::aarch64::*;
-
-/// Of the fixed-point coordinates.
-const TURN: f32 = 4294967296.0;
 
 /// Eight f32; `ABSOLUTE`: coordinates are rounded before they are subtracted.
 #[derive(Clone, Copy, Debug)]

@@ -35,7 +35,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 24;
     /// Of the evaluation.
-    pub const POST: u32 = 20;
+    pub const POST: u32 = 21;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {

@@ -70,12 +70,7 @@ impl Gauge {
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;
             let piece = self.piece(frame);
-            let raster = Raster::new(
-                scene.dimension,
-                &scene.domain,
-                scene.spacing,
-                &piece.frame.position,
-            );
+            let raster = Raster::new(scene, &piece.frame);
             let region = Region::new(&raster);
             self.measure_region(&region, &piece, &mut start.level, &mut row);
             if scene.effects.tension.is_some() {
@@ -116,10 +111,8 @@ impl Gauge {
         let mut row = Table::default();
         if !matches!(self.kind, Kind::Bulk) {
             let scene = &self.scene;
-            let (domain, spacing) = (&scene.domain, scene.spacing);
             let piece = self.piece(frame);
-            let position = &piece.frame.position;
-            let raster = Raster::new(scene.dimension, domain, spacing, position);
+            let raster = Raster::new(scene, &piece.frame);
             let mut level = self.start.level;
             self.measure_region(&Region::new(&raster), &piece, &mut level, &mut row);
             self.start.level = level;

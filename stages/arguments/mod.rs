@@ -74,7 +74,7 @@ pub enum Command {
     /// Draw the liquid surface of a run: a picture, a film, or a mesh
     #[command(after_help = render::EXAMPLES)]
     Render(RenderArguments),
-    /// Save the complete frames of a log that was cut off
+    /// Save the complete frames of a log that was cut off or damaged
     Recover(RecoverArguments),
     /// Write a commented scene to start from
     Init(InitArguments),

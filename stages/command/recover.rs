@@ -1,4 +1,4 @@
-//! `coronet recover`: a log that was cut off.
+//! `coronet recover`: a log that was cut off or damaged.
 
 use anyhow::Result;
 use coronet::pipeline::content::LOG;

@@ -121,17 +121,16 @@ fn tell_costs(
         Some(figure) => {
             copies::write_figure(figure, &out.join(FIGURE), arguments, !target.varies())?;
         }
-        // One of before would stand beside another table.
-        None => ["svg", "pdf"].iter().for_each(|extension| {
-            let _ = fs::remove_file(out.join(FIGURE).with_extension(extension));
-        }),
+        None => remove_figure(&out.join(FIGURE)),
     }
     warn_unknown(target, &outcomes, &errors);
-    if target.varies() {
-        let plot = comparison(study, target, trials, &found);
-        if plot.has_points() {
-            copies::write_figure(&plot.sheet(&style)?, &out.join(COMPARISON), arguments, true)?;
-        }
+    let plot = target
+        .varies()
+        .then(|| comparison(study, target, trials, &found));
+    let path = out.join(COMPARISON);
+    match plot.filter(|plot| plot.has_points()) {
+        Some(plot) => copies::write_figure(&plot.sheet(&style)?, &path, arguments, true)?,
+        None => remove_figure(&path),
     }
     let groups = groups(trials);
     if arguments.store.json {
@@ -158,6 +157,13 @@ fn tell_costs(
         out!("figure   {}", out.join(FIGURE).display());
     }
     some_ended(&outcomes)
+}
+
+/// Removes a figure of before, which would stand beside another table.
+fn remove_figure(path: &Path) {
+    for extension in ["svg", "pdf"] {
+        let _ = fs::remove_file(path.with_extension(extension));
+    }
 }
 
 /// An error if no point ended well.

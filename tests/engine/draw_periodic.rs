@@ -132,8 +132,8 @@ proptest! {
         if let Some(field) = coarse.filter(|_| !is_flat) {
             field.mesh(0.0);
         }
-        let mut domain = scene.domain.clone();
-        domain.size[1] *= depth;
-        Raster::new(scene.dimension, &domain, scene.spacing, &frame.position);
+        let mut deep = scene.clone();
+        deep.domain.size[1] *= depth;
+        Raster::new(&deep, &frame);
     }
 }

@@ -3,9 +3,10 @@
 use coronet::measure::gauge::Gauge;
 use coronet::measure::series::Row;
 use coronet::particle::Frame;
-use coronet::scene::{Dimension, Scene};
+use coronet::scene::{Dimension, Rings, Scene};
+use std::f64::consts::PI;
 
-use crate::measure_splash::{SIDE, Splash, lattice, pool_scene, splash};
+use crate::measure_splash::{DEPTH, SIDE, Splash, lattice, pool_scene, push, splash};
 
 /// Level fixed by a flat pool first, then the frame; lengths in mm.
 fn measure(scene: &Scene, frame: &Frame) -> Row {
@@ -232,4 +233,46 @@ fn a_second_drop_is_no_crown() {
     scene.bodies.pop();
     let row = measure(&scene, &frame);
     near(&row, "crown_height_m", 4.3, 0.4);
+}
+
+/// Gives every particle of a section the mass of half a ring; `divides`: two of half the area in
+/// place of each.
+fn rings(scene: &Scene, mut frame: Frame, divides: bool) -> Frame {
+    let axis = 0.5 * SIDE * 1e-3;
+    let part = if divides { 0.5 } else { 1.0 };
+    let radius = |x: f32| (f64::from(x) - axis).abs();
+    let area = part * scene.spacing.powi(2);
+    let mass = |x: &f32| (PI * radius(*x) * scene.density * area) as f32;
+    frame.mass = frame.position[0].iter().map(mass).collect();
+    if divides {
+        let aside = 0.2 * scene.spacing as f32;
+        let (twins, mass) = (frame.clone(), frame.mass.clone());
+        frame.position[2].iter_mut().for_each(|z| *z += aside);
+        for i in 0..twins.id.len() {
+            let [x, y, z] = [0, 1, 2].map(|a| twins.position[a][i]);
+            push(&mut frame, [x, y, z - aside]);
+        }
+        frame.mass.extend(mass);
+    }
+    frame
+}
+
+#[test]
+fn the_surface_of_rings_is_that_of_their_areas() {
+    let mut scene = pool_scene(Dimension::Two, 0.4);
+    scene.domain.revolved = Some(Rings::default());
+    let crater = Splash {
+        crater: 5.37,
+        ..Splash::default()
+    };
+    let found = [false, true].map(|divides| {
+        let mut gauge = Gauge::new(&scene);
+        gauge.measure(&rings(&scene, splash(&scene, &Splash::default()), divides));
+        let row = gauge.measure(&rings(&scene, splash(&scene, &crater), divides));
+        let level = gauge.start.level.unwrap() * 1e3;
+        assert!((level - DEPTH).abs() < 0.02, "level {level}");
+        near(&row, "crater_depth_m", crater.crater, 0.2);
+        mm(&row, "crater_depth_m")
+    });
+    assert!((found[0] - found[1]).abs() < 0.05, "{found:?}");
 }

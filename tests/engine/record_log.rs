@@ -353,6 +353,20 @@ fn a_log_cut_at_any_byte_is_recovered_to_its_last_whole_chunk() {
         content_digest(&path).unwrap()
     );
 
+    // A chunk that is damaged inside costs its own frames.
+    for lost in [2, 4] {
+        let mut spoiled = whole.clone();
+        spoiled[chunks[lost] - 40] ^= 1;
+        fs::write(&broken, spoiled).unwrap();
+        let recovered = recover(&broken, &saved).unwrap();
+        assert_eq!(recovered.frames, 9);
+        assert!(recovered.damage.unwrap().contains("chunk"));
+        let gap = 3 * (lost - 1)..3 * lost;
+        let kept = (0..12).filter(|i| !gap.contains(i));
+        let kept: Vec<_> = kept.map(|i| frames[i].clone()).collect();
+        assert_eq!(read(&saved), kept);
+    }
+
     fs::write(&broken, b"PK\x03\x04 foreign").unwrap();
     let error = recover(&broken, &saved).unwrap_err();
     assert!(matches!(error, LogError::NotALog { .. }), "{error}");

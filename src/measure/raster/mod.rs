@@ -1,11 +1,13 @@
 //! The volume fraction of liquid on a grid of half the particle spacing.
 //!
-//! (1) `φ(x) = Σ_j V_j W(x − x_j)`, `V_j = s0^d`
+//! (1) `φ(x) = Σ_j V_j W(x − x_j)`, `V_j = s0^d`; of rings the area in the half-plane,
+//!     `V_j = m_j / (2 π rho0 max(r_j, s0/2))`
 //!
 //! The surface is the level φ = 1/2. W is Wendland's C2 kernel with h = 1.3 s0 for every method, so
 //! that all methods are measured in the same way: a flat lattice has its level exactly half a
 //! spacing above the top layer, and a single sheet of particles (peak 0.58) still counts as liquid.
 //! V is the nominal volume: the density of a method may be deficient at a surface, its mass is not.
+//! The area of a ring changes with its radius, down to half of a cell and up to root 2 cells.
 //!
 //! Liquid is mirrored at walls and repeated at periodic sides. Only blocks of nodes near a surface
 //! are summed; a block deep in the liquid or far from it has one value. Every node sums in a fixed
@@ -13,9 +15,12 @@
 
 mod sorted;
 
+use std::f64::consts::PI;
+
 use rayon::prelude::*;
 
-use crate::scene::{Dimension, Domain, Side};
+use crate::particle::Frame;
+use crate::scene::{Dimension, Domain, Scene, Side};
 use crate::space::lane::vectorised;
 use sorted::{Sorted, with_images};
 
@@ -49,17 +54,13 @@ pub struct Raster {
 }
 
 impl Raster {
-    /// Sums (1) for particles at `position` (m, arrays of equal length); particles that are not
-    /// finite or are outside the box are ignored.
-    pub fn new(
-        dimension: Dimension,
-        domain: &Domain,
-        particle_spacing: f64,
-        position: &[Vec<f32>; 3],
-    ) -> Raster {
-        let mut raster = Raster::empty(dimension, domain, particle_spacing, position);
+    /// Sums (1) for the particles of a frame of the whole; particles that are not finite or are
+    /// outside the box are ignored.
+    pub fn new(scene: &Scene, frame: &Frame) -> Raster {
+        let domain = &scene.domain;
+        let mut raster = Raster::empty(scene.dimension, domain, scene.spacing, &frame.position);
         let block = raster.block_size();
-        let images = with_images(domain, &raster, position);
+        let images = with_images(domain, &raster, points(scene, frame));
         let sorted = Sorted::new(&images, block, raster.blocks, raster.edge[1] == 1);
         drop(images);
         let kind = raster.classify(&sorted);
@@ -266,9 +267,9 @@ impl Raster {
         let b = self.block_at(index);
         let h = SMOOTHING * self.particle_spacing;
         let strength = if flat {
-            7.0 / (4.0 * std::f64::consts::PI * SMOOTHING.powi(2))
+            7.0 / (4.0 * PI * SMOOTHING.powi(2))
         } else {
-            21.0 / (16.0 * std::f64::consts::PI * SMOOTHING.powi(3))
+            21.0 / (16.0 * PI * SMOOTHING.powi(3))
         } as f32;
         let support = (2.0 * h) as f32;
         let step = self.spacing.map(|s| s as f32);
@@ -281,6 +282,7 @@ impl Raster {
                 if d[0] > support || d[0] + (ex - 1) as f32 * step[0] < -support {
                     continue;
                 }
+                let volume = p[3];
                 for k in 0..ez {
                     let dz = d[2] + k as f32 * step[2];
                     if dz.abs() >= support {
@@ -291,7 +293,8 @@ impl Raster {
                         let across = dz * dz + dy * dy;
                         if across < support * support {
                             let row = (k * ey + j) * ex;
-                            add_row(&mut out[row..row + EDGE], d[0], step[0], across, inverse);
+                            let row = &mut out[row..row + EDGE];
+                            add_row(row, d[0], step[0], across, inverse, volume);
                         }
                     }
                 }
@@ -303,13 +306,33 @@ impl Raster {
     }
 }
 
-/// Adds `(1 − q/2)^4 (1 + 2q)` at the nodes of a row; eight lanes.
+/// Places and nominal volumes, the latter in cells of a lattice.
+fn points(scene: &Scene, frame: &Frame) -> Vec<[f32; 4]> {
+    let spacing = scene.spacing;
+    // Of a section, which has both halves of a ring.
+    let are_rings = scene.domain.is_revolved() && !frame.mass.is_empty();
+    let ring = are_rings.then(|| {
+        let axis = 0.5 * scene.domain.size[0];
+        let scale = PI * scene.density * spacing.powi(2);
+        move |x: f64, mass: f64| mass / (scale * (x - axis).abs().max(0.5 * spacing))
+    });
+    let [x, y, z] = &frame.position;
+    let volume = |i: usize| match &ring {
+        Some(ring) => ring(f64::from(x[i]), f64::from(frame.mass[i])) as f32,
+        None => 1.0,
+    };
+    (0..x.len())
+        .map(|i| [x[i], y[i], z[i], volume(i)])
+        .collect()
+}
+
+/// Adds `V (1 − q/2)^4 (1 + 2q)` at the nodes of a row; eight lanes.
 #[inline(always)]
-fn add_row(row: &mut [f32], dx: f32, step: f32, across: f32, inverse: f32) {
+fn add_row(row: &mut [f32], dx: f32, step: f32, across: f32, inverse: f32, volume: f32) {
     for (i, value) in row.iter_mut().enumerate() {
         let d = dx + i as f32 * step;
         let q = ((across + d * d) * inverse).sqrt();
         let t = (1.0 - 0.5 * q).max(0.0);
-        *value += (t * t) * (t * t) * (1.0 + 2.0 * q);
+        *value += volume * ((t * t) * (t * t) * (1.0 + 2.0 * q));
     }
 }

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 /// Particles with their images beyond the sides, sorted by block; one block of padding around.
 pub struct Sorted {
-    pub position: Vec<[f32; 3]>,
+    /// Places, m, and nominal volumes.
+    pub position: Vec<[f32; 4]>,
     /// `start[bin] .. start[bin + 1]`.
     start: Vec<u32>,
     pub bins: [usize; 3],
@@ -14,10 +15,10 @@ pub struct Sorted {
 
 impl Sorted {
     /// `flat`: whether there is no y, in which a box of one block still has padding.
-    pub fn new(images: &[[f32; 3]], block: [f64; 3], blocks: [usize; 3], flat: bool) -> Sorted {
+    pub fn new(images: &[[f32; 4]], block: [f64; 3], blocks: [usize; 3], flat: bool) -> Sorted {
         let pad = |a: usize| usize::from(!(a == 1 && flat));
         let bins = [0, 1, 2].map(|a| blocks[a] + 2 * pad(a));
-        let bin = |p: &[f32; 3]| -> Option<usize> {
+        let bin = |p: &[f32; 4]| -> Option<usize> {
             let mut c = [0; 3];
             for a in 0..3 {
                 let place = (f64::from(p[a]) / block[a]).floor() + pad(a) as f64;
@@ -41,7 +42,7 @@ impl Sorted {
             start[i] += start[i - 1];
         }
         let mut next = start.clone();
-        let mut position = vec![[0.0; 3]; start[start.len() - 1] as usize];
+        let mut position = vec![[0.0; 4]; start[start.len() - 1] as usize];
         for (p, place) in images.iter().zip(&places) {
             if let Some(place) = place {
                 position[next[*place] as usize] = *p;
@@ -70,11 +71,9 @@ impl Sorted {
     }
 }
 
-/// Positions, and their images within a block beyond periodic sides and walls.
-pub fn with_images(domain: &Domain, raster: &Raster, position: &[Vec<f32>; 3]) -> Vec<[f32; 3]> {
-    let mut all: Vec<[f32; 3]> = (0..position[0].len())
-        .map(|i| [position[0][i], position[1][i], position[2][i]])
-        .collect();
+/// Points, and their images within a block beyond periodic sides and walls.
+pub fn with_images(domain: &Domain, raster: &Raster, points: Vec<[f32; 4]>) -> Vec<[f32; 4]> {
+    let mut all = points;
     for axis in (0..3).filter(|&a| raster.edge[a] > 1) {
         let size = domain.size[axis] as f32;
         let reach = (raster.edge[axis] as f64 * raster.spacing[axis]) as f32;

@@ -144,7 +144,8 @@ pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
 }
 
 /// Writes to `out`, atomically, all whole frames of the log at `path`, which may be cut off at any
-/// byte or damaged; frames after the damage are lost. On an error `out` stays as it was.
+/// byte or damaged. Of a damaged chunk the frames are lost; of other damage all that follow. On an
+/// error `out` stays as it was.
 ///
 /// # Errors
 /// If a file cannot be read or written; if `out` is the same file as `path`, or exists and is
@@ -157,7 +158,14 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
     let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out, None)?;
     let mut copy = Copy::new(&mut output);
     copy.start(path)?;
-    let (damage, _) = copy.frames(path, f64::NEG_INFINITY, f64::INFINITY)?;
+    let all = [f64::NEG_INFINITY, f64::INFINITY];
+    let mut items = Items::open(path)?;
+    let (damage, _) = copy.frames(path, &mut items, all)?;
+    let mut is_damaged = damage.is_some();
+    while is_damaged && items.pass_damage()? {
+        let (more, _) = copy.frames(path, &mut items, all)?;
+        is_damaged = more.is_some();
+    }
     let merged = copy.result();
     if merged.frames == 0 {
         return Err(LogError::NoFrames {
@@ -268,7 +276,10 @@ impl<'a> Copy<'a> {
 
     /// Copies the frames of `segment` with `after < time <= until`; fails if some are lost.
     fn segment(&mut self, segment: &Segment, after: f64, until: f64) -> Result<(), LogError> {
-        let (damage, durable) = self.frames(&segment.path, after, until)?;
+        // Channel numbers are different in every file.
+        self.measures = MeasuresDecoder::default();
+        let mut items = Items::open(&segment.path)?;
+        let (damage, durable) = self.frames(&segment.path, &mut items, [after, until])?;
         match damage {
             Some(what) if durable < until => Err(LogError::FramesLost {
                 path: segment.path.clone(),
@@ -279,19 +290,17 @@ impl<'a> Copy<'a> {
         }
     }
 
-    /// Copies the frames of a log with `after < time <= until`. Returns its damage, if any, and the
-    /// last time up to which its frames were durable, s.
+    /// Copies the frames of the rest of a log with `after < time <= until`, up to the first damage.
+    /// Returns it, if any, and the last time up to which its frames were durable, s.
     fn frames(
         &mut self,
         path: &Path,
-        after: f64,
-        until: f64,
+        items: &mut Items,
+        [after, until]: [f64; 2],
     ) -> Result<(Option<String>, f64), LogError> {
-        // Channel numbers are different in every file.
-        self.measures = MeasuresDecoder::default();
         let mut durable = f64::NEG_INFINITY;
         let mut clouds = Vec::new();
-        for item in Items::open(path)? {
+        for item in items {
             match item {
                 Ok(Item::Message(message)) if message.is_measures() => {
                     let time = match self.measures.decode(&message) {

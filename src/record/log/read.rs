@@ -75,6 +75,13 @@ impl Items {
         self.records.is_cut_off
     }
 
+    /// After damage inside a chunk, which ends with a frame: continues behind it. False if the
+    /// damage is elsewhere.
+    pub fn pass_damage(&mut self) -> Result<bool, LogError> {
+        self.done = !self.records.pass_chunk()?;
+        Ok(!self.done)
+    }
+
     /// The next item; `None` at the end of a complete file.
     fn advance(&mut self) -> Result<Option<Item>, LogError> {
         while let Some((opcode, body)) = self.records.advance()? {

@@ -76,6 +76,8 @@ pub struct Records {
     buffer: Vec<u8>,
     /// Where the next records of the chunk are in `buffer`.
     chunk: Range<usize>,
+    /// Where the chunk that was begun last ends in the file; 0 without one.
+    chunk_end: u64,
     /// Bytes of all chunks so far.
     decoded: u64,
     is_in_summary: bool,
@@ -97,6 +99,7 @@ impl Records {
             length,
             buffer: Vec::new(),
             chunk: 0..0,
+            chunk_end: 0,
             decoded: 0,
             is_in_summary: false,
             is_cut_off: false,
@@ -117,6 +120,20 @@ impl Records {
             None => self.in_file()?,
         };
         Ok(found.map(|(opcode, place)| (opcode, &self.buffer[place])))
+    }
+
+    /// After damage in a chunk: goes to its end, from where [`Records::advance`] continues. False
+    /// if the damage is elsewhere.
+    pub fn pass_chunk(&mut self) -> Result<bool, LogError> {
+        let end = std::mem::take(&mut self.chunk_end);
+        if self.is_cut_off || end > self.length || end < self.source.position {
+            return Ok(false);
+        }
+        self.chunk = 0..0;
+        let left = end - self.source.position;
+        let mut rest = (&mut self.source).take(left);
+        io::copy(&mut rest, &mut io::sink()).map_err(FileError::new(&self.path, "read"))?;
+        Ok(true)
     }
 
     fn in_chunk(&mut self) -> Result<Option<(u8, Range<usize>)>, LogError> {
@@ -141,6 +158,7 @@ impl Records {
         loop {
             let crc = self.source.crc.clone();
             self.read_all(HEAD as u64)?;
+            self.chunk_end = 0;
             let opcode = self.buffer[0];
             let length = u64::from_le_bytes(self.buffer[1..HEAD].try_into().expect("8 bytes"));
             if opcode == 0 {
@@ -148,6 +166,7 @@ impl Records {
             }
             match (opcode, self.is_in_summary) {
                 (op::CHUNK, false) => {
+                    self.chunk_end = self.source.position.saturating_add(length);
                     self.read_chunk(length)?;
                     if let Some(found) = self.in_chunk()? {
                         return Ok(Some(found));

@@ -68,8 +68,10 @@ pub fn write(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     text.resize(text.len().next_multiple_of(4), b' ');
     bytes.resize(bytes.len().next_multiple_of(4), 0);
     let length = 12 + 8 + text.len() + 8 + bytes.len();
+    let length = u32::try_from(length)
+        .map_err(|_| io::Error::other("a .glb holds less than 4 GiB; write a .ply or .vtp"))?;
     out.write_all(b"glTF")?;
-    for number in [2, length as u32, text.len() as u32] {
+    for number in [2, length, text.len() as u32] {
         out.write_all(&number.to_le_bytes())?;
     }
     out.write_all(b"JSON")?;

@@ -65,28 +65,20 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
     };
     let store = Store::new(&arguments.store.artifacts);
     let thing = thing(&meant(&store, &arguments.path)?)?;
+    let is_new = !exists(order.folder)?;
     fs::create_dir_all(order.folder)
         .with_context(|| format!("cannot create the folder {}", order.folder.display()))?;
     let exported = match thing {
-        Thing::Checkpoint(path) => order.checkpoints(&[path], &arguments.path)?,
-        Thing::Log(path) => order.log(&path)?,
-        Thing::Result(path) => order.result(&path)?,
-        Thing::Latest(results) => {
-            let mut run = None;
-            for result in &results {
-                if exists(&result.join(FRAMES))? {
-                    run = Some(result);
-                    break;
-                }
-            }
-            let Some(run) = run else {
-                let text = format!("{} has no run", arguments.path.display());
-                bail!(Usage(text));
-            };
-            order.log(&run.join(FRAMES))?
-        }
+        Thing::Checkpoint(path) => order.checkpoints(&[path], &arguments.path),
+        Thing::Log(path) => order.log(&path),
+        Thing::Result(path) => order.result(&path),
+        Thing::Latest(results) => order.run(&results, &arguments.path),
     };
-    print(arguments, &exported);
+    if exported.is_err() && is_new {
+        // Only if it is empty.
+        let _ = fs::remove_dir(order.folder);
+    }
+    print(arguments, &exported?);
     Ok(())
 }
 
@@ -127,6 +119,16 @@ impl Order<'_> {
             true => Usage(format!("{}: {error}", path.display())).into(),
             false => error.into(),
         })
+    }
+
+    /// The run among the results of the pipeline at `path`.
+    fn run(&self, results: &[PathBuf], path: &Path) -> Result<Exported> {
+        for result in results {
+            if exists(&result.join(FRAMES))? {
+                return self.log(&result.join(FRAMES));
+            }
+        }
+        bail!(Usage(format!("{} has no run", path.display())));
     }
 
     /// Checkpoints of the thing at `path`.

@@ -90,4 +90,9 @@ fn what_is_not_there_is_refused_and_removes_nothing() {
         fs::read_dir(program.path("export")).unwrap().count(),
         before
     );
+    let arguments = [
+        "export", run, "--to", "csv", "--at", "9 ms", "--output", "new",
+    ];
+    program.call(&arguments).badly(2, &["9 ms"]);
+    assert!(!program.path("new").exists());
 }

@@ -20,7 +20,6 @@ pub use folder::LIST;
 pub use table::{Column, Table};
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use super::atomic;
 use super::checkpoint::{self, CheckpointError};
@@ -42,12 +41,6 @@ pub enum ExportError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogError),
-    /// The format does not exist.
-    #[error("{name:?} is not an export format; choose vtk, csv, ply or npz")]
-    Format {
-        /// Its name as given.
-        name: String,
-    },
     /// The run has no frame near an instant.
     #[error(
         "there is no frame at {} ms: the frames are from {} to {} ms", 1e3 * at, 1e3 * first,
@@ -106,10 +99,10 @@ impl ExportError {
 
     /// Whether something was asked for that does not exist.
     pub fn is_usage(&self) -> bool {
-        use ExportError::{Body, Foreign, Format, List, Outside, Plain};
+        use ExportError::{Body, Foreign, List, Outside, Plain};
         matches!(
             self,
-            Body { .. } | Foreign { .. } | Format { .. } | List { .. } | Outside { .. } | Plain
+            Body { .. } | Foreign { .. } | List { .. } | Outside { .. } | Plain
         )
     }
 }
@@ -147,20 +140,6 @@ pub enum Format {
     Ply,
     /// NumPy's archive of arrays.
     Npz,
-}
-
-impl FromStr for Format {
-    type Err = ExportError;
-
-    fn from_str(name: &str) -> Result<Self, ExportError> {
-        match name {
-            "vtk" => Ok(Format::Vtk),
-            "csv" => Ok(Format::Csv),
-            "ply" => Ok(Format::Ply),
-            "npz" => Ok(Format::Npz),
-            _ => Err(ExportError::Format { name: name.into() }),
-        }
-    }
 }
 
 impl Format {

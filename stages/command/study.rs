@@ -5,7 +5,6 @@
 //! points are never computed again, a killed study continues, and points share packed and relaxed
 //! bodies.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -121,7 +120,7 @@ fn tell_costs(
         Some(figure) => {
             copies::write_figure(figure, &out.join(FIGURE), arguments, !target.varies())?;
         }
-        None => remove_figure(&out.join(FIGURE)),
+        None => copies::remove_figure(&out.join(FIGURE)),
     }
     warn_unknown(target, &outcomes, &errors);
     let plot = target
@@ -130,7 +129,7 @@ fn tell_costs(
     let path = out.join(COMPARISON);
     match plot.filter(|plot| plot.has_points()) {
         Some(plot) => copies::write_figure(&plot.sheet(&style)?, &path, arguments, true)?,
-        None => remove_figure(&path),
+        None => copies::remove_figure(&path),
     }
     let groups = groups(trials);
     if arguments.store.json {
@@ -157,13 +156,6 @@ fn tell_costs(
         out!("figure   {}", out.join(FIGURE).display());
     }
     some_ended(&outcomes)
-}
-
-/// Removes a figure of before, which would stand beside another table.
-fn remove_figure(path: &Path) {
-    for extension in ["svg", "pdf"] {
-        let _ = fs::remove_file(path.with_extension(extension));
-    }
 }
 
 /// An error if no point ended well.

@@ -61,6 +61,13 @@ pub fn write_table(
     Ok(())
 }
 
+/// Removes a figure of before, which would stand beside another table.
+pub fn remove_figure(path: &Path) {
+    for extension in ["svg", "pdf"] {
+        let _ = fs::remove_file(path.with_extension(extension));
+    }
+}
+
 /// Writes a figure as SVG to `path` and as PDF beside it, and as `STUDY.svg` or `STUDY-FIGURE.svg`
 /// into the folder that `--into` names.
 pub fn write_figure(

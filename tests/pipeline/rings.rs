@@ -9,7 +9,7 @@ use crate::export::column;
 use crate::program::Program;
 
 /// A drop on a pool in a cylinder, as rings.
-const RINGS: &str = "dimension = 3\n\
+pub const RINGS: &str = "dimension = 3\n\
     [box]\nsize = ['9.6 mm', '9.6 mm', '8 mm']\nx = 'wall'\ny = 'wall'\nsymmetry = 'axis'\n\
     [liquid]\ndensity = '1000 kg/m^3'\n[effects.gravity]\nacceleration = '9.81 m/s^2'\n\
     [effects.viscosity]\ndynamic = '1 mPa s'\n\

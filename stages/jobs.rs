@@ -85,9 +85,9 @@ pub mod version {
         }
     }
 
-    /// Of what the log of an impact holds besides the particles.
-    pub fn log() -> Setting {
-        part("log", 3)
+    /// Of what the log of an impact holds besides the particles. 4: rings by their areas.
+    pub fn log(problem: &Problem) -> Setting {
+        part("log", if problem.domain.is_axial() { 4 } else { 3 })
     }
 
     fn part(name: &str, version: u32) -> Setting {
@@ -136,7 +136,7 @@ pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>
     let input = scene.impact_input();
     let mut settings = settings::list(&input, scene)?;
     settings.extend(version::flow(scene));
-    settings.push(version::log());
+    settings.push(version::log(scene));
     jobs.push(Box::new(Impact {
         input,
         checkpoint_every: scene.impact.checkpoint_every,

@@ -119,7 +119,8 @@ impl Run {
         stamps.sort_by_key(|stamp| place(&stamp.stage).unwrap_or(order.len()));
         let (mut all, mut seen) = (Vec::new(), BTreeSet::new());
         for stamp in stamps {
-            let is_at_rest = ["relax", "calibrate"].contains(&&*stamp.stage);
+            // Bodies lie elsewhere there.
+            let is_at_rest = ["pack", "relax", "calibrate"].contains(&&*stamp.stage);
             for setting in &stamp.settings {
                 let name = &setting.name;
                 let is_hidden = name.starts_with(VERSION) || is_at_rest && name.starts_with(BODY);

@@ -194,17 +194,16 @@ impl Figures<'_> {
     /// What was taken from the sum of the energies, and the unexplained rest.
     fn budget(&self) -> Plot {
         let taken = |name: &str| {
-            let work = self.since_first(&format!("{name}_work_J"))?;
+            let work = self.since_first(name)?;
             Some(work.iter().map(|w| -w).collect::<Vec<f64>>())
         };
-        let unexplained = self.series.column("energy_unexplained_J");
         let parts = [
-            ("viscosity", taken("viscosity")),
-            ("diffusion of density", taken("diffusion")),
-            ("shifting", taken("shifting")),
-            ("removal", taken("removal")),
-            ("walls", taken("wall")),
-            ("unexplained", unexplained.map(<[f64]>::to_vec)),
+            ("viscosity", taken("viscosity_work_J")),
+            ("diffusion of density", taken("diffusion_work_J")),
+            ("shifting", taken("shifting_work_J")),
+            ("removal", taken("removal_work_J")),
+            ("walls", taken("wall_work_J")),
+            ("unexplained", taken("energy_unexplained_J")),
         ];
         self.energies("Energy budget", "energy taken since the start", &parts)
     }

@@ -4,7 +4,8 @@
 //! SUM V F (v_ab . r) r / r^2 -> (lap v + 2 grad div v) / (2 (d + 2)), so that
 //!
 //! (1) two-term (Nishio et al. 2010, Eq. 6): -> (d+3)/(d+2) nu lap v; exact after (d+2)/(d+3);
-//! (2) Morris, Fox & Zhu 1997: (mu_a + mu_b) / (rho_a rho_b) (r . grad W) / r^2 v_ab -> nu lap v;
+//! (2) Morris, Fox & Zhu 1997: mu (1/rho_a^2 + 1/rho_b^2) (r . grad W) / r^2 v_ab -> nu lap v; they
+//!     print (mu_a + mu_b) / (rho_a rho_b), which differs by the square of a difference of density;
 //! (3) Cleary & Ha 2002 (Kuri et al., Eq. 1): zeta mu (1/rho_a^2 + 1/rho_b^2) (v . r) / r^2 grad W
 //!     -> zeta / (d+2) nu lap v; exact with zeta = d + 2, which is the printed 5 in 3-D.
 //!

@@ -33,52 +33,83 @@ impl Raster {
     fn block_area(&self, block: usize, weight: &impl Fn(f64) -> f64) -> f64 {
         let mut total = 0.0;
         self.for_nodes(block, |node| {
-            let Some(corner) = self.corners(node) else {
-                return;
-            };
-            // Deep inside or outside all differences vanish.
-            let mean = corner.iter().sum::<f32>() / 8.0;
-            if !(0.02..0.98).contains(&mean) {
-                return;
+            let [x, y, z] = [0, 1, 2].map(|axis| self.steps(node, axis));
+            for along in x.into_iter().flatten() {
+                for across in y.into_iter().flatten() {
+                    for up in z.into_iter().flatten() {
+                        total += self.cell_area(node, [along, across, up], weight);
+                    }
+                }
             }
-            let corner = corner.map(|value| {
-                let phase = 2.0 * std::f64::consts::PI * f64::from(value.clamp(0.0, 1.0));
-                (phase - phase.sin()) / (2.0 * std::f64::consts::PI)
-            });
-            let mut square = 0.0;
-            for axis in 0..3 {
-                let signed = |(n, value): (usize, &f64)| {
-                    if n >> axis & 1 == 1 { *value } else { -*value }
-                };
-                let difference = corner.iter().enumerate().map(signed).sum::<f64>() / 4.0;
-                square += (difference / self.spacing[axis]).powi(2);
-            }
-            // A cell begins at its node.
-            let x = self.coordinate(0, node[0]) + 0.5 * self.spacing[0];
-            total += weight(x) * square.sqrt();
         });
         total
     }
 
-    /// φ at a node and the next ones along the axes, x fastest; `None` at the grid's end.
-    fn corners(&self, node: [usize; 3]) -> Option<[f32; 8]> {
-        let mut next = node;
-        for axis in (0..3).filter(|&a| self.count[a] > 1) {
-            next[axis] = match node[axis] + 1 {
-                end if end == self.count[axis] && self.periodic[axis] => 0,
-                end if end == self.count[axis] => return None,
-                inside => inside,
-            };
-        }
-        Some(std::array::from_fn(|n| {
-            let pick = |axis: usize| {
-                if n >> axis & 1 == 1 {
-                    next[axis]
+    /// Of one cell, over that of a whole one.
+    fn cell_area(&self, node: [usize; 3], steps: [Step; 3], weight: &impl Fn(f64) -> f64) -> f64 {
+        let corner: [f32; 8] = std::array::from_fn(|n| {
+            let at = |a: usize| {
+                if n >> a & 1 == 1 {
+                    steps[a].next
                 } else {
-                    node[axis]
+                    node[a]
                 }
             };
-            self.value([pick(0), pick(1), pick(2)])
-        }))
+            self.value([at(0), at(1), at(2)])
+        });
+        // Deep inside or outside all differences vanish.
+        let mean = corner.iter().sum::<f32>() / 8.0;
+        if !(0.02..0.98).contains(&mean) {
+            return 0.0;
+        }
+        let corner = corner.map(|value| {
+            let phase = 2.0 * std::f64::consts::PI * f64::from(value.clamp(0.0, 1.0));
+            (phase - phase.sin()) / (2.0 * std::f64::consts::PI)
+        });
+        let mut square = 0.0;
+        for axis in 0..3 {
+            let signed = |(n, value): (usize, &f64)| {
+                if n >> axis & 1 == 1 { *value } else { -*value }
+            };
+            let difference = corner.iter().enumerate().map(signed).sum::<f64>() / 4.0;
+            square += (difference / self.spacing[axis]).powi(2);
+        }
+        let x = self.coordinate(0, node[0]) + steps[0].middle * self.spacing[0];
+        let part: f64 = steps.iter().map(|step| step.part).product();
+        part * weight(x) * square.sqrt()
     }
+
+    /// The cells that begin at a node along an axis: one to the next node or, half of one, to a side
+    /// of the box, behind which the liquid is mirrored.
+    fn steps(&self, node: [usize; 3], axis: usize) -> [Option<Step>; 2] {
+        let (at, count) = (node[axis], self.count[axis]);
+        let step = |next, middle, part| Some(Step { next, middle, part });
+        if count == 1 {
+            return [step(at, 0.0, 1.0), None];
+        }
+        let is_open = !self.periodic[axis];
+        let up = match at + 1 == count {
+            true if is_open => step(at, 0.25, 0.5),
+            true => step(0, 0.5, 1.0),
+            false => step(at + 1, 0.5, 1.0),
+        };
+        [
+            up,
+            (at == 0 && is_open).then_some(Step {
+                next: 0,
+                middle: -0.25,
+                part: 0.5,
+            }),
+        ]
+    }
+}
+
+/// A cell along an axis from a node on.
+#[derive(Clone, Copy)]
+struct Step {
+    /// The node at its other end.
+    next: usize,
+    /// Its middle from the node, and how much of it there is, in cells.
+    middle: f64,
+    part: f64,
 }

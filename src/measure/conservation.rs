@@ -194,8 +194,8 @@ pub fn unexplained_part(scene: &Scene, measures: &Series, mass: f64) -> [f64; 2]
     }
 }
 
-/// The largest unexplained gain of energy and its size at the end, over the initial energy;
-/// `least`: lower bound of the initial energy, J, NaN for none.
+/// The largest unexplained gain of energy and its size at the end, over the initial energy or, if
+/// that is more, the work or the motion; `least`: lower bound of it, J, NaN for none.
 fn unexplained(measures: &Series, least: f64) -> [f64; 2] {
     let Some(unexplained) = measures.column("energy_unexplained_J") else {
         return [f64::NAN; 2];
@@ -204,8 +204,20 @@ fn unexplained(measures: &Series, least: f64) -> [f64; 2] {
     let potential = measures.column("potential_energy_J").unwrap_or(&[]);
     let lowest = potential.iter().copied().fold(f64::INFINITY, f64::min);
     let fall = potential.first().map_or(0.0, |start| start - lowest);
-    let whole = first("kinetic_energy_J") + first("surface_energy_J") + fall;
-    let whole = whole.max(least);
+    let start = first("kinetic_energy_J") + first("surface_energy_J") + fall;
+    // What drives a flow may do more work than that.
+    let driven = measures
+        .names
+        .iter()
+        .filter(|name| name.ends_with("_work_J"));
+    let work = driven.filter_map(|name| measures.column(name)).flatten();
+    let moved = measures.column("kinetic_energy_J").unwrap_or(&[]);
+    let whole = work
+        .chain(moved)
+        .fold(start.max(least), |most, e| e.abs().max(most));
+    if whole <= 0.0 {
+        return [f64::NAN; 2];
+    }
     let most = unexplained.iter().copied().fold(0.0, f64::max);
     [most, last(measures, "energy_unexplained_J").abs()].map(|e| e / whole)
 }

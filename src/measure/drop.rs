@@ -138,11 +138,17 @@ impl Spread {
                 2.0 * (area / std::f64::consts::PI).sqrt()
             }
         };
-        let (marked, enclosed) = (wet.marked(), wet.enclosed());
+        let count = |shut: &[bool]| shut.iter().filter(|shut| **shut).count();
+        let area = |nodes: &[bool]| {
+            let some = nodes.iter().enumerate().filter(|(_, some)| **some);
+            some.map(|(k, _)| raster.weight(k % size[0])).sum::<f64>()
+        };
+        let enclosed = wet.enclosed();
+        let (all, wetted) = (area(&enclosed), area(&wet.is_marked));
         Spread {
-            wetted: extent(enclosed) / diameter,
-            dry: (enclosed - marked) as f64 / enclosed.max(1) as f64,
-            largest: extent(covered.enclosed()) / diameter,
+            wetted: extent(count(&enclosed)) / diameter,
+            dry: if all > 0.0 { (all - wetted) / all } else { 0.0 },
+            largest: extent(count(&covered.enclosed())) / diameter,
             apex,
         }
     }
@@ -166,12 +172,8 @@ impl Layer {
         self.is_marked[j * self.size[0] + i] = is_marked;
     }
 
-    fn marked(&self) -> usize {
-        self.is_marked.iter().filter(|marked| **marked).count()
-    }
-
-    /// Number of nodes that are marked or enclosed by marked ones.
-    fn enclosed(&self) -> usize {
+    /// Which nodes are marked or enclosed by marked ones.
+    fn enclosed(&self) -> Vec<bool> {
         let [nx, ny] = self.size;
         let mut is_shut = vec![true; nx * ny];
         let mut next = Vec::new();
@@ -201,7 +203,7 @@ impl Layer {
                 .flatten()
                 .for_each(|node| open(node, &mut next));
         }
-        is_shut.iter().filter(|shut| **shut).count()
+        is_shut
     }
 }
 

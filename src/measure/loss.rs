@@ -5,9 +5,9 @@
 //! Test: tests/engine/measure_loss.rs.
 
 use super::conservation;
+use super::kind::Kind;
 use super::series::Series;
 use super::summary::digits;
-use crate::scene::numbers::drop_diameter;
 use crate::scene::quantity::{Unit, human};
 use crate::scene::sanity::Warning;
 use crate::scene::{Body, Scene, Shape, Side};
@@ -44,8 +44,9 @@ impl Watch {
         }
         self.told = part;
         Some(format!(
-            "{} of the liquid has left the box through open sides by t = {:.3} ms; if that is not \
-             meant, stop, and enlarge `box.size` on that side or make it a wall",
+            "{} of the liquid has left the box by t = {:.3} ms, through open sides or as mist at \
+             periodic ones; if that is not meant, stop, and enlarge `box.size` on that side or make \
+             it a wall",
             percent(part),
             1e3 * time
         ))
@@ -72,17 +73,30 @@ pub fn warnings(scene: &Scene, series: &Series, contact: Option<f64>) -> Vec<War
     {
         let part = exact(removed / mass);
         let rest = "energies and measures are those of the rest";
-        let is_open = scene.domain.boundary.as_flattened().contains(&Side::Open);
-        let (why, remedy) = match is_open {
-            true => (
-                format!("{part} of the liquid left the box through open sides: {rest}"),
+        let has = |side: Side| scene.domain.boundary.as_flattened().contains(&side);
+        let has_layer = |body: &Body| matches!(body.shape, Shape::Layer { .. });
+        // Where there is a pool, single particles end at periodic sides.
+        let has_mist = has(Side::Periodic) && scene.bodies.iter().any(has_layer);
+        let (how, remedy) = match (has(Side::Open), has_mist) {
+            (true, false) => (
+                "left the box through open sides",
                 "enlarge `box.size` on that side, make it a wall, or end the run before",
             ),
-            false => (
-                format!("{part} of the liquid passed through the walls: {rest}"),
+            (true, true) => (
+                "left the box through open sides, or as single particles at periodic sides",
+                "enlarge `box.size`, or end the run before; mist is less with a finer \
+                 `pack.spacing`",
+            ),
+            (false, true) => (
+                "left the box as single particles at periodic sides",
+                "make the box wider; mist is less with a finer `pack.spacing`",
+            ),
+            (false, false) => (
+                "passed through the walls",
                 "check accelerations and speeds, or use a finer `pack.spacing`",
             ),
         };
+        let why = format!("{part} of the liquid {how}: {rest}");
         let value = format!("{} kg", digits(removed));
         all.push(Warning::new("mass_removed_kg", value, &why, remedy));
     }
@@ -142,7 +156,7 @@ fn growing(scene: &Scene, series: &Series) -> Option<Warning> {
 fn unexplained(scene: &Scene, series: &Series) -> Option<Warning> {
     let mass = *series.column("mass_kg")?.first()?;
     let [_, part] = conservation::unexplained_part(scene, series, mass);
-    if part.is_nan() || part <= MISSING {
+    if !part.is_finite() || part <= MISSING {
         return None;
     }
     let value = series.column("energy_unexplained_J")?.last()?;
@@ -180,7 +194,10 @@ fn floor(scene: &Scene, series: &Series) -> Option<Warning> {
 /// Liquid on a wall that reaches the sides of the box.
 fn sides(scene: &Scene, series: &Series) -> Option<Warning> {
     let (spread, _) = series.maximum("max_diameter_factor")?;
-    let widest = spread * drop_diameter(scene)?;
+    let Kind::Wall(axis) = Kind::new(scene) else {
+        return None;
+    };
+    let widest = spread * axis.diameter;
     let axes = scene.dimension.axes().iter().filter(|axis| **axis < 2);
     let width = axes
         .map(|&axis| scene.domain.size[axis])

@@ -186,6 +186,33 @@ impl<'a> Forest<'a> {
                 }
             }
         }
+        if raster.axis.is_some() {
+            self.join_halves();
+        }
+    }
+
+    /// Joins both halves of what goes round the axis of a section.
+    fn join_halves(&mut self) {
+        let raster = self.raster;
+        for block in 0..raster.code.len() {
+            let low = raster.block_at(block)[2] * raster.edge[2];
+            raster.for_nodes(block, |node| {
+                // All rows of a uniform block have the same neighbours across the axis or summed
+                // ones, which come on their own.
+                if raster.is_summed(block) || node[2] == low {
+                    let across = [raster.count[0] - 1 - node[0], node[1], node[2]];
+                    self.join_alike(node, across);
+                }
+            });
+        }
+    }
+
+    /// Joins two nodes if both are liquid or both gas.
+    fn join_alike(&mut self, node: [usize; 3], other: [usize; 3]) {
+        let raster = self.raster;
+        if (raster.value(node) >= LEVEL) == (raster.value(other) >= LEVEL) {
+            self.join(identity(raster, node), identity(raster, other));
+        }
     }
 
     fn join_up(&mut self, node: [usize; 3]) {
@@ -203,9 +230,7 @@ impl<'a> Forest<'a> {
         }
         let mut other = node;
         other[axis] = (node[axis] + 1) % count;
-        if (raster.value(node) >= LEVEL) == (raster.value(other) >= LEVEL) {
-            self.join(identity(raster, node), identity(raster, other));
-        }
+        self.join_alike(node, other);
     }
 
     /// Nodes of a uniform block that face the next block, by axis: one of each face if that block
@@ -243,18 +268,22 @@ impl<'a> Forest<'a> {
         let roots: Vec<u32> = (0..self.parent.len() as u32)
             .map(|i| self.root(i))
             .collect();
-        let mut size = vec![0u64; roots.len()];
+        let mut size = vec![0.0; roots.len()];
         for block in 0..raster.code.len() {
             let mut first = true;
             raster.for_nodes(block, |node| {
                 if raster.is_summed(block) {
                     if raster.value(node) >= LEVEL {
-                        size[roots[identity(raster, node)] as usize] += 1;
+                        size[roots[identity(raster, node)] as usize] += raster.weight(node[0]);
                     }
                 } else if first {
                     let item = identity(raster, node);
                     let liquid = raster.uniform[item - raster.summed * raster.block_nodes()];
-                    size[roots[item] as usize] += u64::from(liquid) * raster.block_nodes() as u64;
+                    if liquid {
+                        let row = (0..raster.edge[0]).map(|i| raster.weight(node[0] + i));
+                        let rows = raster.edge[1] * raster.edge[2];
+                        size[roots[item] as usize] += row.sum::<f64>() * rows as f64;
+                    }
                     first = false;
                 }
             });
@@ -274,7 +303,7 @@ impl<'a> Forest<'a> {
                 }
             }
         }
-        let any = size[main] > 0;
+        let any = size[main] > 0.0;
         roots
             .iter()
             .map(|&root| match root as usize {

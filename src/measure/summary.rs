@@ -77,7 +77,10 @@ pub fn jet_crosses(series: &Series) -> Option<f64> {
 /// When a drop that has spread on a wall leaves it, s.
 pub fn leaves_wall(series: &Series) -> Option<f64> {
     let spread = series.column("spread_factor")?;
-    let (_, widest) = series.maximum("spread_factor")?;
+    let (most, widest) = series.maximum("spread_factor")?;
+    if most <= 0.0 {
+        return None;
+    }
     let mut rows = series.time().iter().zip(spread);
     let off = rows.find(|(t, spread)| **t > widest && **spread == 0.0);
     off.map(|(t, _)| *t)

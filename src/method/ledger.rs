@@ -14,7 +14,8 @@ pub struct Ledger {
     pub diffusion: f64,
     /// Of particle shifting.
     pub shifting: f64,
-    /// What removed particles had, negative, and what falls behind a wall and is put back.
+    /// What removed particles had, negative; what falls behind a wall and is put back, or wraps
+    /// round a periodic side along gravity.
     pub removal: f64,
     /// Of the pressure of walls and of the friction of contact lines.
     pub walls: f64,

@@ -161,8 +161,12 @@ fn logs(arguments: &RenderArguments) -> Result<(Vec<PathBuf>, bool)> {
     let mine = jobs.iter().find(is_mine);
     let run = Run::meant(&store, &arguments.run);
     if let Some(job) = mine {
-        let named = run.as_ref().ok().and_then(|run| run.named);
-        if job.holder.is_some() || job.touched() > named {
+        // A run that was stopped is named after its last checkpoint, and has no impact then.
+        let named = run
+            .as_ref()
+            .ok()
+            .filter(|run| run.result("impact").is_some());
+        if job.holder.is_some() || job.touched() > named.and_then(|run| run.named) {
             let work = job.folder.join(WORK);
             let segments = log::segments(&work)?;
             // Frames of the run that this one continues.

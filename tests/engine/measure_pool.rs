@@ -236,24 +236,24 @@ fn a_second_drop_is_no_crown() {
 }
 
 /// Gives every particle of a section the mass of half a ring; `divides`: two of half the area in
-/// place of each.
+/// place of each, but at the axis, where a ring is a disc.
 fn rings(scene: &Scene, mut frame: Frame, divides: bool) -> Frame {
     let axis = 0.5 * SIDE * 1e-3;
-    let part = if divides { 0.5 } else { 1.0 };
+    let aside = 0.2 * scene.spacing as f32;
     let radius = |x: f32| (f64::from(x) - axis).abs();
-    let area = part * scene.spacing.powi(2);
-    let mass = |x: &f32| (PI * radius(*x) * scene.density * area) as f32;
-    frame.mass = frame.position[0].iter().map(mass).collect();
-    if divides {
-        let aside = 0.2 * scene.spacing as f32;
-        let (twins, mass) = (frame.clone(), frame.mass.clone());
-        frame.position[2].iter_mut().for_each(|z| *z += aside);
-        for i in 0..twins.id.len() {
-            let [x, y, z] = [0, 1, 2].map(|a| twins.position[a][i]);
+    let halves = |x: f32| divides && radius(x) > scene.spacing;
+    for i in 0..frame.id.len() {
+        let [x, y, z] = [0, 1, 2].map(|a| frame.position[a][i]);
+        if halves(x) {
+            frame.position[2][i] = z + aside;
             push(&mut frame, [x, y, z - aside]);
         }
-        frame.mass.extend(mass);
     }
+    let mass = |x: &f32| {
+        let part = if halves(*x) { 0.5 } else { 1.0 };
+        (part * PI * radius(*x) * scene.density * scene.spacing.powi(2)) as f32
+    };
+    frame.mass = frame.position[0].iter().map(mass).collect();
     frame
 }
 
@@ -275,4 +275,27 @@ fn the_surface_of_rings_is_that_of_their_areas() {
         mm(&row, "crater_depth_m")
     });
     assert!((found[0] - found[1]).abs() < 0.05, "{found:?}");
+}
+
+#[test]
+fn a_torus_is_one_body() {
+    let mut scene = pool_scene(Dimension::Two, 0.4);
+    scene.domain.revolved = Some(Rings::default());
+    // More of it is in the torus, more of the section in the middle.
+    let frame = lattice(&scene, |x, _, z| {
+        let r = (x - 0.5 * SIDE).abs();
+        r < 2.0 && z < 4.0 || r > 6.0 && r < 9.0 && z < 2.0
+    });
+    let row = Gauge::new(&scene).measure(&rings(&scene, frame, false));
+    let detached = row
+        .iter()
+        .find(|(name, _)| name == "detached_part")
+        .unwrap()
+        .1;
+    let (middle, torus) = (4.0 * 4.0, 2.0 * (81.0 - 36.0));
+    let expected = middle / (middle + torus);
+    assert!(
+        (detached - expected).abs() < 0.02,
+        "{detached}, not {expected}"
+    );
 }

@@ -1,7 +1,6 @@
 //! The volume fraction of liquid on a grid of half the particle spacing.
 //!
-//! (1) `φ(x) = Σ_j V_j W(x − x_j)`, `V_j = s0^d`; of rings the area in the half-plane,
-//!     `V_j = m_j / (2 π rho0 max(r_j, s0/2))`
+//! (1) `φ(x) = Σ_j V_j W(x − x_j)`, `V_j = s0^d`; of rings the area in the half-plane ([`area`])
 //!
 //! The surface is the level φ = 1/2. W is Wendland's C2 kernel with h = 1.3 s0 for every method, so
 //! that all methods are measured in the same way: a flat lattice has its level exactly half a
@@ -41,6 +40,8 @@ pub struct Raster {
     pub periodic: [bool; 3],
     /// Particle spacing s0, m.
     pub particle_spacing: f64,
+    /// Where the axis of revolution is along x, m, if this is a section through one.
+    pub(super) axis: Option<f64>,
     /// Nodes of a block along each axis.
     pub(super) edge: [usize; 3],
     /// Blocks along each axis.
@@ -59,6 +60,7 @@ impl Raster {
     pub fn new(scene: &Scene, frame: &Frame) -> Raster {
         let domain = &scene.domain;
         let mut raster = Raster::empty(scene.dimension, domain, scene.spacing, &frame.position);
+        raster.axis = domain.is_revolved().then_some(0.5 * domain.size[0]);
         let block = raster.block_size();
         let images = with_images(domain, &raster, points(scene, frame));
         let sorted = Sorted::new(&images, block, raster.blocks, raster.edge[1] == 1);
@@ -129,6 +131,7 @@ impl Raster {
             spacing,
             periodic,
             particle_spacing,
+            axis: None,
             edge,
             blocks: [0, 1, 2].map(|axis| count[axis].div_ceil(edge[axis])),
             code: Vec::new(),
@@ -149,6 +152,12 @@ impl Raster {
         } else {
             0.0
         }
+    }
+
+    /// What nodes at a place along x stand for: 1, or of a section the distance from its axis.
+    pub(super) fn weight(&self, i: usize) -> f64 {
+        self.axis
+            .map_or(1.0, |axis| (self.coordinate(0, i) - axis).abs())
     }
 
     /// Centre of a node along one axis, m.
@@ -308,22 +317,36 @@ impl Raster {
 
 /// Places and nominal volumes, the latter in cells of a lattice.
 fn points(scene: &Scene, frame: &Frame) -> Vec<[f32; 4]> {
-    let spacing = scene.spacing;
-    // Of a section, which has both halves of a ring.
+    let (spacing, density) = (scene.spacing, scene.density);
     let are_rings = scene.domain.is_revolved() && !frame.mass.is_empty();
-    let ring = are_rings.then(|| {
-        let axis = 0.5 * scene.domain.size[0];
-        let scale = PI * scene.density * spacing.powi(2);
-        move |x: f64, mass: f64| mass / (scale * (x - axis).abs().max(0.5 * spacing))
-    });
     let [x, y, z] = &frame.position;
-    let volume = |i: usize| match &ring {
-        Some(ring) => ring(f64::from(x[i]), f64::from(frame.mass[i])) as f32,
-        None => 1.0,
+    let volume = |i: usize| match are_rings {
+        true => {
+            let radius = (f64::from(x[i]) - 0.5 * scene.domain.size[0]).abs();
+            // A section has both halves of a ring.
+            let volume = 2.0 * f64::from(frame.mass[i]) / density;
+            area(radius / spacing, volume / spacing.powi(3)) as f32
+        }
+        false => 1.0,
     };
     (0..x.len())
         .map(|i| [x[i], y[i], z[i], volume(i)])
         .collect()
+}
+
+/// Area of a ring in the half-plane, in spacings: its volume over 2 pi r; of one that is so near to
+/// the axis that nothing fits inside it, the half of the disc that it fills, one spacing high.
+fn area(radius: f64, volume: f64) -> f64 {
+    let disc = (volume / PI).sqrt();
+    // The centroid of half a disc lies at 2/3; the second column of a lattice at root 3/4.
+    let (inner, outer) = (2.0 / 3.0, 0.75f64.sqrt());
+    let place = radius / disc;
+    let part = (place - inner) / (outer - inner);
+    match part {
+        _ if part <= 0.0 => disc,
+        _ if part < 1.0 => disc * (1.0 - part * (1.0 - 0.5 / outer)),
+        _ => 0.5 * disc / place,
+    }
 }
 
 /// Adds `V (1 − q/2)^4 (1 + 2q)` at the nodes of a row; eight lanes.

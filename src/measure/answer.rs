@@ -96,7 +96,7 @@ impl Figures {
     pub fn new(scene: &Scene, measures: Series) -> Figures {
         let whole = scene.whole();
         let meeting = kind::contact(&whole);
-        let contact = meeting.unwrap_or(0.0);
+        let contact = kind::contact_time(&whole);
         Figures {
             answers: of(&whole, Kind::new(&whole), &measures, contact),
             contact,

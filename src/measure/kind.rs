@@ -93,10 +93,11 @@ pub(super) fn other_drops(scene: &Scene, measured: &Axis) -> Vec<Axis> {
     all.filter(|axis| axis.at != measured.at).collect()
 }
 
-/// [`contact`], 0 if it never happens. Plots count from it, and references with
+/// [`contact`], 0 if it never happens, or after the end. Plots count from it, and references with
 /// [`Clock::Contact`](crate::scene::Clock::Contact).
 pub fn contact_time(scene: &Scene) -> f64 {
-    contact(scene).unwrap_or(0.0)
+    let within = contact(scene).filter(|time| *time <= scene.impact.end);
+    within.unwrap_or(0.0)
 }
 
 /// Time at which the freely falling drop meets pool or wall, s from the start of the run: by the

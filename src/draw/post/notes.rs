@@ -47,10 +47,11 @@ impl Post {
             let names = &reference.table.names;
             let is_known = |name: &String| !is_clock(name) && self.series.column(name).is_some();
             let is_strange = !names.iter().any(is_known);
+            let columns = names.iter().filter(|name| !is_clock(name)).cloned();
             is_strange.then(|| {
                 format!(
                     "Nothing of the reference {label}: measures.csv has none of its columns {}.",
-                    names.join(", ")
+                    columns.collect::<Vec<_>>().join(", ")
                 )
             })
         });

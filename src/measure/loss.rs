@@ -73,7 +73,11 @@ pub fn warnings(scene: &Scene, series: &Series, contact: Option<f64>) -> Vec<War
     {
         let part = exact(removed / mass);
         let rest = "energies and measures are those of the rest";
-        let has = |side: Side| scene.domain.boundary.as_flattened().contains(&side);
+        let axes = scene.dimension.axes().iter();
+        let has = |side: Side| {
+            axes.clone()
+                .any(|&axis| scene.domain.boundary[axis].contains(&side))
+        };
         let has_layer = |body: &Body| matches!(body.shape, Shape::Layer { .. });
         // Where there is a pool, single particles end at periodic sides.
         let has_mist = has(Side::Periodic) && scene.bodies.iter().any(has_layer);

@@ -1,6 +1,7 @@
 //! `coronet render` from outside.
 
 use std::fs;
+use std::process::Command;
 
 use coronet::record::log;
 use serde_json::json;
@@ -173,11 +174,17 @@ fn a_run_under_way_is_shown_as_far_as_it_is() {
         assert!(child.try_wait().unwrap().is_none(), "it ended");
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
-    let ended = program.call(&["render", "long", "--size", "64x48", "--samples", "1"]);
+    let render = || program.call(&["render", "long", "--size", "64x48", "--samples", "1"]);
+    let ended = render();
     let is_running = child.try_wait().unwrap().is_none();
-    child.kill().unwrap();
+    let number = child.id().to_string();
+    let kill = Command::new("kill").args(["-TERM", &number]).status();
+    assert!(kill.unwrap().success());
     child.wait().unwrap();
     assert!(is_running, "the run ended too early for this test");
     ended.well();
     assert_eq!(size(&program, "render.png"), [64, 48]);
+    // Now the run has its name, after its last checkpoint.
+    assert!(program.path("artifacts/latest/long/manifest.json").exists());
+    render().well();
 }

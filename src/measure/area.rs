@@ -79,8 +79,8 @@ impl Raster {
         part * weight(x) * square.sqrt()
     }
 
-    /// The cells that begin at a node along an axis: one to the next node or, half of one, to a side
-    /// of the box, behind which the liquid is mirrored.
+    /// The cells that begin at a node along an axis: one to the next node or, half of one, to a
+    /// side of the box, behind which the liquid is mirrored.
     fn steps(&self, node: [usize; 3], axis: usize) -> [Option<Step>; 2] {
         let (at, count) = (node[axis], self.count[axis]);
         let step = |next, middle, part| Some(Step { next, middle, part });

@@ -45,8 +45,8 @@ impl Watch {
         self.told = part;
         Some(format!(
             "{} of the liquid has left the box by t = {:.3} ms, through open sides or as mist at \
-             periodic ones; if that is not meant, stop, and enlarge `box.size` on that side or make \
-             it a wall",
+             periodic ones; if that is not meant, stop, and enlarge `box.size` on that side or \
+             make it a wall",
             percent(part),
             1e3 * time
         ))

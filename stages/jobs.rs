@@ -87,7 +87,10 @@ pub mod version {
 
     /// Of what the log of an impact holds besides the particles. 4: rings by their areas.
     pub fn log(problem: &Problem) -> Setting {
-        part("log", if problem.domain.is_axial() { 4 } else { 3 })
+        match problem.domain.is_axial() {
+            true => part("log", 4),
+            false => part("log", 3),
+        }
     }
 
     fn part(name: &str, version: u32) -> Setting {

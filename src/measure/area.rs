@@ -1,5 +1,7 @@
 //! Area of the surface on a raster of the volume fraction.
 
+use std::f64::consts::PI;
+
 use rayon::prelude::*;
 
 use super::raster::Raster;
@@ -7,10 +9,8 @@ use super::raster::Raster;
 impl Raster {
     /// Area of the surface, m^2 (length, m, in 2-D): the integral of |∇G(φ)| with
     /// `G = φ − sin(2πφ)/2π`, which goes from 0 to 1 and is insensitive to ripples at both ends.
-    ///
-    /// `weight`: of what lies at x, m; 1, or pi times the distance from the axis through which the
-    /// raster is a section.
-    pub fn surface_area(&self, weight: impl Fn(f64) -> f64 + Sync) -> f64 {
+    /// Of a section through an axis the area of the body of revolution.
+    pub fn surface_area(&self) -> f64 {
         let cell: f64 = (0..3)
             .filter(|&a| self.edge[a] > 1)
             .map(|a| self.spacing[a])
@@ -19,7 +19,7 @@ impl Raster {
             .into_par_iter()
             .map(|block| {
                 if self.is_summed(block) {
-                    self.block_area(block, &weight)
+                    self.block_area(block)
                 } else {
                     0.0
                 }
@@ -30,14 +30,14 @@ impl Raster {
 
     /// Sum over the cells whose low corner is a node of the block. Differences of G along the axes
     /// are exact across a flat surface however few nodes it spans.
-    fn block_area(&self, block: usize, weight: &impl Fn(f64) -> f64) -> f64 {
+    fn block_area(&self, block: usize) -> f64 {
         let mut total = 0.0;
         self.for_nodes(block, |node| {
             let [x, y, z] = [0, 1, 2].map(|axis| self.steps(node, axis));
             for along in x.into_iter().flatten() {
                 for across in y.into_iter().flatten() {
                     for up in z.into_iter().flatten() {
-                        total += self.cell_area(node, [along, across, up], weight);
+                        total += self.cell_area(node, [along, across, up]);
                     }
                 }
             }
@@ -46,7 +46,7 @@ impl Raster {
     }
 
     /// Of one cell, over that of a whole one.
-    fn cell_area(&self, node: [usize; 3], steps: [Step; 3], weight: &impl Fn(f64) -> f64) -> f64 {
+    fn cell_area(&self, node: [usize; 3], steps: [Step; 3]) -> f64 {
         let corner: [f32; 8] = std::array::from_fn(|n| {
             let at = |a: usize| {
                 if n >> a & 1 == 1 {
@@ -63,8 +63,8 @@ impl Raster {
             return 0.0;
         }
         let corner = corner.map(|value| {
-            let phase = 2.0 * std::f64::consts::PI * f64::from(value.clamp(0.0, 1.0));
-            (phase - phase.sin()) / (2.0 * std::f64::consts::PI)
+            let phase = 2.0 * PI * f64::from(value.clamp(0.0, 1.0));
+            (phase - phase.sin()) / (2.0 * PI)
         });
         let mut square = 0.0;
         for axis in 0..3 {
@@ -76,7 +76,9 @@ impl Raster {
         }
         let x = self.coordinate(0, node[0]) + steps[0].middle * self.spacing[0];
         let part: f64 = steps.iter().map(|step| step.part).product();
-        part * weight(x) * square.sqrt()
+        // Both halves of a ring are in a section.
+        let weight = self.axis.map_or(1.0, |axis| PI * (x - axis).abs());
+        part * weight * square.sqrt()
     }
 
     /// The cells that begin at a node along an axis: one to the next node or, half of one, to a
@@ -87,20 +89,14 @@ impl Raster {
         if count == 1 {
             return [step(at, 0.0, 1.0), None];
         }
-        let is_open = !self.periodic[axis];
+        let ends = !self.periodic[axis];
         let up = match at + 1 == count {
-            true if is_open => step(at, 0.25, 0.5),
+            true if ends => step(at, 0.25, 0.5),
             true => step(0, 0.5, 1.0),
             false => step(at + 1, 0.5, 1.0),
         };
-        [
-            up,
-            (at == 0 && is_open).then_some(Step {
-                next: 0,
-                middle: -0.25,
-                part: 0.5,
-            }),
-        ]
+        let down = step(0, -0.25, 0.5).filter(|_| at == 0 && ends);
+        [up, down]
     }
 }
 

@@ -13,7 +13,6 @@ use super::series::Row;
 use crate::particle::Frame;
 use crate::scene::{Clock, Dimension, Scene};
 use std::borrow::Cow;
-use std::f64::consts::PI;
 
 /// Measures frames of one scene, in their order.
 pub struct Gauge {
@@ -74,13 +73,7 @@ impl Gauge {
             let region = Region::new(&raster);
             self.measure_region(&region, &piece, &mut start.level, &mut row);
             if scene.effects.tension.is_some() {
-                area = Some(match scene.domain.is_revolved() {
-                    true => {
-                        let axis = 0.5 * scene.domain.size[0];
-                        raster.surface_area(|x| PI * (x - axis).abs())
-                    }
-                    false => raster.surface_area(|_| 1.0),
-                });
+                area = Some(raster.surface_area());
             }
         }
         if !frame

@@ -195,7 +195,7 @@ fn the_surface_area_is_that_of_the_body() {
     let mut scene = pool_scene(Dimension::Three, 0.4);
     let area = |scene: &Scene, holds: &dyn Fn(f64, f64, f64) -> bool| {
         let frame = lattice(scene, holds);
-        Raster::new(scene, &frame).surface_area(|_| 1.0) * 1e6
+        Raster::new(scene, &frame).surface_area() * 1e6
     };
     let flat = area(&scene, &|_, _, z| z < 10.0);
     assert!((flat / 576.0 - 1.0).abs() < 0.02, "flat pool: {flat} mm²");

@@ -8,19 +8,26 @@ use coronet::measure::summary::leaves_wall;
 use coronet::scene::sanity::Warning;
 use coronet::scene::{Dimension, Shape, Side};
 
+/// Measures with these rows.
+fn rows<const N: usize>(rows: impl IntoIterator<Item = [(&'static str, f64); N]>) -> Series {
+    let mut series = Series::default();
+    for row in rows {
+        series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
+    }
+    series
+}
+
 /// A run of two frames that ends with so much removed and detached.
 fn ended(removed: f64, detached: f64) -> Series {
-    let mut series = Series::default();
-    for (time, removed, detached) in [(0.0, 0.0, 0.3), (1.0, removed, detached)] {
-        let row = [
+    let frames = [(0.0, 0.0, 0.3), (1.0, removed, detached)];
+    rows(frames.map(|(time, removed, detached)| {
+        [
             ("time_s", time),
             ("mass_kg", 2.0 - removed),
             ("mass_removed_kg", removed),
             ("detached_part", detached),
-        ];
-        series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
-    }
-    series
+        ]
+    }))
 }
 
 /// Those about a layer 2 spacings deep; the drop meets it at `contact` s.
@@ -153,16 +160,15 @@ fn mist_at_periodic_sides_is_no_leak() {
 fn unexplained_energy_is_a_part_of_what_there_was() {
     let scene = scene(Dimension::Two, [8.0; 3], Shape::Layer { depth: 2.0 * S0 });
     let part = |work: f64| {
-        let mut series = Series::default();
-        for (time, work, unexplained) in [(0.0, 0.0, 0.0), (1.0, work, 1e-3)] {
-            let row = [
+        let frames = [(0.0, 0.0, 0.0), (1.0, work, 1e-3)];
+        let series = rows(frames.map(|(time, work, unexplained)| {
+            [
                 ("time_s", time),
                 ("kinetic_energy_J", 0.0),
                 ("wall_work_J", work),
                 ("energy_unexplained_J", unexplained),
-            ];
-            series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
-        }
+            ]
+        }));
         unexplained_part(&scene, &series, 1.0)[1]
     };
     assert!(part(0.0).is_nan());
@@ -173,12 +179,8 @@ fn unexplained_energy_is_a_part_of_what_there_was() {
 #[test]
 fn what_never_touched_does_not_leave() {
     let series = |spread: [f64; 3]| {
-        let mut series = Series::default();
-        for (time, spread) in spread.into_iter().enumerate() {
-            let row = [("time_s", time as f64), ("spread_factor", spread)];
-            series.push(&row.map(|(name, value)| (name.to_string(), value)).to_vec());
-        }
-        series
+        let frames = spread.into_iter().enumerate();
+        rows(frames.map(|(time, spread)| [("time_s", time as f64), ("spread_factor", spread)]))
     };
     assert_eq!(leaves_wall(&series([0.0, 0.0, 0.0])), None);
     assert_eq!(leaves_wall(&series([0.0, 1.2, 0.0])), Some(2.0));

@@ -28,7 +28,7 @@ const JOBS: [&str; 6] = [
 #[test]
 fn results_change_only_with_their_version() {
     let mut found = String::new();
-    for (method, preset, sides) in [
+    for (method, preset, kind) in [
         ("wcsph", "corrected", ""),
         ("wcsph", "modern", ""),
         ("isph", "modern", ""),
@@ -40,7 +40,7 @@ fn results_change_only_with_their_version() {
         ("isph", "modern", " rings"),
         ("mps", "modern", " rings"),
     ] {
-        let program = match sides {
+        let program = match kind {
             " rings" => Program::with("tiny.toml", RINGS),
             _ => Program::new(),
         };
@@ -51,7 +51,7 @@ fn results_change_only_with_their_version() {
             // Its viscosity has one form.
             sets.extend(["--set", "effects.viscosity={ dynamic = \"1 mPa s\" }"]);
         }
-        if sides == " wet" {
+        if kind == " wet" {
             // The pool has contact lines.
             sets.extend([
                 "--set",
@@ -60,7 +60,7 @@ fn results_change_only_with_their_version() {
                 "effects.wetting.angle=60 deg",
             ]);
         }
-        if sides == " rings" {
+        if kind == " rings" {
             // Until some have merged.
             sets.extend(["--set", "impact.end=4 ms", "--set", "relax.time=2 ms"]);
         }
@@ -68,7 +68,7 @@ fn results_change_only_with_their_version() {
         for job in JOBS {
             let stamp = Stamp::read(&program.latest(job)).unwrap().unwrap();
             found += &format!(
-                "{method} {preset}{sides} {job} {} {}\n",
+                "{method} {preset}{kind} {job} {} {}\n",
                 stamp.version, stamp.digest
             );
         }
@@ -76,7 +76,7 @@ fn results_change_only_with_their_version() {
         let stamp = Stamp::read(&program.latest("post")).unwrap().unwrap();
         let digest = coronet::record::Digest::of(&measures);
         found += &format!(
-            "{method} {preset}{sides} measures {} {digest}\n",
+            "{method} {preset}{kind} measures {} {digest}\n",
             stamp.version
         );
     }

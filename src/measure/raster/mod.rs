@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use crate::particle::Frame;
-use crate::scene::{Dimension, Domain, Scene, Side};
+use crate::scene::{Dimension, Scene, Side};
 use crate::space::lane::vectorised;
 use sorted::{Sorted, with_images};
 
@@ -59,8 +59,7 @@ impl Raster {
     /// outside the box are ignored.
     pub fn new(scene: &Scene, frame: &Frame) -> Raster {
         let domain = &scene.domain;
-        let mut raster = Raster::empty(scene.dimension, domain, scene.spacing, &frame.position);
-        raster.axis = domain.is_revolved().then_some(0.5 * domain.size[0]);
+        let mut raster = Raster::empty(scene, &frame.position);
         let block = raster.block_size();
         let images = with_images(domain, &raster, points(scene, frame));
         let sorted = Sorted::new(&images, block, raster.blocks, raster.edge[1] == 1);
@@ -91,13 +90,9 @@ impl Raster {
         raster
     }
 
-    fn empty(
-        dimension: Dimension,
-        domain: &Domain,
-        particle_spacing: f64,
-        position: &[Vec<f32>; 3],
-    ) -> Raster {
-        let flat = dimension == Dimension::Two;
+    fn empty(scene: &Scene, position: &[Vec<f32>; 3]) -> Raster {
+        let (domain, particle_spacing) = (&scene.domain, scene.spacing);
+        let flat = scene.dimension == Dimension::Two;
         let half = 0.5 * particle_spacing;
         let periodic = [0, 1, 2]
             .map(|axis| domain.boundary[axis][0] == Side::Periodic && !(axis == 1 && flat));
@@ -131,7 +126,7 @@ impl Raster {
             spacing,
             periodic,
             particle_spacing,
-            axis: None,
+            axis: domain.is_revolved().then_some(0.5 * domain.size[0]),
             edge,
             blocks: [0, 1, 2].map(|axis| count[axis].div_ceil(edge[axis])),
             code: Vec::new(),

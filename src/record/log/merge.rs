@@ -160,11 +160,12 @@ pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
     copy.start(path)?;
     let all = [f64::NEG_INFINITY, f64::INFINITY];
     let mut items = Items::open(path)?;
-    let (damage, _) = copy.frames(path, &mut items, all)?;
-    let mut is_damaged = damage.is_some();
-    while is_damaged && items.pass_damage()? {
-        let (more, _) = copy.frames(path, &mut items, all)?;
-        is_damaged = more.is_some();
+    let mut damage = None;
+    while let (Some(what), _) = copy.frames(path, &mut items, all)? {
+        damage.get_or_insert(what);
+        if !items.pass_damage()? {
+            break;
+        }
     }
     let merged = copy.result();
     if merged.frames == 0 {

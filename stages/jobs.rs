@@ -195,6 +195,7 @@ fn pack(scene: &Scene, body: usize) -> Result<Box<dyn Stage + '_>> {
     Ok(Box::new(Pack {
         identity: identity("pack", &input.name, version::PACK, settings),
         input,
+        body,
         forecast: later(scene, Like::Machine, move |scene| {
             forecast::pack(scene, body)
         }),

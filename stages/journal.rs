@@ -11,16 +11,13 @@ use coronet::pipeline::content::{ContentError, content};
 use coronet::pipeline::store::entries;
 use coronet::pipeline::{Context, Relative, StageError};
 use coronet::record::Checkpoint;
-use coronet::record::log::{self, LogError, LogWriter, Segment};
+use coronet::record::log::{self, BASE, LogError, LogWriter, Segment};
 
 use crate::flight;
 use crate::stop::{Past, Stop};
 
 /// Frames of the whole run.
 pub const FRAMES: &str = "frames.mcap";
-
-/// The log of the result from which this one continues, in the work folder.
-pub const BASE: &str = "base.mcap";
 
 /// Number of the next frame, as a scalar of a checkpoint.
 const NEXT: &str = "frames/next";

@@ -3,12 +3,13 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use coronet::particle::pack::{PackError, PackProgress, PackReport, pack};
+use coronet::particle::pack::{PackError, PackProgress, PackReport};
 use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::input::PackInput;
 
 use crate::body::BODY;
+use crate::ranks;
 use crate::settings::Forecast;
 
 /// Time between two reports.
@@ -16,6 +17,8 @@ const BETWEEN: Duration = Duration::from_millis(200);
 
 pub struct Pack<'a> {
     pub input: PackInput,
+    /// Which body of the scene.
+    pub body: usize,
     pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
@@ -42,7 +45,7 @@ impl Stage for Pack<'_> {
                 false => ControlFlow::Continue(()),
             }
         };
-        let packed = pack(&self.input, &mut watch);
+        let packed = ranks::pack(self.body, &self.input, &mut watch);
         let (body, report) = packed.map_err(|error| match error {
             PackError::Stopped { .. } => StageError::Interrupted,
             error => StageError::failed(error),

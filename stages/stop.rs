@@ -11,7 +11,7 @@ use coronet::measure::whole::Unfold;
 use coronet::particle::Frame;
 use coronet::record::Checkpoint;
 use coronet::scene::input::ImpactInput;
-use coronet::scene::quantity::{Unit, human};
+use coronet::scene::quantity::{Unit, legible};
 
 /// Start of the note of a run that a condition has ended.
 pub const STOPPED: &str = "stopped at ";
@@ -98,7 +98,7 @@ impl Stop {
 
     /// How the run has ended, at `time` of at most `end`, s.
     pub fn note(&self, time: f64, end: f64) -> String {
-        let end_text = human(end, Unit::Time);
+        let end_text = legible(end, Unit::Time);
         match self.ending.met() {
             Some((condition, at)) if time < end => format!(
                 "{STOPPED}t = {:.3} ms by `{}` of {CONDITIONS}, before impact.end = {end_text}",

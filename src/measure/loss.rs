@@ -8,7 +8,7 @@ use super::conservation;
 use super::kind::Kind;
 use super::series::Series;
 use super::summary::digits;
-use crate::scene::quantity::{Unit, human};
+use crate::scene::quantity::{Unit, legible};
 use crate::scene::sanity::Warning;
 use crate::scene::{Body, Scene, Shape, Side};
 
@@ -150,7 +150,7 @@ fn growing(scene: &Scene, series: &Series) -> Option<Warning> {
     let remedy = "set a later end; the run continues from where it ended";
     Some(Warning::new(
         "impact.end",
-        human(scene.impact.end, Unit::Time),
+        legible(scene.impact.end, Unit::Time),
         &why,
         remedy,
     ))

@@ -2,22 +2,28 @@
 //!
 //! Lengths are in units of the particle spacing.
 
+use super::column::{Entry, Role, Visitor};
+use super::migrate::Emigrate;
 use super::shape::{Face, Form, Region};
 use crate::scene::{Domain, Side};
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
 use crate::space::mirror::{Mirror, Planes, Points};
 use crate::space::parallel::{each_mut, three};
+use crate::space::ranks::halo::Halo;
+use crate::space::ranks::span::Span;
+use crate::space::ranks::{Communicator, Ranks, collect};
 use crate::space::row::{Rows, Search, Source};
 use crate::space::sort::Cells;
 use crate::space::sweep::{self, Pass, Payload, Records, words_of};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Reach of neighbour lists beyond the support, so that a list is valid for several steps.
 const SLACK: f64 = 0.3;
 
-/// Liquid and wall particles with neighbour rows of the liquid.
-#[derive(Debug)]
+/// Liquid and wall particles with neighbour rows of the liquid; of several ranks, the liquid of
+/// this one. Records: liquid, wall, ghosts of other ranks, images.
 pub struct Crowd {
     grid: Grid,
     cells: Cells,
@@ -27,6 +33,9 @@ pub struct Crowd {
     wall: [Vec<f64>; 3],
     /// Images of liquid and wall behind mirror planes, if the region has any.
     mirror: Option<Mirror>,
+    /// The processes that pack together, and what is near of theirs.
+    ranks: Option<Ranks>,
+    halo: Halo,
     records: Records,
     /// Fixed-point coordinates in the order of the records, as of the last rebuild.
     fixed: [Vec<i32>; 3],
@@ -37,8 +46,8 @@ pub struct Crowd {
 }
 
 impl Crowd {
-    /// `position` in any order; `wall` from [`wall_near`]; `support` is the radius of the kernel in
-    /// use.
+    /// `position` in any order, on several ranks a part of all on each; `wall` from [`wall_near`];
+    /// `support` is the radius of the kernel in use; `with`: the other ranks.
     ///
     /// # Errors
     /// If a periodic side is too short for the cells.
@@ -47,6 +56,7 @@ impl Crowd {
         position: [Vec<f64>; 3],
         wall: [Vec<f64>; 3],
         support: f64,
+        with: Option<&Arc<dyn Communicator>>,
     ) -> Result<Self, TooSmall> {
         let grid = grid(region, support)?;
         let mut wall_cells = Cells::default();
@@ -57,23 +67,41 @@ impl Crowd {
         });
         let mirror = Planes::new(region.mirrors(), &grid).map(Mirror::new);
         let mut crowd = Crowd {
-            grid,
             cells: Cells::default(),
             wall_cells,
+            ranks: with.map(|with| Ranks::new(with.clone(), &grid, position[0].len())),
+            grid,
             position,
             wall,
             mirror,
+            halo: Halo::default(),
             records: Records::default(),
             fixed: Default::default(),
             rows: Rows::default(),
             support,
             moved: 0.0,
         };
-        crowd.rebuild();
+        crowd.rebuild(&mut Vec::<f32>::new());
         Ok(crowd)
     }
 
-    /// Number of liquid particles.
+    /// The liquid, for a sum over that of all ranks.
+    pub fn span(&self) -> Span {
+        match &self.ranks {
+            None => self.len().into(),
+            Some(ranks) => Span::shared(&ranks.with, &ranks.first, 0),
+        }
+    }
+
+    /// What all ranks have of their liquid, on the first one; nothing on the others.
+    pub fn collect<T: Entry>(&self, own: Vec<T>) -> Option<Vec<T>> {
+        match &self.ranks {
+            None => Some(own),
+            Some(ranks) => collect(&*ranks.with, own, |all, part| all.extend(part)),
+        }
+    }
+
+    /// Number of liquid particles of this rank.
     pub fn len(&self) -> usize {
         self.position[0].len()
     }
@@ -96,6 +124,14 @@ impl Crowd {
                 *word = value.to_bits();
             }
         });
+        self.copy();
+    }
+
+    /// Ghosts and images get what they are copies of.
+    fn copy(&mut self) {
+        if let Some(ranks) = &self.ranks {
+            self.halo.fill_records(ranks, &mut self.records);
+        }
         if let Some(mirror) = &self.mirror {
             mirror.copy(&mut self.records);
         }
@@ -106,11 +142,12 @@ impl Crowd {
         sweep::rows(&self.records, &self.rows, self.grid.scale(h), pass, out);
     }
 
-    /// Whether record `j` is liquid or an image of it.
+    /// Whether record `j` is liquid, or a ghost or image of it.
     fn is_liquid(&self, j: usize) -> bool {
+        let ghosts = self.halo.first..self.halo.first + self.halo.len();
         let images = |m: &Mirror| m.first..m.first + m.liquid.len();
         let image = |m: &Mirror| images(m).contains(&j);
-        j < self.len() || self.mirror.as_ref().is_some_and(image)
+        j < self.len() || ghosts.contains(&j) || self.mirror.as_ref().is_some_and(image)
     }
 
     /// Calls `f` with the separation (own minus other) of every liquid neighbour of particle `i`
@@ -135,9 +172,9 @@ impl Crowd {
         least.sqrt()
     }
 
-    /// Moves liquid particle `i` by `step(i)`, whose length is at most `longest`. The order of
-    /// particles changes when neighbours are searched again; returns whether that happened.
-    pub fn advance(&mut self, longest: f64, step: impl Fn(usize) -> [f64; 3] + Sync) -> bool {
+    /// Moves liquid particle `i` by `step(i)`, whose length is at most `longest` on all ranks. Then
+    /// [`Crowd::settle`].
+    pub fn advance(&mut self, longest: f64, step: impl Fn(usize) -> [f64; 3] + Sync) {
         let n = self.len();
         let (grid, mirror) = (&self.grid, self.mirror.as_ref());
         each_mut(three(&mut self.position, n), |i, position| {
@@ -150,34 +187,49 @@ impl Crowd {
             }
         });
         self.moved += longest;
-        let stale = 2.0 * self.moved > SLACK;
-        if stale {
-            self.rebuild();
-        } else {
-            self.place();
+    }
+
+    /// Finds neighbours after particles have moved. Their order, and whose they are, may change;
+    /// `held` is kept of each and follows it, if it is not empty.
+    pub fn settle(&mut self, held: &mut Vec<impl Entry>) {
+        match 2.0 * self.moved > SLACK {
+            true => self.rebuild(held),
+            false => self.place(),
         }
-        stale
     }
 
-    /// Brings per-particle data into the order of the last rebuild.
-    pub fn follow<T: Copy + Send + Sync>(&self, data: &mut Vec<T>) {
-        self.cells.permute(data, &mut Vec::new());
+    /// Gives particles to the ranks that own their slabs.
+    fn migrate(&mut self, held: &mut Vec<impl Entry>) {
+        let Some(ranks) = &mut self.ranks else {
+            return;
+        };
+        let any = 0..=self.grid.count[0];
+        ranks.balance(&self.grid, &self.position, &any);
+        let mut leaving = Emigrate::new(ranks, &self.grid, &self.position);
+        let columns = &mut self.position;
+        columns
+            .iter_mut()
+            .for_each(|x| leaving.visit(Role::Held, x));
+        leaving.visit(Role::Held, held);
+        let mut coming = leaving.trade(ranks);
+        columns.iter_mut().for_each(|x| coming.visit(Role::Held, x));
+        coming.visit(Role::Held, held);
+        ranks.count(self.position[0].len());
     }
 
-    fn rebuild(&mut self) {
+    fn rebuild(&mut self, held: &mut Vec<impl Entry>) {
+        self.migrate(held);
         let mut scratch = Vec::new();
         self.cells.sort(&self.grid, &self.position);
         for x in &mut self.position {
             self.cells.permute(x, &mut scratch);
         }
+        self.cells.permute(held, &mut Vec::new());
         let (n, cutoff) = (self.len(), self.support + SLACK);
-        if let Some(mirror) = &mut self.mirror {
-            let count = n + self.wall[0].len();
-            let own = (Points::of(&self.position), n);
-            mirror.find(&self.grid, own, &self.wall, count, cutoff + SLACK);
-        }
+        self.find_ghosts(cutoff);
+        let (ghosts, walls) = (self.halo.len(), self.wall[0].len());
         let images = self.mirror.as_ref().map_or(0, Mirror::len);
-        let count = n + self.wall[0].len() + images + WIDTH;
+        let count = n + walls + ghosts + images + WIDTH;
         let records = self.records.carry::<()>();
         records.clear();
         records.resize(count, Record::default());
@@ -200,17 +252,43 @@ impl Crowd {
             start: &self.wall_cells.start,
             offset: n,
         };
-        let [liquid, walls] = self.mirror.as_ref().map_or([own, wall], Mirror::sources);
-        let kinds = if self.mirror.is_some() { 4 } else { 2 };
+        let mut sources = vec![own, wall];
+        if self.ranks.is_some() {
+            sources.insert(1, self.halo.source());
+        }
+        sources.extend(self.mirror.iter().flat_map(Mirror::sources));
         let search = Search {
             grid: &self.grid,
             at: &self.fixed,
-            sources: &[own, wall, liquid, walls][..kinds],
+            sources: &sources,
             cutoff,
             each: &[],
         };
         self.rows.build(search, 0, &self.position);
         self.moved = 0.0;
+    }
+
+    /// Finds copies of what is near of other ranks and behind planes, for rows of `cutoff`.
+    fn find_ghosts(&mut self, cutoff: f64) {
+        let reach = cutoff + SLACK;
+        let all;
+        let mut liquid = Points::of(&self.position);
+        if let Some(ranks) = &self.ranks {
+            let (own, walls) = (&self.cells, &self.wall_cells);
+            self.halo.find(ranks, &self.grid, own, walls, reach);
+            if self.mirror.is_some() {
+                all = self.halo.with_ghosts(ranks, &self.grid, &self.position);
+                liquid = Points {
+                    position: &all.0,
+                    index: &all.1,
+                };
+            }
+        }
+        let n = self.position[0].len();
+        let first = n + self.wall[0].len() + self.halo.len();
+        if let Some(mirror) = &mut self.mirror {
+            mirror.find(&self.grid, (liquid, n), &self.wall, first, reach);
+        }
     }
 
     /// Writes positions into the records.
@@ -226,9 +304,7 @@ impl Crowd {
                 }
             },
         );
-        if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records);
-        }
+        self.copy();
     }
 }
 

@@ -1,7 +1,8 @@
 //! Columns that follow their particles from rank to rank.
 
 use super::column::{Entry, Role, Visitor};
-use crate::space::ranks::{decoded, encoded};
+use crate::space::grid::Grid;
+use crate::space::ranks::{Ranks, decoded, encoded};
 use crate::space::room::make_room;
 
 /// Takes entries of particles to other ranks, column by column.
@@ -14,15 +15,29 @@ pub struct Emigrate {
 }
 
 impl Emigrate {
-    /// `lists`: particles by the rank that gets them; `own`: this one.
-    pub fn new(lists: Vec<Vec<u32>>, own: usize) -> Self {
-        let out = vec![Vec::new(); lists.len()];
-        Emigrate { lists, own, out }
+    /// To the ranks that own the slabs of `grid` in which particles are; `x`: positions, m.
+    pub fn new(ranks: &Ranks, grid: &Grid, x: &[Vec<f64>; 3]) -> Self {
+        let mut lists = vec![Vec::new(); ranks.size()];
+        for i in 0..x[0].len() {
+            let slab = grid.cell([x[0][i], x[1][i], x[2][i]])[0];
+            lists[ranks.owner(slab)].push(i as u32);
+        }
+        Emigrate {
+            out: vec![Vec::new(); lists.len()],
+            lists,
+            own: ranks.rank(),
+        }
     }
 
-    /// Which particles stay; by rank, the bytes of each column.
-    pub fn into_parts(mut self) -> (Vec<u32>, Vec<Vec<Vec<u8>>>) {
-        (std::mem::take(&mut self.lists[self.own]), self.out)
+    /// Trades what was visited; the same columns then take in what has come.
+    pub fn trade(mut self, ranks: &Ranks) -> Immigrate {
+        let all = ranks.trade(self.out.iter().map(encoded).collect());
+        Immigrate {
+            kept: std::mem::take(&mut self.lists[self.own]),
+            all: all.into_iter().map(|bytes| decoded(&bytes)).collect(),
+            own: self.own,
+            next: 0,
+        }
     }
 }
 
@@ -43,23 +58,12 @@ impl Visitor for Emigrate {
 /// Brings entries of particles from other ranks, in the order of all: from lower ranks, then what
 /// has stayed, then from higher ones.
 pub struct Immigrate {
+    /// Which particles have stayed.
     kept: Vec<u32>,
     /// By rank: bytes of each column.
     all: Vec<Vec<Vec<u8>>>,
     own: usize,
     next: usize,
-}
-
-impl Immigrate {
-    /// `kept`: which particles stay; `all`: by rank, the bytes of each column; `own`: this rank.
-    pub fn new(kept: Vec<u32>, all: Vec<Vec<Vec<u8>>>, own: usize) -> Self {
-        Immigrate {
-            kept,
-            all,
-            own,
-            next: 0,
-        }
-    }
 }
 
 impl Visitor for Immigrate {

@@ -16,6 +16,7 @@ pub mod optimise;
 pub mod pack;
 pub mod poisson;
 pub mod quality;
+mod report;
 pub mod repulse;
 pub mod ring;
 pub mod scalar;

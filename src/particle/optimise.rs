@@ -30,6 +30,7 @@ use crate::kernel::Kernel;
 use crate::payload;
 use crate::space::lane::Real;
 use crate::space::parallel::{self, each_mut};
+use crate::space::ranks::span::Span;
 use crate::space::sweep::{Pair, Pass};
 use std::marker::PhantomData;
 
@@ -179,18 +180,19 @@ pub fn densities<K: Kernel>(
     });
 }
 
-/// The level 1 + l of rho / rho0 at which the residuals cancel on average.
-pub fn level(local: &[Local]) -> f64 {
-    let [summed, inside] = parallel::sum(local.len(), |i| {
+/// The level 1 + l of rho / rho0 at which the residuals cancel on average. `span`: the particles.
+pub fn level(span: Span, local: &[Local]) -> f64 {
+    let [summed, inside] = parallel::sum(span, |i| {
         [local[i].summed as f64, 1.0 - local[i].missing as f64]
     });
     summed / inside - 1.0
 }
 
 /// Root mean square of the residuals.
-pub fn spread(local: &[Local], level: f64) -> f64 {
-    let [sum] = parallel::sum(local.len(), |i| [local[i].residual(level).powi(2)]);
-    (sum / local.len().max(1) as f64).sqrt()
+pub fn spread(span: Span, local: &[Local], level: f64) -> f64 {
+    let count = span.total().max(1) as f64;
+    let [sum] = parallel::sum(span, |i| [local[i].residual(level).powi(2)]);
+    (sum / count).sqrt()
 }
 
 /// The arrays of (5), kept between iterations.
@@ -214,12 +216,16 @@ impl Work {
         local: &[Local],
         level: f64,
     ) -> usize {
-        let n = crowd.len();
+        let (n, span) = (crowd.len(), crowd.span());
+        let dot = |a: &[f32], b: &[f32]| {
+            let [sum] = parallel::sum(span.clone(), |i| [a[i] as f64 * b[i] as f64]);
+            sum
+        };
         self.multiplier.clear();
         self.multiplier.resize(n, 0.0);
         self.image.resize(n, 0.0);
         self.step.resize(n, [0.0; 3]);
-        let goal = (FORCING * spread(local, level)).powi(2) * n as f64;
+        let goal = (FORCING * spread(span.clone(), local, level)).powi(2) * span.total() as f64;
         part(crowd, &mut self.push);
         direct(crowd, measure, local, &self.push, &mut self.image);
         let wanted = |i: usize| -(local[i].residual(level) as f32 + self.image[i]);
@@ -247,11 +253,12 @@ impl Work {
         add3(&mut self.step, &self.push);
         let step = &self.step;
         let length = |i: usize| step[i].iter().map(|d| d * d).sum::<f32>().sqrt();
-        let longest = parallel::max(n, |i| length(i) as f64).min(CAP as f64);
+        let longest = parallel::max(span.clone(), |i| length(i) as f64).min(CAP as f64);
         crowd.advance(longest, |i| {
             let shorten = (CAP / length(i).max(f32::MIN_POSITIVE)).min(1.0);
             step[i].map(|d| (d * shorten) as f64)
         });
+        crowd.settle(&mut Vec::<f32>::new());
         sweeps
     }
 }
@@ -305,11 +312,6 @@ fn direct<K: Kernel>(
         let own: f32 = (0..3).map(|k| local[i].gradient[k] * step[i][k]).sum();
         *out = own - *out;
     });
-}
-
-fn dot(a: &[f32], b: &[f32]) -> f64 {
-    let [sum] = parallel::sum(a.len(), |i| [a[i] as f64 * b[i] as f64]);
-    sum
 }
 
 /// a += s b.

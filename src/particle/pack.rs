@@ -12,7 +12,8 @@ use super::crowd::{Crowd, wall_near};
 use super::fault::PAIRED;
 pub use super::fault::PackError;
 use super::optimise::{self, Measure, Work};
-use super::quality::{self, Nearest};
+use super::quality;
+pub use super::report::{PackProgress, PackReport};
 use super::repulse;
 use super::shape::Region;
 use super::{Particles, lattice, poisson, ring, wall};
@@ -20,8 +21,10 @@ use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
 use crate::scene::input::PackInput;
 use crate::scene::{Arrangement, KernelName, Mass, Sph};
 use crate::space::grid::TooSmall;
+use crate::space::ranks::{Communicator, broadcast};
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Largest number of steps of repulsion, and the root mean square step, in spacings, that ends it.
@@ -30,72 +33,6 @@ const QUIET: f64 = 0.0012;
 
 /// Called at each step; `Break` stops the packing.
 pub type Watch<'a> = dyn FnMut(&PackProgress) -> ControlFlow<()> + 'a;
-
-/// Progress of packing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PackProgress {
-    /// `sample`, `repel` or `optimise`.
-    pub task: &'static str,
-    /// Steps of this task done.
-    pub done: usize,
-    /// Largest number of steps.
-    pub of: usize,
-    /// Root mean square of rho - rho0, kg/m^3, once it is known (`optimise`).
-    pub spread: Option<f64>,
-}
-
-/// Quality of the packing, and the work done.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PackReport {
-    /// Number of particles.
-    pub count: usize,
-    /// Their total mass, kg (kg/m in 2-D); of rings that of the body of revolution, before they are
-    /// given the wanted one.
-    pub mass: f64,
-    /// Mass of the body's volume at rho0, kg (kg/m in 2-D).
-    pub wanted_mass: f64,
-    /// Unit of both.
-    pub unit: &'static str,
-    /// Standard deviation of the density from rho0 over all particles, kg/m^3, with completion
-    /// outside the free surface. In a body without a free surface, number and volume determine the
-    /// mean density, and Wendland's kernel overestimates the density of disordered particles
-    /// (Dehnen & Aly 2012): there the deviation is from the mean, 1 + l in [`optimise::level`].
-    pub spread: f64,
-    /// Mean density less rho0, kg/m^3.
-    pub offset: f64,
-    /// Number of particles whose kernel reaches no free surface.
-    pub supported: usize,
-    /// Standard deviation of their summed density without completion, kg/m^3.
-    pub supported_spread: f64,
-    /// Distances to the nearest particle.
-    pub nearest: Nearest,
-    /// Gauss-Newton iterations.
-    pub iterations: usize,
-    /// Conjugate-gradient steps in all of them.
-    pub sweeps: usize,
-    /// Wall time, s.
-    pub seconds: f64,
-}
-
-impl std::fmt::Display for PackReport {
-    /// One line for the stamp; without wall time, so that it is reproducible.
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(
-            f,
-            "{} particles; density {:+.3} kg/m^3 from rho0, spread {:.3} kg/m^3 \
-             ({:.3} over {} with full support); nearest neighbours {:.3} s0 on average, \
-             {:.3} s0 at least; {} iterations",
-            self.count,
-            self.offset,
-            self.spread,
-            self.supported_spread,
-            self.supported,
-            self.nearest.mean,
-            self.nearest.least,
-            self.iterations
-        )
-    }
-}
 
 /// Mass of one particle, kg (kg/m in 2-D). `density` in kg/m^3, `spacing` in m.
 /// `space`: number of dimensions of what the liquid fills.
@@ -123,15 +60,38 @@ fn particle_mass(input: &PackInput) -> f64 {
 /// # Errors
 /// See [`PackError`].
 pub fn pack(input: &PackInput, watch: &mut Watch) -> Result<(Particles, PackReport), PackError> {
+    pack_on(None, input, watch)
+}
+
+/// [`pack`] on all ranks, of which the first one samples, and has the body at the end; the others
+/// have no particles then. Only the first one's `watch` can stop it.
+///
+/// # Errors
+/// See [`PackError`]; the same on all ranks.
+pub fn pack_shared(
+    with: &Arc<dyn Communicator>,
+    input: &PackInput,
+    watch: &mut Watch,
+) -> Result<(Particles, PackReport), PackError> {
+    pack_on(Some(with), input, watch)
+}
+
+fn pack_on(
+    with: Option<&Arc<dyn Communicator>>,
+    input: &PackInput,
+    watch: &mut Watch,
+) -> Result<(Particles, PackReport), PackError> {
     match input.sph.kernel {
-        KernelName::CubicSpline => Packing::<CubicSpline>::new(input)?.run(watch),
-        KernelName::WendlandC2 => Packing::<WendlandC2>::new(input)?.run(watch),
+        KernelName::CubicSpline => Packing::<CubicSpline>::new(input, with)?.run(watch),
+        KernelName::WendlandC2 => Packing::<WendlandC2>::new(input, with)?.run(watch),
     }
 }
 
 /// One body being packed; lengths in units of the spacing.
 struct Packing<'a, K> {
     input: &'a PackInput,
+    /// The other processes, if there are any.
+    with: Option<&'a Arc<dyn Communicator>>,
     region: Region,
     /// Whether the kernel overestimates the density of disordered particles.
     biased: bool,
@@ -143,7 +103,10 @@ struct Packing<'a, K> {
 }
 
 impl<'a, K: Kernel> Packing<'a, K> {
-    fn new(input: &'a PackInput) -> Result<Self, PackError> {
+    fn new(
+        input: &'a PackInput,
+        with: Option<&'a Arc<dyn Communicator>>,
+    ) -> Result<Self, PackError> {
         let (dimension, spacing) = (input.dimension, input.spacing);
         let region = Region::new(input).scaled(1.0 / spacing);
         let count = region.volume().round() as usize;
@@ -175,6 +138,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         let nominal = input.density * spacing.powi(dimension.count() as i32);
         Ok(Packing {
             input,
+            with,
             wall: wall_near(&region, &wall, reach),
             region,
             biased: input.sph.kernel == KernelName::WendlandC2,
@@ -191,7 +155,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
 
     fn run(self, watch: &mut Watch) -> Result<(Particles, PackReport), PackError> {
         let start = match self.input.packing.arrangement {
-            Arrangement::Lattice => lattice::fill(&self.region, 1.0),
+            Arrangement::Lattice => self.on_first(|| lattice::fill(&self.region, 1.0)),
             Arrangement::Poisson => self.repel(self.sample(watch)?, watch)?,
         };
         let completion = Completion::new::<K>(&self.region, self.measure.h);
@@ -202,14 +166,28 @@ impl<'a, K: Kernel> Packing<'a, K> {
         };
         let mut report = self.report(&crowd, &completion);
         (report.iterations, report.sweeps) = (iterations, sweeps);
-        Ok((self.particles(crowd), report))
+        Ok((self.particles(&crowd), report))
     }
 
-    /// Reports a step to the watcher.
+    /// Points that one rank makes alone: the others have none.
+    fn on_first(&self, make: impl FnOnce() -> [Vec<f64>; 3]) -> [Vec<f64>; 3] {
+        match self.with {
+            Some(with) if with.rank() > 0 => Default::default(),
+            _ => make(),
+        }
+    }
+
+    /// Reports a step to the watcher of the first rank, which can stop all.
     fn tell(&self, watch: &mut Watch, progress: PackProgress) -> Result<(), PackError> {
-        match watch(&progress) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(PackError::Stopped { body: self.name() }),
+        let is_first = self.with.is_none_or(|with| with.rank() == 0);
+        let own = is_first.then(|| watch(&progress).is_break());
+        let stops = match self.with {
+            None => own == Some(true),
+            Some(with) => broadcast(&**with, 0, own),
+        };
+        match stops {
+            false => Ok(()),
+            true => Err(PackError::Stopped { body: self.name() }),
         }
     }
 
@@ -221,7 +199,8 @@ impl<'a, K: Kernel> Packing<'a, K> {
             spread: None,
         };
         self.tell(watch, progress(0))?;
-        let position = poisson::sample(&self.region, self.count, self.input.packing.seed);
+        let seed = self.input.packing.seed;
+        let position = self.on_first(|| poisson::sample(&self.region, self.count, seed));
         self.tell(watch, progress(self.count))?;
         Ok(position)
     }
@@ -262,7 +241,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         let (mut done, mut sweeps) = (0, 0);
         loop {
             let level = self.level(crowd, completion, &mut local);
-            let spread = optimise::spread(&local, level) * self.input.density;
+            let spread = optimise::spread(crowd.span(), &local, level) * self.input.density;
             let progress = PackProgress {
                 task: "optimise",
                 done,
@@ -297,22 +276,27 @@ impl<'a, K: Kernel> Packing<'a, K> {
     ) -> f64 {
         optimise::densities(crowd, completion, self.measure, local);
         match self.region.is_closed() || self.biased {
-            true => optimise::level(local),
+            true => optimise::level(crowd.span(), local),
             false => 0.0,
         }
     }
 
     fn crowd(&self, position: [Vec<f64>; 3], support: f64) -> Result<Crowd, PackError> {
-        Crowd::new(&self.region, position, self.wall.clone(), support).map_err(|found| {
-            PackError::Box {
-                body: self.name(),
-                // Back to metres.
-                source: TooSmall {
-                    axis: found.axis,
-                    size: found.size * self.input.spacing,
-                    need: found.need * self.input.spacing,
-                },
-            }
+        let crowd = Crowd::new(
+            &self.region,
+            position,
+            self.wall.clone(),
+            support,
+            self.with,
+        );
+        crowd.map_err(|found| PackError::Box {
+            body: self.name(),
+            // Back to metres.
+            source: TooSmall {
+                axis: found.axis,
+                size: found.size * self.input.spacing,
+                need: found.need * self.input.spacing,
+            },
         })
     }
 
@@ -320,16 +304,18 @@ impl<'a, K: Kernel> Packing<'a, K> {
         let density = self.input.density;
         let mut local = Vec::new();
         let level = self.level(crowd, completion, &mut local);
-        let (supported, supported_spread) = quality::supported(&local, level);
+        let span = crowd.span();
+        let (supported, supported_spread) = quality::supported(span.clone(), &local, level);
         let (mass, wanted_mass) = self.masses(crowd);
         let is_plane = self.measure.dimension == 2 && !self.input.domain.is_revolved();
         PackReport {
-            count: crowd.len(),
+            count: span.total(),
+            own: crowd.len(),
             mass,
             wanted_mass,
             unit: if is_plane { "kg/m" } else { "kg" },
-            spread: density * optimise::spread(&local, level),
-            offset: density * optimise::level(&local),
+            spread: density * optimise::spread(span.clone(), &local, level),
+            offset: density * optimise::level(span, &local),
             supported,
             supported_spread: density * supported_spread,
             nearest: quality::nearest(crowd, 2.0 * self.measure.h),
@@ -350,7 +336,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         } = self.input;
         let nominal = density * spacing.powi(self.measure.dimension as i32);
         if !domain.is_revolved() {
-            let mass = crowd.len() as f64 * particle_mass(self.input);
+            let mass = crowd.span().total() as f64 * particle_mass(self.input);
             return (mass, nominal * self.region.volume());
         }
         let rings = crowd.position[0].iter();
@@ -359,15 +345,17 @@ impl<'a, K: Kernel> Packing<'a, K> {
         (mass, density * shape.revolved(domain))
     }
 
-    fn particles(&self, crowd: Crowd) -> Particles {
-        let n = crowd.len();
+    fn particles(&self, crowd: &Crowd) -> Particles {
         let spacing = self.input.spacing;
+        let position = crowd.position.each_ref().map(|x| {
+            let all = crowd.collect(x.iter().map(|x| x * spacing).collect());
+            all.unwrap_or_default()
+        });
+        let n = position[0].len();
         Particles {
             id: (0..n as u32).collect(),
             body: vec![0; n],
-            position: crowd
-                .position
-                .map(|x| x.into_iter().map(|x| x * spacing).collect()),
+            position,
             velocity: [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; n]),
             density: vec![self.input.density; n],
             mass: particle_mass(self.input),

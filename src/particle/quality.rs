@@ -3,6 +3,7 @@
 use super::crowd::Crowd;
 use super::optimise::Local;
 use crate::space::parallel::{self, each_mut};
+use crate::space::ranks::span::Span;
 
 /// Bins of the histogram of nearest distances: 0.05 spacings each, the last one open.
 pub const BINS: usize = 32;
@@ -20,13 +21,17 @@ pub struct Nearest {
     pub histogram: [u64; BINS],
 }
 
-/// Measures the distances in a crowd; the support is the largest distance.
+/// Measures the distances in a crowd; the support is the largest distance. Nothing on other ranks
+/// than the first.
 pub fn nearest(crowd: &Crowd, support: f64) -> Nearest {
-    let n = crowd.len();
-    let mut distance = vec![0.0; n];
+    let mut distance = vec![0.0; crowd.len()];
     each_mut(&mut distance[..], |i, distance| {
         *distance = crowd.nearest(i).min(support)
     });
+    let Some(mut distance) = crowd.collect(distance) else {
+        return Nearest::default();
+    };
+    let n = distance.len();
     let mean = distance.iter().sum::<f64>() / n.max(1) as f64;
     distance.sort_by(f64::total_cmp);
     let mut histogram = [0; BINS];
@@ -49,13 +54,13 @@ pub fn nearest(crowd: &Crowd, support: f64) -> Nearest {
 
 /// Least distance between particles.
 pub fn closest(crowd: &Crowd) -> f64 {
-    -parallel::max(crowd.len(), |i| -crowd.nearest(i))
+    -parallel::max(crowd.span(), |i| -crowd.nearest(i))
 }
 
 /// Number of particles with full support, which have no completion, and the root mean square of
 /// their rho / rho0 - 1 - `level`.
-pub fn supported(local: &[Local], level: f64) -> (usize, f64) {
-    let [count, sum] = parallel::sum(local.len(), |i| match local[i].missing == 0.0 {
+pub fn supported(span: Span, local: &[Local], level: f64) -> (usize, f64) {
+    let [count, sum] = parallel::sum(span, |i| match local[i].missing == 0.0 {
         true => [1.0, local[i].residual(level).powi(2)],
         false => [0.0, 0.0],
     });

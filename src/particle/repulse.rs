@@ -71,13 +71,13 @@ pub fn step(
         let shorten = (CAP / square(dx).sqrt().max(f32::MIN_POSITIVE)).min(1.0);
         *step = dx.map(|d| d * shorten);
     });
-    let [sum] = parallel::sum(n, |i| [square(next[i]) as f64]);
-    let longest = parallel::max(n, |i| square(next[i]) as f64).sqrt();
+    let span = crowd.span();
+    let [sum] = parallel::sum(span.clone(), |i| [square(next[i]) as f64]);
+    let longest = parallel::max(span.clone(), |i| square(next[i]) as f64).sqrt();
     *last = next;
-    if crowd.advance(longest, |i| last[i].map(f64::from)) {
-        crowd.follow(last);
-    }
-    (sum / n as f64).sqrt()
+    crowd.advance(longest, |i| last[i].map(f64::from));
+    crowd.settle(last);
+    (sum / span.total() as f64).sqrt()
 }
 
 fn square(x: [f32; 3]) -> f32 {

@@ -257,8 +257,10 @@ pub fn forget(store: &Store, pipeline: &str) -> Result<(), FileError> {
             fs::remove_file(&path).map_err(FileError::new(&path, "remove"))?;
         }
     }
-    // Only if it is empty.
-    let _ = fs::remove_dir(&folder);
+    // Those that are empty: a name can have several parts.
+    let latest = store.root().join(LATEST);
+    let mut folders = folder.ancestors().take_while(|folder| **folder != latest);
+    let _ = folders.try_for_each(fs::remove_dir);
     Ok(())
 }
 

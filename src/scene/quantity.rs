@@ -257,6 +257,16 @@ pub fn human(value: f64, unit: Unit) -> String {
     format!("{} {name}", shifted(value, -power))
 }
 
+/// Rounds to 12 digits, so that 40 mm / 80 is shown as 0.5 mm.
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+/// [`human`] of a value that was computed, for readers.
+pub fn legible(value: f64, unit: Unit) -> String {
+    human(rounded(value), unit)
+}
+
 /// The least number that is written with a unit: 0.25 mm, but 250 us.
 fn least(unit: &str) -> f64 {
     if unit == "mm" { 0.01 } else { 1.0 }

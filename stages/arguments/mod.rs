@@ -251,7 +251,8 @@ pub struct SweepArguments {
     /// With --older-than: also stopped runs of that age that have checkpoints
     #[arg(long, requires = "older_than")]
     pub unfinished: bool,
-    /// Forget this name, and remove the results that only it reaches; repeatable
+    /// Forget this name, or all points of this study, and remove the results that only they reach;
+    /// repeatable
     #[arg(long, value_name = "NAME")]
     pub forget: Vec<String>,
     /// Continue even if no name in `latest/` reaches a result

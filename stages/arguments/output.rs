@@ -9,7 +9,7 @@ use crate::command::{export, render};
 
 #[derive(Debug, Args)]
 pub struct ExportArguments {
-    /// A name in `latest/`, the folder of a run, a log, or a checkpoint
+    /// A name in `latest/`, a log, a checkpoint, or the folder of a run; the run may be under way
     #[arg(value_name = "RUN")]
     pub path: PathBuf,
     /// Format

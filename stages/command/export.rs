@@ -9,9 +9,11 @@ use coronet::pipeline::content::CHECKPOINT;
 use coronet::pipeline::{Stamp, Store};
 use coronet::record::CheckpointError;
 use coronet::record::export::{self, ExportError, Exported, Selection, Which};
+use coronet::record::log::Reel;
 use coronet::scene::quantity::{self, Unit};
 use serde_json::json;
 
+use super::footage;
 use super::place::{Thing, thing};
 use crate::arguments::{ExportArguments, Format};
 use crate::fault::Usage;
@@ -64,13 +66,17 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
         },
     };
     let store = Store::new(&arguments.store.artifacts);
-    let thing = thing(&meant(&store, &arguments.path)?)?;
+    let name = arguments.path.to_string_lossy();
+    let thing = match footage::under_way(&store, &name)? {
+        Some(reel) => Thing::Log(reel),
+        None => thing(&meant(&store, &arguments.path)?)?,
+    };
     let is_new = !exists(order.folder)?;
     fs::create_dir_all(order.folder)
         .with_context(|| format!("cannot create the folder {}", order.folder.display()))?;
     let exported = match thing {
         Thing::Checkpoint(path) => order.checkpoints(&[path], &arguments.path),
-        Thing::Log(path) => order.log(&path),
+        Thing::Log(reel) => order.log(&reel),
         Thing::Result(path) => order.result(&path),
         Thing::Latest(results) => order.run(&results, &arguments.path),
     };
@@ -113,10 +119,10 @@ struct Order<'a> {
 }
 
 impl Order<'_> {
-    fn log(&self, path: &Path) -> Result<Exported> {
-        let exported = export::export_log(path, self.folder, self.format, &self.selection);
+    fn log(&self, reel: &Reel) -> Result<Exported> {
+        let exported = export::export_log(reel, self.folder, self.format, &self.selection);
         exported.map_err(|error| match error.is_usage() {
-            true => Usage(format!("{}: {error}", path.display())).into(),
+            true => Usage(format!("{}: {error}", reel.path().display())).into(),
             false => error.into(),
         })
     }
@@ -125,7 +131,7 @@ impl Order<'_> {
     fn run(&self, results: &[PathBuf], path: &Path) -> Result<Exported> {
         for result in results {
             if exists(&result.join(FRAMES))? {
-                return self.log(&result.join(FRAMES));
+                return self.log(&Reel::finished(&result.join(FRAMES)));
             }
         }
         bail!(Usage(format!("{} has no run", path.display())));
@@ -155,7 +161,7 @@ impl Order<'_> {
     /// Exports the frames of a run, or else each checkpoint of a result.
     fn result(&self, path: &Path) -> Result<Exported> {
         if exists(&path.join(FRAMES))? {
-            return self.log(&path.join(FRAMES));
+            return self.log(&Reel::finished(&path.join(FRAMES)));
         }
         let stamp = Stamp::read(path)?.context("no stamp")?;
         let outputs = stamp.outputs.iter().map(|output| &output.file);

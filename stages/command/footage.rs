@@ -1,7 +1,7 @@
 //! The frames of a run from which pictures are made: of its log, or, while it is under way, of what
 //! it has recorded so far.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Result, bail};
 use coronet::file::exists;
@@ -9,22 +9,20 @@ use coronet::particle::Frame;
 use coronet::pipeline::progress::{Unfinished, unfinished};
 use coronet::pipeline::store::WORK;
 use coronet::pipeline::{Store, content};
-use coronet::record::log::{self, LogError};
+use coronet::record::log::{LogError, Reel};
 use coronet::scene::Scene;
 
 use crate::arguments::RenderArguments;
 use crate::fault::Usage;
-use crate::journal::{BASE, FRAMES};
+use crate::journal::FRAMES;
 use crate::runs::Run;
 
 /// Two times are equal if they differ by less, s.
 const EQUAL: f64 = 1e-9;
 
-/// Logs that follow each other, and the frames of them that are wanted.
+/// The frames of a run that are wanted.
 pub struct Footage {
-    logs: Vec<PathBuf>,
-    /// Whether the last log may be incomplete.
-    is_open: bool,
+    reel: Reel,
     from: f64,
     until: f64,
     every: f64,
@@ -36,14 +34,15 @@ impl Footage {
     /// # Errors
     /// If there is no such run, or it has no frames.
     pub fn find(arguments: &RenderArguments) -> Result<Footage> {
-        let (logs, is_open) = logs(arguments)?;
-        if logs.is_empty() {
-            let text = format!("{} has no frames yet; run it, or wait", arguments.run);
-            bail!(Usage(text));
-        }
+        let path = Path::new(&arguments.run);
+        let is_log = path.extension().is_some_and(|found| found == content::LOG);
+        let store = Store::new(&arguments.store.artifacts);
+        let reel = match is_log && exists(path)? {
+            true => Reel::finished(path),
+            false => reel(&store, &arguments.run)?,
+        };
         Ok(Footage {
-            logs,
-            is_open,
+            reel,
             from: arguments.from.unwrap_or(f64::NEG_INFINITY),
             until: arguments.until.unwrap_or(f64::INFINITY),
             every: arguments.every.unwrap_or(0.0),
@@ -55,31 +54,7 @@ impl Footage {
     /// # Errors
     /// If the log cannot be read, or its scene is of another version.
     pub fn scene(&self) -> Result<Scene> {
-        let first = &self.logs[0];
-        Ok(log::info(first)?.scene(first)?)
-    }
-
-    /// All frames, in their order; a log that is being written ends where it is incomplete.
-    fn all(&self) -> Result<impl Iterator<Item = Result<Frame, LogError>>> {
-        let frames = self.logs.iter().map(|path| log::read_frames(path));
-        let frames = frames.collect::<Result<Vec<_>, LogError>>()?;
-        let is_open = self.is_open;
-        let mut last = f64::NEG_INFINITY;
-        let ends = move |frame: &Result<Frame, LogError>| {
-            let error = frame.as_ref().err();
-            !error.is_some_and(|error| is_open && error.is_damage())
-        };
-        // A log that was resumed begins before the end of the one before, with the same frames.
-        let is_new = move |frame: &Result<Frame, LogError>| {
-            let Ok(frame) = frame else { return true };
-            let is_new = frame.time > last + EQUAL;
-            last = last.max(frame.time);
-            is_new
-        };
-        Ok(frames
-            .into_iter()
-            .flat_map(move |log| log.take_while(ends))
-            .filter(is_new))
+        Ok(self.reel.info()?.scene(self.reel.path())?)
     }
 
     /// The frames between the wanted times.
@@ -100,7 +75,7 @@ impl Footage {
             }
             is_due
         };
-        Ok(self.all()?.take_while(is_early).filter(is_due))
+        Ok(self.reel.frames()?.take_while(is_early).filter(is_due))
     }
 
     /// The frame nearest to a time, or the last one. As in an export, the time may be outside the
@@ -112,7 +87,7 @@ impl Footage {
         let goal = at.unwrap_or(f64::INFINITY);
         let mut best: Option<Frame> = None;
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for frame in self.all()? {
+        for frame in self.reel.frames()? {
             let frame = frame?;
             (first, last) = (first.min(frame.time), last.max(frame.time));
             let distance = |frame: &Frame| (frame.time - goal).abs();
@@ -142,41 +117,46 @@ impl Footage {
     }
 }
 
-/// The logs of a run in their order, and whether it is under way.
-fn logs(arguments: &RenderArguments) -> Result<(Vec<PathBuf>, bool)> {
-    let path = Path::new(&arguments.run);
-    if path.extension().is_some_and(|found| found == content::LOG) && exists(path)? {
-        return Ok((vec![path.to_path_buf()], false));
-    }
-    let store = Store::new(&arguments.store.artifacts);
-    let jobs = if exists(store.root())? {
-        unfinished(&store)?
-    } else {
-        Vec::new()
+/// The frames of a run that is under way, or stopped, and that `name` means; `None` if it is not.
+///
+/// # Errors
+/// If something cannot be read, or it has written no frames.
+pub fn under_way(store: &Store, name: &str) -> Result<Option<Reel>> {
+    let jobs = match exists(store.root())? {
+        true => unfinished(store)?,
+        false => Vec::new(),
     };
     let is_mine = |job: &&Unfinished| {
         let told = job.told.as_ref();
-        job.stage == "impact" && told.is_some_and(|(told, _)| told.pipeline == arguments.run)
+        job.stage == "impact" && told.is_some_and(|(told, _)| told.pipeline == name)
     };
-    let mine = jobs.iter().find(is_mine);
-    let run = Run::meant(&store, &arguments.run);
-    if let Some(job) = mine {
-        // A run that was stopped is named after its last checkpoint, and has no impact then.
-        let named = run
-            .as_ref()
-            .ok()
-            .filter(|run| run.result("impact").is_some());
-        if job.holder.is_some() || job.touched() > named.and_then(|run| run.named) {
-            let work = job.folder.join(WORK);
-            let segments = log::segments(&work)?;
-            // Frames of the run that this one continues.
-            let base = work.join(BASE);
-            let mut logs: Vec<PathBuf> = exists(&base)?.then_some(base).into_iter().collect();
-            logs.extend(segments.into_iter().map(|segment| segment.path));
-            return Ok((logs, true));
-        }
+    let Some(job) = jobs.iter().find(is_mine) else {
+        return Ok(None);
+    };
+    // A run that was stopped is named after its last checkpoint, and has no impact then.
+    let run = Run::meant(store, name).ok();
+    let named = run.filter(|run| run.result("impact").is_some());
+    if job.holder.is_none() && job.touched() <= named.and_then(|run| run.named) {
+        return Ok(None);
     }
-    let run = run?;
-    let impact = run.result("impact").map(|(folder, _)| folder.join(FRAMES));
-    Ok((impact.into_iter().collect(), false))
+    match Reel::under_way(&job.folder.join(WORK))? {
+        Some(reel) => Ok(Some(reel)),
+        None => bail!(no_frames(name)),
+    }
+}
+
+fn no_frames(name: &str) -> Usage {
+    Usage(format!("{name} has no frames yet; run it, or wait"))
+}
+
+/// The frames of the run that a user means.
+fn reel(store: &Store, name: &str) -> Result<Reel> {
+    if let Some(reel) = under_way(store, name)? {
+        return Ok(reel);
+    }
+    let run = Run::meant(store, name)?;
+    match run.result("impact") {
+        Some((folder, _)) => Ok(Reel::finished(&folder.join(FRAMES))),
+        None => bail!(no_frames(name)),
+    }
 }

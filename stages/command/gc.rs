@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
 use coronet::pipeline::sweep::{self, Options, Swept};
-use coronet::pipeline::{self, Store};
+use coronet::pipeline::{self, Store, latest};
 use coronet::scene::file;
 use serde_json::json;
 
@@ -48,10 +48,28 @@ fn options(store: &Store, arguments: &SweepArguments) -> Result<Options> {
     Ok(Options {
         older_than: arguments.older_than,
         unfinished: arguments.unfinished,
-        forgotten: arguments.forget.clone(),
+        forgotten: forgotten(store, &arguments.forget)?,
         planned,
         without_names: arguments.without_names,
     })
+}
+
+/// The names of runs that are meant: a study stands for its points.
+fn forgotten(store: &Store, names: &[String]) -> Result<Vec<String>> {
+    let known = latest::pipelines(store)?;
+    let mut all = Vec::new();
+    for name in names {
+        let of_study = known.iter().filter(|known| {
+            let part = known.strip_prefix(name.as_str());
+            part.is_some_and(|part| part.starts_with('/'))
+        });
+        let points: Vec<String> = of_study.cloned().collect();
+        match known.contains(name) || points.is_empty() {
+            true => all.push(name.clone()),
+            false => all.extend(points),
+        }
+    }
+    Ok(all)
 }
 
 /// Asks for confirmation on the terminal.

@@ -7,13 +7,14 @@ use anyhow::{Context as _, Result, bail};
 use coronet::file::exists;
 use coronet::pipeline::content::{CHECKPOINT, LOG};
 use coronet::pipeline::stamp;
+use coronet::record::log::Reel;
 
 use crate::fault::Usage;
 
 /// The thing at a path.
 pub enum Thing {
     Checkpoint(PathBuf),
-    Log(PathBuf),
+    Log(Reel),
     Result(PathBuf),
     /// A folder of results: `artifacts/latest/NAME`.
     Latest(Vec<PathBuf>),
@@ -42,7 +43,7 @@ pub fn thing(path: &Path) -> Result<Thing> {
         return Ok(Thing::Latest(results));
     }
     match extension {
-        Some(LOG) => Ok(Thing::Log(path.to_path_buf())),
+        Some(LOG) => Ok(Thing::Log(Reel::finished(path))),
         Some(CHECKPOINT) => Ok(Thing::Checkpoint(path.to_path_buf())),
         _ => bail!(Usage(format!(
             "{} is not a checkpoint (.{CHECKPOINT}), log (.{LOG}) or folder of a result",

@@ -88,7 +88,7 @@ fn fits_here(decisions: &[Decision], arguments: &PlanArguments) -> Result<()> {
 
 /// Whether several processes share a stage.
 fn is_shared(decision: &Decision) -> bool {
-    matches!(&*decision.stage, "relax" | "impact")
+    matches!(&*decision.stage, "pack" | "relax" | "impact")
 }
 
 /// A run on several processes.

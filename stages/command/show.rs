@@ -26,7 +26,7 @@ pub fn show(arguments: &ShowArguments) -> Result<()> {
     let store = Store::new(&arguments.artifacts);
     let things: Vec<Facts> = match thing(&meant(&store, &arguments.path)?)? {
         Thing::Checkpoint(path) => vec![checkpoint_facts(&path)?],
-        Thing::Log(path) => vec![log_facts(&path)?],
+        Thing::Log(reel) => vec![log_facts(reel.path())?],
         Thing::Result(folder) => vec![result_facts(&folder, json, &mut lacks)?],
         Thing::Latest(folders) => {
             let facts = folders

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use anyhow::{Result, anyhow, bail};
 use coronet::measure::tradeoff::{Choice, Sample, meeting, predict, worst};
 use coronet::scene::file;
-use coronet::scene::quantity::{Unit, human};
+use coronet::scene::quantity::{Unit, legible, rounded};
 use coronet::scene::{Scene, Side};
 use serde_json::json;
 
@@ -203,17 +203,12 @@ fn settle(trials: &[Trial], samples: &[Sample], choice: &Choice) -> Result<Tuned
 }
 
 fn with_spacing(sets: &[String], spacing: f64) -> Vec<String> {
-    let text = human(rounded(spacing), Unit::Length);
+    let text = legible(spacing, Unit::Length);
     let replace = |set: &String| match set.starts_with(SPACING) {
         true => format!("{SPACING}{text}"),
         false => set.clone(),
     };
     sets.iter().map(replace).collect()
-}
-
-/// Rounds to 12 digits, so that 40 mm / 80 is shown as 0.5 mm.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.11e}").parse().unwrap_or(value)
 }
 
 /// Spacings between `finest` (itself left out) and `wanted`, the largest first: those that divide
@@ -287,13 +282,13 @@ fn tell(
         return;
     }
     for (spacing, error) in misses {
-        let spacing = human(rounded(*spacing), Unit::Length);
+        let spacing = legible(*spacing, Unit::Length);
         out!("missed   s0 = {spacing}: error {}", percent(*error));
     }
     out!(
         "cheapest {}, s0 = {}: error of {} {}, {}",
         named(&tuned.group),
-        human(rounded(trial.spacing), Unit::Length),
+        legible(trial.spacing, Unit::Length),
         target.column,
         percent(tuned.error),
         cost.long(tuned.cost)

@@ -1,14 +1,17 @@
 //! One run on several processes that `mpirun` has started: rank 0 runs the pipeline, the others
-//! share its solvers.
+//! share its packings and solvers.
 
 #[cfg(feature = "mpi")]
 mod mpi;
 
+use std::ops::ControlFlow;
 use std::sync::{Arc, OnceLock};
 
 use anyhow::{Context as _, Result, bail};
 use coronet::method::{self, MethodError, Phase, Solver, shared};
-use coronet::particle::State;
+use coronet::particle::pack::{self, PackError, PackReport, Watch};
+use coronet::particle::{Particles, State};
+use coronet::scene::input::PackInput;
 use coronet::scene::{Problem, Scene};
 use coronet::space::ranks::{Communicator, broadcast};
 use serde::{Deserialize, Serialize};
@@ -17,9 +20,11 @@ use crate::fault::Usage;
 
 static WORLD: OnceLock<Arc<dyn Communicator>> = OnceLock::new();
 
-/// Which solver of a scene.
+/// What of a scene is shared.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub enum Part {
+    /// The packing of a body.
+    Pack(usize),
     /// Of the relaxation of a body.
     Relax(usize),
     /// Of the impact.
@@ -86,6 +91,22 @@ pub fn check(scene: &Scene) -> Result<()> {
     }
 }
 
+/// Packs a body of a scene, on all ranks if there are several.
+///
+/// # Errors
+/// As [`pack::pack`].
+pub fn pack(
+    body: usize,
+    input: &PackInput,
+    watch: &mut Watch,
+) -> Result<(Particles, PackReport), PackError> {
+    let Some(world) = world() else {
+        return pack::pack(input, watch);
+    };
+    broadcast(&**world, 0, Some(Some(Part::Pack(body))));
+    pack::pack_shared(world, input, watch)
+}
+
 /// Builds the solver of `part` of a scene, on all ranks if there are several.
 ///
 /// # Errors
@@ -114,6 +135,12 @@ pub fn help(scene: &Scene) -> Result<()> {
     };
     while let Some(part) = broadcast::<Option<Part>>(&**world, 0, None) {
         let (problem, phase) = match part {
+            Part::Pack(body) => {
+                // Rank 0 has the same error, and says so.
+                let input = scene.pack_input(body);
+                let _ = pack::pack_shared(world, &input, &mut |_| ControlFlow::Continue(()));
+                continue;
+            }
             Part::Relax(body) => {
                 let input = scene
                     .relax_input(body)

@@ -78,10 +78,9 @@ MPIRUN = os.environ.get("MPIRUN", "mpirun --oversubscribe --bind-to none").split
 ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
-def launch(place, ranks, words):
-    start = [*MPIRUN, "-n", str(ranks), PROGRAM]
+def launch(place, ranks, words, mpirun=MPIRUN):
     return subprocess.Popen(
-        [*start, "run", "tiny.toml", "--json", *words],
+        [*mpirun, "-n", str(ranks), PROGRAM, "run", "tiny.toml", "--json", *words],
         cwd=place.folder,
         env={**place.environment, **ROOT},
         stdin=subprocess.DEVNULL,
@@ -97,8 +96,8 @@ def digests(text):
     return {(s["stage"], s["body"]): s["digest"] for s in stages}
 
 
-def finished(place, ranks, words):
-    process = launch(place, ranks, words)
+def finished(place, ranks, words, mpirun=MPIRUN):
+    process = launch(place, ranks, words, mpirun)
     out, err = process.communicate()
     assert process.returncode == 0, f"{ranks} ranks: {process.returncode}\n{out}{err}"
     return digests(out)

@@ -49,6 +49,7 @@ mod pack_completion;
 mod pack_lattice;
 mod pack_mirror;
 mod pack_poisson;
+mod pack_ranks;
 mod pack_scene;
 mod pressure_solve;
 mod projection_flow;

@@ -57,7 +57,7 @@ fn alone(scene: &Scene, state: &State, advances: usize) -> Seen {
 }
 
 /// Calls `f` on so many ranks, with so many threads each; what they return.
-fn on_ranks<T: Send>(
+pub fn on_ranks<T: Send>(
     [size, threads]: [usize; 2],
     f: impl Fn(&Arc<dyn Communicator>) -> T + Sync,
 ) -> Vec<T> {

@@ -7,7 +7,7 @@ use coronet::particle::{Particles, State};
 use coronet::record::Checkpoint;
 use coronet::record::export::{ExportError, Exported, Format, LIST, Selection, export_checkpoints};
 use coronet::record::layout::Layout;
-use coronet::record::log::LogWriter;
+use coronet::record::log::{LogWriter, Reel};
 use serde_json::Value;
 
 use crate::record_log::{frame, setup};
@@ -68,7 +68,7 @@ pub fn write_log(folder: &Path) -> std::path::PathBuf {
 }
 
 pub fn export_log(log: &Path, folder: &Path, format: Format) -> Result<Exported, ExportError> {
-    coronet::record::export::export_log(log, folder, format, &Selection::default())
+    coronet::record::export::export_log(&Reel::finished(log), folder, format, &Selection::default())
 }
 
 fn export_checkpoint(path: &Path, folder: &Path, format: Format) -> Result<PathBuf, ExportError> {

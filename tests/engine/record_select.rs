@@ -3,6 +3,7 @@
 use std::fs;
 
 use coronet::record::export::{Format, LIST, Selection, Which};
+use coronet::record::log::Reel;
 
 use crate::record_export::{export_log, f32s, write_log};
 use crate::record_log::{frame, setup};
@@ -63,8 +64,9 @@ fn a_body_at_an_instant_becomes_arrays() {
     };
     let out = folder.path().join("out");
     fs::create_dir(&out).unwrap();
-    let export =
-        |selection| coronet::record::export::export_log(&log, &out, Format::Npz, selection);
+    let export = |selection| {
+        coronet::record::export::export_log(&Reel::finished(&log), &out, Format::Npz, selection)
+    };
     let exported = export(&selection).unwrap();
     assert_eq!(
         (exported.files.len(), &exported.times[..]),

@@ -339,6 +339,10 @@ fn a_name_of_several_parts_leads_to_its_results_and_keeps_them() {
         assert!(program.path(&stamp).is_file(), "{name}");
     }
     assert!(!program.path("artifacts/latest/sweep/pack-drop").exists());
+    // A name that is of no run means the points of a study.
+    program.call(&["gc", "--forget", "sweep"]).well();
+    assert!(!program.path("artifacts/latest/sweep").exists());
+    assert!(program.path("artifacts/latest").exists());
 }
 
 #[test]

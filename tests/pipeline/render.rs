@@ -175,16 +175,22 @@ fn a_run_under_way_is_shown_as_far_as_it_is() {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     let render = || program.call(&["render", "long", "--size", "64x48", "--samples", "1"]);
-    let ended = render();
+    let export = || program.call(&["export", "long", "--to", "csv", "--output", "tables"]);
+    let ended = [render(), export()];
     let is_running = child.try_wait().unwrap().is_none();
     let number = child.id().to_string();
     let kill = Command::new("kill").args(["-TERM", &number]).status();
     assert!(kill.unwrap().success());
     child.wait().unwrap();
     assert!(is_running, "the run ended too early for this test");
-    ended.well();
+    for ended in ended {
+        ended.well();
+    }
     assert_eq!(size(&program, "render.png"), [64, 48]);
     // Now the run has its name, after its last checkpoint.
     assert!(program.path("artifacts/latest/long/manifest.json").exists());
     render().well();
+    export().well();
+    let index = fs::read_to_string(program.path("tables/frames.csv")).unwrap();
+    assert!(index.lines().count() > 1, "{index}");
 }

@@ -2,10 +2,10 @@
 
 use super::Flow;
 use crate::particle::column::{Columns, Entry, Role, Visitor};
-use crate::particle::migrate::{Emigrate, Immigrate};
+use crate::particle::migrate::Emigrate;
 use crate::space::ranks::halo::Carried;
+use crate::space::ranks::largest;
 use crate::space::ranks::span::Span;
-use crate::space::ranks::{decoded, encoded, largest};
 
 impl Flow {
     /// Records beside those of this rank's particles and of walls: images or ghosts.
@@ -103,11 +103,7 @@ impl Flow {
         let Some(ranks) = &mut self.ranks else {
             return;
         };
-        let (grid, x) = (&self.grid, &self.particles.position);
-        let mut counts = vec![0; grid.count[0]];
-        for i in 0..x[0].len() {
-            counts[grid.cell([x[0][i], x[1][i], x[2][i]])[0]] += 1;
-        }
+        let grid = &self.grid;
         // A group of wall particles behind each other belongs to one rank.
         let (low, edge) = (grid.low[0], grid.edge[0]);
         let slab = |x: f64| (x - low) / edge;
@@ -115,7 +111,7 @@ impl Flow {
             true => 0..=grid.count[0],
             false => slab(0.0).ceil() as usize..=slab(self.domain.size[0]).floor() as usize,
         };
-        ranks.balance(counts, &within);
+        ranks.balance(grid, &self.particles.position, &within);
     }
 
     /// Gives particles to the ranks that own their slabs, with `own` columns and what is `held`
@@ -124,20 +120,11 @@ impl Flow {
         let Some(ranks) = &self.ranks else {
             return;
         };
-        let (grid, x) = (&self.grid, &self.particles.position);
-        let mut lists: Vec<Vec<u32>> = vec![Vec::new(); ranks.size()];
-        for i in 0..x[0].len() {
-            let slab = grid.cell([x[0][i], x[1][i], x[2][i]])[0];
-            lists[ranks.owner(slab)].push(i as u32);
-        }
-        let mut leaving = Emigrate::new(lists, ranks.rank());
+        let mut leaving = Emigrate::new(ranks, &self.grid, &self.particles.position);
         self.particles.visit(&mut leaving);
         own.visit(&mut leaving);
         leaving.visit(Role::Held, held);
-        let (kept, out) = leaving.into_parts();
-        let all = ranks.trade(out.iter().map(encoded).collect());
-        let all = all.into_iter().map(|bytes| decoded(&bytes)).collect();
-        let mut coming = Immigrate::new(kept, all, ranks.rank());
+        let mut coming = leaving.trade(ranks);
         self.particles.visit(&mut coming);
         own.visit(&mut coming);
         coming.visit(Role::Held, held);
@@ -150,17 +137,8 @@ impl Flow {
         let (Some(ranks), Some(_)) = (&self.ranks, &self.mirror) else {
             return Default::default();
         };
-        let n = self.liquid();
-        let index = self
-            .halo
-            .in_order(n, ranks.slabs(ranks.rank()).start, &self.grid);
-        let all = self.particles.position.each_ref().map(|own| {
-            let mut points = own.clone();
-            points.resize(self.halo.first + self.halo.len(), 0.0);
-            self.halo.fill(ranks, &mut points);
-            index.iter().map(|&i| points[i as usize]).collect()
-        });
-        (all, index)
+        let own = &self.particles.position;
+        self.halo.with_ghosts(ranks, &self.grid, own)
     }
 
     /// Finds which particles and walls of other ranks are near.

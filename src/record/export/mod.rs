@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 use super::atomic;
 use super::checkpoint::{self, CheckpointError};
-use super::log::{self, LogError};
+use super::log::{LogError, Reel};
 use crate::file::FileError;
 use crate::particle::{Frame, ring};
 use crate::scene::{Clock, Dimension};
@@ -219,7 +219,7 @@ pub fn export_checkpoints(
     Ok(exported)
 }
 
-/// Exports frames of the log at `path` to `folder/frame-00000.EXTENSION` ..., and an index:
+/// Exports frames of a run to `folder/frame-00000.EXTENSION` ..., and an index:
 /// `frames.pvd` for VTK, `frames.csv`, `frames-ply.csv` and `frames-npz.csv` with the scalars for
 /// the others.
 ///
@@ -230,19 +230,19 @@ pub fn export_checkpoints(
 /// If the log cannot be read to its end, then no file is removed; if what is selected is not in the
 /// log; or if a file cannot be written or removed.
 pub fn export_log(
-    path: &Path,
+    reel: &Reel,
     folder: &Path,
     format: Format,
     selection: &Selection,
 ) -> Result<Exported, ExportError> {
-    let info = log::info(path)?;
+    let info = reel.info()?;
     let bodies = choice::bodies(&selection.bodies, &info.bodies)?;
-    let times = log::times(path)?;
+    let times = reel.times()?;
     let chosen = selection.which.of(&times)?;
     let mut names = vec![format.index().to_string()];
     names.extend((0..chosen.len()).map(|number| format.frame(number)));
     if selection.revolve.is_some() {
-        let first = log::read_frames(path)?.next().transpose()?;
+        let first = reel.frames()?.next().transpose()?;
         first
             .filter(|frame| !frame.mass.is_empty())
             .ok_or(ExportError::Plain)?;
@@ -253,7 +253,7 @@ pub fn export_log(
 
     let mut index = Vec::new();
     let mut left = chosen.iter().peekable();
-    for (number, frame) in log::read_frames(path)?.enumerate() {
+    for (number, frame) in reel.frames()?.enumerate() {
         if left.peek().is_none() {
             break;
         }

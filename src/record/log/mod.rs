@@ -26,6 +26,7 @@ mod merge;
 mod output;
 mod read;
 mod records;
+mod reel;
 mod setup;
 mod times;
 
@@ -33,6 +34,7 @@ pub use background::{Flush, LogWriter};
 pub use cloud::viridis;
 pub use merge::{Merged, Recovered, Segment, merge, recover, segments};
 pub use read::{Frames, Info, content_digest, info, read_frames};
+pub use reel::{BASE, Reel};
 pub use setup::{LogBody, LogSetup};
 pub use times::times;
 

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::body::SHAPES;
 use super::error::{Mistakes, SceneError};
-use super::quantity::{Unit, human};
+use super::quantity::{Unit, legible};
 use super::stage::LONGEST_REFERENCE;
 use super::tree::Tree;
 use super::{
@@ -62,10 +62,10 @@ fn bodies(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
             if low[axis] < -EQUAL * size || high[axis] > size * (1.0 + EQUAL) {
                 let problem = format!(
                     "reaches from {} to {} in {}, out of the box [0, {}]",
-                    human(rounded(low[axis]), Unit::Length),
-                    human(rounded(high[axis]), Unit::Length),
+                    legible(low[axis], Unit::Length),
+                    legible(high[axis], Unit::Length),
                     AXES[axis],
-                    human(size, Unit::Length)
+                    legible(size, Unit::Length)
                 );
                 let key = shape_of(&body.name, tree);
                 return Err(tree.fault(&key, &problem, "move it or enlarge `box.size`"));
@@ -139,11 +139,6 @@ fn overlap(scene: &Scene, first: &Shape, second: &Shape) -> bool {
     })
 }
 
-/// Rounds to 12 digits, so that 40 mm / 80 is shown as 0.5 mm.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.11e}").parse().unwrap_or(value)
-}
-
 fn periodic_axes(scene: &Scene) -> impl Iterator<Item = usize> + '_ {
     let axes = scene.dimension.axes().iter().copied();
     axes.filter(|axis| scene.domain.boundary[*axis][0] == Side::Periodic)
@@ -174,11 +169,11 @@ fn widened(scene: &Scene) -> String {
     let keys = match wetting.hysteresis {
         Some([advancing, receding]) => format!(
             "effects.wetting.advancing` = {} and `receding` = {}",
-            human(advancing, Unit::Angle),
-            human(receding, Unit::Angle)
+            legible(advancing, Unit::Angle),
+            legible(receding, Unit::Angle)
         ),
         None => {
-            let angle = human(wetting.angle, Unit::Angle);
+            let angle = legible(wetting.angle, Unit::Angle);
             format!("effects.wetting.angle` = {angle}")
         }
     };
@@ -194,7 +189,7 @@ fn is_stretched(scene: &Scene) -> bool {
 }
 
 fn at_least(scene: &Scene, length: f64) -> String {
-    let least = human(rounded(length), Unit::Length);
+    let least = legible(length, Unit::Length);
     let angle = match is_stretched(scene) {
         true => ", or take an angle nearer 90 deg",
         false => "",
@@ -266,8 +261,8 @@ fn times(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
         let key = "method.wcsph.time_stepping.fixed.step";
         let problem = format!(
             "takes fixed steps of {}, above the acoustic limit of {}",
-            human(step, Unit::Time),
-            human(rounded(limit), Unit::Time)
+            legible(step, Unit::Time),
+            legible(limit, Unit::Time)
         );
         let remedy = format!("set `{key}` lower, or `adaptive` in place of `fixed`");
         return Err(tree.fault(key, &problem, &remedy));
@@ -279,7 +274,7 @@ fn steps(method: &str, settings: &Projection, tree: &Tree<'_>) -> Result<(), Sce
     if settings.shortest <= settings.longest {
         return Ok(());
     }
-    let longest = human(settings.longest, Unit::Time);
+    let longest = legible(settings.longest, Unit::Time);
     let problem = format!("is above the longest step of {longest}");
     let key = format!("method.{method}.shortest");
     Err(tree.fault(&key, &problem, "make it shorter"))
@@ -300,7 +295,7 @@ fn figures(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     if style.font_size <= most {
         return Ok(());
     }
-    let [width, height] = [style.width, style.height].map(|length| human(length, Unit::Length));
+    let [width, height] = [style.width, style.height].map(|length| legible(length, Unit::Length));
     let problem = format!("leaves no room for curves in a plot of {width} by {height}");
     let remedy = format!("give at most {:.1}, or larger figures", most - 0.05);
     Err(tree.fault("post.figures.font_size", &problem, &remedy))

@@ -1,10 +1,10 @@
 //! The spacing of particles: divides periodic sides, and makes no more than can be numbered.
 
 use super::super::error::SceneError;
-use super::super::quantity::{Unit, human};
+use super::super::quantity::{Unit, legible};
 use super::super::tree::Tree;
 use super::super::{Body, Scene, numbers};
-use super::{EQUAL, periodic_axes, rounded};
+use super::{EQUAL, periodic_axes};
 
 /// Largest number of particles: they are numbered by 32 bits.
 const PARTICLES: f64 = 4e9;
@@ -63,7 +63,7 @@ pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
 fn divisors(spacing: f64, sides: &[f64], divides: impl Fn(f64) -> bool) -> String {
     let first = sides[0];
     let count = (first / spacing).floor().max(1.0) as u64;
-    let exact = |count: u64| human(rounded(first / count as f64), Unit::Length);
+    let exact = |count: u64| legible(first / count as f64, Unit::Length);
     let above = (1..=count)
         .rev()
         .find(|count| divides(first / *count as f64));

@@ -1,17 +1,22 @@
 //! Frames, and the pictures that are made of them.
 
 use super::Warning;
-use crate::scene::quantity::{Unit, human};
+use crate::scene::quantity::{Unit, legible};
 use crate::scene::{Scene, numbers};
 
 /// A log with one frame only.
 pub(super) fn frames(scene: &Scene) -> Option<Warning> {
     let (interval, end) = (scene.frames.interval, scene.impact.end);
     (interval > end).then(|| {
-        let end = human(end, Unit::Time);
+        let end = legible(end, Unit::Time);
         let why = format!("the run ends after {end}: only the first frame is recorded");
         let remedy = "make it shorter, a fiftieth of `impact.end` or less";
-        Warning::new("frames.interval", human(interval, Unit::Time), &why, remedy)
+        Warning::new(
+            "frames.interval",
+            legible(interval, Unit::Time),
+            &why,
+            remedy,
+        )
     })
 }
 
@@ -38,7 +43,7 @@ pub(super) fn pictures(scene: &Scene) -> Vec<Warning> {
             "no frame is taken then; the picture shows the frame at {nearest}, the nearest"
         );
         let remedy = "choose a `frames.interval` of which all instants are multiples";
-        Some(Warning::new(key, human(at, Unit::Time), &why, remedy))
+        Some(Warning::new(key, legible(at, Unit::Time), &why, remedy))
     });
     off.collect()
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::lamella::{Thickness, spreads_in};
 use super::numbers;
-use super::quantity::{Unit, human};
+use super::quantity::{Unit, legible};
 use super::{AXES, Body, Dimension, Motion, Scene, Shape, Side, TensionForm};
 use course::Course;
 
@@ -96,7 +96,7 @@ fn is_full(scene: &Scene) -> bool {
 
 fn vector(scene: &Scene, vector: [f64; 3], unit: Unit) -> String {
     let axes = scene.dimension.axes().iter();
-    let parts: Vec<String> = axes.map(|axis| human(vector[*axis], unit)).collect();
+    let parts: Vec<String> = axes.map(|axis| legible(vector[*axis], unit)).collect();
     format!("[{}]", parts.join(", "))
 }
 
@@ -202,7 +202,7 @@ fn motions(scene: &Scene) -> Vec<Warning> {
             }
             Course::Alone if lonely => return None,
             Course::Alone => {
-                let end = human(scene.impact.end, Unit::Time);
+                let end = legible(scene.impact.end, Unit::Time);
                 format!("`{}` meets nothing before `impact.end` = {end}", body.name)
             }
         };
@@ -246,7 +246,7 @@ fn thin(scene: &Scene) -> Vec<Warning> {
 
 /// Advice for liquid that is `thickness` m thick.
 fn finer(scene: &Scene, why: &str, thickness: f64) -> Warning {
-    let value = human(scene.spacing, Unit::Length);
+    let value = legible(scene.spacing, Unit::Length);
     let enough = numbers::short(thickness / THIN, Unit::Length);
     let remedy = format!("make it {enough} or less");
     Warning::new("pack.spacing", value, why, &remedy)
@@ -306,7 +306,7 @@ fn dry_walls(scene: &Scene) -> Option<Warning> {
     };
     let mut axes = scene.dimension.axes().iter();
     let axis = axes.find(|axis| (0..2).any(|end| is_line(**axis, end)))?;
-    let value = human(tension, Unit::Tension);
+    let value = legible(tension, Unit::Tension);
     let axis = AXES[*axis];
     let neutral = scene.effects.has_tension(TensionForm::SurfaceEnergy);
     let why = match neutral {

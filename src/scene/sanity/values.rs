@@ -1,7 +1,7 @@
 //! Values that no liquid and no experiment has: mostly a missing or a wrong unit.
 
 use super::Warning;
-use crate::scene::quantity::{Unit, human};
+use crate::scene::quantity::{Unit, legible};
 use crate::scene::{Motion, Scene};
 
 /// Densities of liquids, kg/m^3: hydrogen at 20 K has 71, osmium at 3300 K 20,000 (Lide, CRC
@@ -49,13 +49,13 @@ fn liquid(scene: &Scene) -> Vec<Warning> {
         .into_iter()
         .filter_map(|(key, value, unit, [least, most])| {
             let value = value.filter(|value| !(least..=most).contains(value))?;
-            let [least, most] = [least, most].map(|bound| human(bound, unit));
+            let [least, most] = [least, most].map(|bound| legible(bound, unit));
             let why = format!("no liquid has such a value: they have {least} to {most}");
             let remedy = format!(
                 "a bare number is in SI units: write the unit, as in {}",
                 unit.example()
             );
-            Some(Warning::new(key, human(value, unit), &why, &remedy))
+            Some(Warning::new(key, legible(value, unit), &why, &remedy))
         });
     far.collect()
 }
@@ -69,7 +69,12 @@ fn extreme(scene: &Scene) -> Vec<Warning> {
             let why = "liquid is compressible at such a speed, which no method here computes: \
                        sound in water has 1500 m/s";
             let remedy = "write the unit, as in \"3 m/s\"";
-            Some(Warning::new(&key, human(size(v), Unit::Speed), why, remedy))
+            Some(Warning::new(
+                &key,
+                legible(size(v), Unit::Speed),
+                why,
+                remedy,
+            ))
         }
         _ => None,
     });
@@ -77,7 +82,7 @@ fn extreme(scene: &Scene) -> Vec<Warning> {
     let heavy = gravity.map(|g| {
         let why = "it is more than a million times that of the earth";
         let remedy = "write the unit, as in \"9.81 m/s^2\"";
-        let value = human(g, Unit::Acceleration);
+        let value = legible(g, Unit::Acceleration);
         Warning::new("effects.gravity.acceleration", value, why, remedy)
     });
     fast.chain(heavy).collect()

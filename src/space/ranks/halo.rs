@@ -182,6 +182,25 @@ impl Halo {
             .collect()
     }
 
+    /// Positions of own particles, which are at `own`, m, and of ghosts in the order of all, and
+    /// their records.
+    pub fn with_ghosts(
+        &self,
+        ranks: &Ranks,
+        grid: &Grid,
+        own: &[Vec<f64>; 3],
+    ) -> ([Vec<f64>; 3], Vec<u32>) {
+        let slab = ranks.slabs(ranks.rank()).start;
+        let index = self.in_order(own[0].len(), slab, grid);
+        let all = own.each_ref().map(|own| {
+            let mut points = own.clone();
+            points.resize(self.first + self.len(), 0.0);
+            self.fill(ranks, &mut points);
+            index.iter().map(|&i| points[i as usize]).collect()
+        });
+        (all, index)
+    }
+
     /// [`Halo::fill`] of records.
     pub fn fill_records(&self, ranks: &Ranks, records: &mut Records) {
         self.fill_as(ranks, records.all(), |record| record.0, Record);

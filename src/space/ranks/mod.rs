@@ -123,10 +123,15 @@ impl Ranks {
         Span::shared(&self.with, &starts, starts[self.rank()])
     }
 
-    /// Gives every rank slabs that take it about the same time: `counts` are the particles of this
-    /// rank in each slab; no rank begins outside of those `within`. Call it at the start of a step.
-    pub fn balance(&mut self, counts: Vec<u32>, within: &RangeInclusive<usize>) {
-        let own = counts.iter().map(|count| *count as usize).sum();
+    /// Gives every rank slabs that take it about the same time: `x` are the positions of the
+    /// particles of this rank, m; no rank begins outside of the slabs `within`. Call it at the
+    /// start of a step.
+    pub fn balance(&mut self, grid: &Grid, x: &[Vec<f64>; 3], within: &RangeInclusive<usize>) {
+        let own = x[0].len();
+        let mut counts = vec![0u32; grid.count[0]];
+        for i in 0..own {
+            counts[grid.cell([x[0][i], x[1][i], x[2][i]])[0]] += 1;
+        }
         let cost = self.load.lap(own);
         let costs = load::costs(&self.gather(&(counts, cost)));
         let cuts = load::cuts(&costs, self.size(), within);

@@ -25,8 +25,11 @@ use crate::settings::{self, Forecast};
 /// other scenes fresh. The golden digests in `tests/pipeline/golden.rs` fail when numbers change
 /// without a new version.
 pub mod version {
+    use coronet::particle::wall::Lattice;
     use coronet::pipeline::Setting;
-    use coronet::scene::{Density, Method, Problem, TensionForm, TimeStepping};
+    use coronet::scene::{
+        Density, Dimension, Domain, Method, Problem, Side, TensionForm, TimeStepping,
+    };
 
     /// Of packing.
     pub const PACK: u32 = 2;
@@ -35,7 +38,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 24;
     /// Of the evaluation.
-    pub const POST: u32 = 21;
+    pub const POST: u32 = 22;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {
@@ -73,7 +76,25 @@ pub mod version {
         if problem.effects.vibration.is_some() {
             parts.push(part("vibration", 1));
         }
+        if problem.has_wall() {
+            parts.push(walls());
+        }
         parts
+    }
+
+    /// Of walls in a box that is no whole number of spacings, for what else sees them.
+    pub fn stretched(domain: &Domain, dimension: Dimension, spacing: f64) -> Option<Setting> {
+        let has_wall = domain
+            .boundary
+            .iter()
+            .flatten()
+            .any(|side| *side == Side::Wall);
+        let is_stretched = Lattice::new(domain, dimension, spacing).is_stretched();
+        (has_wall && is_stretched).then(walls)
+    }
+
+    fn walls() -> Setting {
+        part("walls", 1)
     }
 
     /// Of the form of the tension.
@@ -125,6 +146,11 @@ pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>
     if let Some(input) = scene.calibrate_input() {
         let mut settings = settings::list(&input, scene)?;
         settings.extend(version::tension(scene));
+        settings.extend(version::stretched(
+            &scene.domain,
+            scene.dimension,
+            scene.spacing,
+        ));
         jobs.push(Box::new(Calibrate {
             input,
             bodies: match method::is_of_packing(scene) {
@@ -191,7 +217,12 @@ fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>
 
 fn pack(scene: &Scene, body: usize) -> Result<Box<dyn Stage + '_>> {
     let input = scene.pack_input(body);
-    let settings = settings::list(&input, &scene.resting(body))?;
+    let mut settings = settings::list(&input, &scene.resting(body))?;
+    settings.extend(version::stretched(
+        &input.domain,
+        input.dimension,
+        input.spacing,
+    ));
     Ok(Box::new(Pack {
         identity: identity("pack", &input.name, version::PACK, settings),
         input,

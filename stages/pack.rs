@@ -6,11 +6,15 @@ use std::time::{Duration, Instant};
 use coronet::particle::pack::{PackError, PackProgress, PackReport};
 use coronet::pipeline::{Context, Identity, Output, Progress, Stage, StageError, Work};
 use coronet::record::{Checkpoint, checkpoint};
+use coronet::scene::Arrangement;
 use coronet::scene::input::PackInput;
 
 use crate::body::BODY;
 use crate::ranks;
 use crate::settings::Forecast;
+
+/// Part of the mass of a body that a lattice may have too much or too little of without a word.
+const EXCESS: f64 = 0.05;
 
 /// Time between two reports.
 const BETWEEN: Duration = Duration::from_millis(200);
@@ -55,7 +59,27 @@ impl Stage for Pack<'_> {
             .write(&path, checkpoint::LEVEL)
             .map_err(StageError::failed)?;
         note(context, &report);
+        self.check_mass(context, &report);
         Ok(vec![Output::counted(BODY)])
+    }
+}
+
+impl Pack<'_> {
+    /// Warns if whole layers of a lattice hold more or less than the shape.
+    fn check_mass(&self, context: &mut Context, report: &PackReport) {
+        let excess = report.mass / report.wanted_mass - 1.0;
+        let is_lattice = self.input.packing.arrangement == Arrangement::Lattice;
+        if excess.abs() <= EXCESS || !is_lattice || self.input.domain.is_revolved() {
+            return;
+        }
+        let text = format!(
+            "body `{}` has {:+.1} % of mass beside its shape, because a lattice has whole layers; \
+             make its lengths multiples of pack.spacing, or set pack.arrangement = \"poisson\"",
+            self.input.name,
+            100.0 * excess
+        );
+        context.warn(&text);
+        context.note(text);
     }
 }
 

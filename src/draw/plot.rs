@@ -54,7 +54,14 @@ pub const PALETTE: [[u8; 3]; 6] = [
     [120, 94, 40],
 ];
 /// Greys for reference curves.
-pub const REFERENCE: [[u8; 3]; 3] = [[40, 40, 40], [130, 130, 130], [90, 110, 130]];
+pub const REFERENCE: [[u8; 3]; 6] = [
+    [40, 40, 40],
+    [130, 130, 130],
+    [90, 110, 130],
+    [150, 110, 80],
+    [110, 140, 100],
+    [170, 150, 180],
+];
 
 pub(super) const TEXT: RGBColor = RGBColor(45, 50, 58);
 /// Of axes and their marks.

@@ -4,6 +4,7 @@
 //! Test: tests/pipeline/runs.rs.
 
 use super::kind::{self, Kind, strikes_wall};
+use super::moment::{LIKELY, moment};
 use super::series::Series;
 use super::summary::{digits, jet_crosses, leaves_wall, period};
 use super::{conservation, loss};
@@ -72,7 +73,7 @@ impl Answer {
     /// When, ms after contact, for people; `shift`: time of contact, s.
     pub fn when(&self, shift: f64) -> Option<String> {
         let time = self.time?;
-        Some(format!("at {:.2} ms", 1e3 * (time - shift)).replace("-0.00", "0.00"))
+        Some(format!("at {}", moment(time - shift, LIKELY * time, 2)))
     }
 }
 

@@ -28,13 +28,21 @@ pub const CUT: f64 = 2.6;
 /// Highest outline of the fits on either side, spacings.
 pub const FLANK: f64 = 12.0;
 
+/// How far from the outline a foot may be, spacings: the lowest outline of a cap of 10 degrees is
+/// 15 from it.
+const FAR: f64 = 20.0;
+
+/// Largest |cos θ| of (1) that is one of 180 degrees: outlines are uncertain by that.
+const TOUCHES: f64 = 1.02;
+
 /// Least number of points of a fit for each unknown.
 const FEWEST: usize = 3;
 
 /// Gauss-Newton steps: from Kåsa's fit two or three reach round-off.
 const STEPS: usize = 8;
 
-/// Angles through the liquid, degrees; `None` where there is too little outline.
+/// Angles through the liquid, degrees; `None` where there is too little outline, or no drop on the
+/// floor: a film has hollow edges, or no edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
     /// (1).
@@ -51,36 +59,46 @@ impl Contact {
     /// `diameter`: of the area within the contact line, for (2) where the outline has no feet;
     /// `apex`: highest liquid, m.
     pub fn new(region: &Region, diameter: f64, apex: Option<f64>) -> Contact {
+        if diameter <= 0.0 {
+            return Contact::default();
+        }
         let raster = region.raster;
+        let reach = FAR * raster.particle_spacing;
         let [cut, flank] = [CUT, FLANK].map(|at| at * raster.particle_spacing);
         let mut above = outline(region);
         above.retain(|p| p[2] > cut);
         let low = above.iter().filter(|p| p[2] < flank);
         let mut contact = Contact::default();
+        let top = above.iter().fold(0.0, |top: f64, p| top.max(p[2]));
+        let is_drop = |round: &&Round| round.0.last().is_some_and(|height| *height <= top);
         if raster.count[1] == 1 {
             let whole = round(&above, &[0, 2]);
-            contact.fitted = whole.as_ref().map(angle);
+            contact.fitted = whole.as_ref().filter(is_drop).and_then(angle);
             let middle = above.iter().map(|p| p[0]).sum::<f64>() / above.len().max(1) as f64;
             let sides = [-1.0, 1.0].map(|side| {
                 let beside = low.clone().map(|p| [side * (p[0] - middle), 0.0, p[2]]);
                 let points: Vec<[f64; 3]> = beside.filter(|p| p[0] > 0.0).collect();
                 (round(&points, &[0, 2]), points)
             });
-            contact.flanks = sides.each_ref().map(|(side, _)| side.as_ref().map(angle));
-            let feet = sides.each_ref();
-            let feet = feet.map(|(side, points)| side.as_ref().and_then(|side| foot(side, points)));
+            contact.flanks = sides.each_ref().map(|(side, points)| {
+                let drop = side.as_ref().filter(|side| is_convex(side, points));
+                drop.and_then(angle)
+            });
+            let feet = sides.each_ref().map(|(side, points)| {
+                let side = side.as_ref()?;
+                foot(side, points, reach)
+            });
             contact.base = feet[0].zip(feet[1]).map(|(low, high)| low + high);
         } else if let Some(sphere) = round(&above, &[0, 1, 2]) {
-            contact.fitted = Some(angle(&sphere));
+            contact.fitted = Some(&sphere).filter(is_drop).and_then(angle);
             let [x, y] = [sphere.0[0], sphere.0[1]];
             let about = low.map(|p| [(p[0] - x).hypot(p[1] - y), 0.0, p[2]]);
             let about: Vec<[f64; 3]> = about.collect();
-            let foot = round(&about, &[0, 2]).and_then(|side| foot(&side, &about));
+            let foot = round(&about, &[0, 2]).and_then(|side| foot(&side, &about, reach));
             contact.base = foot.map(|foot| 2.0 * foot);
         }
-        let built = apex.filter(|_| diameter > 0.0);
         let base = contact.base.unwrap_or(diameter);
-        contact.built = built.map(|height| 2.0 * height.atan2(0.5 * base).to_degrees());
+        contact.built = apex.map(|height| 2.0 * height.atan2(0.5 * base).to_degrees());
         contact
     }
 }
@@ -122,22 +140,30 @@ fn crossing(raster: &Raster, node: [usize; 3], axis: usize, up: bool) -> Option<
 /// Centre and radius of a circle or sphere, m.
 type Round = (Vec<f64>, f64);
 
-/// (1).
-fn angle((centre, radius): &Round) -> f64 {
+/// (1); `None` if the circle is above the wall.
+fn angle((centre, radius): &Round) -> Option<f64> {
     let cosine = -centre[centre.len() - 1] / radius;
-    cosine.clamp(-1.0, 1.0).acos().to_degrees()
+    (cosine.abs() <= TOUCHES).then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
+}
+
+/// Whether the centre of a circle through points of one side, which are at x > 0, is on the side of
+/// the liquid: where a drop runs out into a film, it is not.
+fn is_convex((centre, _): &Round, points: &[[f64; 3]]) -> bool {
+    let middle = points.iter().map(|p| p[0]).sum::<f64>() / points.len().max(1) as f64;
+    centre[0] < middle
 }
 
 /// Where a circle through `points` meets the wall, nearest to the lowest of them, m (where a film
-/// extends from a drop the circle lies outside); `None` if it does not meet it on this side.
-fn foot((centre, radius): &Round, points: &[[f64; 3]]) -> Option<f64> {
+/// extends from a drop the circle lies outside); `None` if it does not meet it on this side, within
+/// `reach` m of that.
+fn foot((centre, radius): &Round, points: &[[f64; 3]], reach: f64) -> Option<f64> {
     let lowest = points.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let half = (radius * radius - centre[1] * centre[1]).sqrt();
     let feet = [centre[0] + half, centre[0] - half];
     let far = |foot: &f64| (foot - lowest[0]).abs();
     let found = feet
         .into_iter()
-        .filter(|&foot| foot > 0.0 && foot.is_finite());
+        .filter(|foot| *foot > 0.0 && far(foot) <= reach);
     found.min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 

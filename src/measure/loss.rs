@@ -147,13 +147,15 @@ fn growing(scene: &Scene, series: &Series) -> Option<Warning> {
             format!("the largest {names} are those of the last frame: they still grow")
         }
     };
+    let (stop, set_end) = (&scene.impact.stop_when, scene.impact.end);
+    if !stop.is_empty() && end + scene.frames.interval < set_end {
+        let value = format!("met at {}", legible(end, Unit::Time));
+        let remedy = "leave out the condition that ended the run; it continues from there";
+        return Some(Warning::new("impact.stop_when", value, &why, remedy));
+    }
     let remedy = "set a later end; the run continues from where it ended";
-    Some(Warning::new(
-        "impact.end",
-        legible(scene.impact.end, Unit::Time),
-        &why,
-        remedy,
-    ))
+    let value = legible(set_end, Unit::Time);
+    Some(Warning::new("impact.end", value, &why, remedy))
 }
 
 /// Energy that came from nowhere or is missing at the end.
@@ -165,8 +167,8 @@ fn unexplained(scene: &Scene, series: &Series) -> Option<Warning> {
     }
     let value = series.column("energy_unexplained_J")?.last()?;
     let why = format!(
-        "{} of the energy at the start, which neither forces nor losses explain: energies are that \
-         uncertain",
+        "{} of the energy that the run starts with or that drives it, which neither forces nor \
+         losses explain: energies are that uncertain",
         percent(part)
     );
     let remedy = "compare with a finer `pack.spacing`, or with another method";

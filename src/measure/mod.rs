@@ -15,6 +15,7 @@ pub mod gauge;
 pub mod kind;
 pub mod lamella;
 pub mod loss;
+pub mod moment;
 pub mod norm;
 pub mod piece;
 pub mod pool;

@@ -2,6 +2,7 @@
 
 use super::kind::{Kind, strikes_wall};
 use super::lamella::Lamella;
+use super::moment::{LIKELY, moment};
 use super::series::Series;
 use crate::scene::{Dimension, Scene, Shape, numbers};
 
@@ -63,7 +64,9 @@ fn pool(series: &Series, shift: f64, lines: &mut Vec<Line>) {
     let never = || "not within the run".to_owned();
     lines.push((
         name,
-        crossing.map_or_else(never, |t| format!("at {:.1} ms", 1e3 * (t - shift))),
+        crossing.map_or_else(never, |t| {
+            format!("at {}", moment(t - shift, LIKELY * t, 1))
+        }),
     ));
 }
 
@@ -95,7 +98,11 @@ fn wall(scene: &Scene, series: &Series, shift: f64, lines: &mut Vec<Line>) {
         lines.push(("leaves the wall".to_owned(), text));
     }
     if let Some((part, time)) = series.maximum("detached_part") {
-        let text = format!("{:.1} % at {:.1} ms", 100.0 * part, 1e3 * (time - shift));
+        let text = format!(
+            "{:.1} % at {}",
+            100.0 * part,
+            moment(time - shift, LIKELY * time, 1)
+        );
         lines.push(("most liquid off the main body".to_owned(), text));
     }
 }
@@ -255,10 +262,10 @@ fn extreme(
     lines: &mut Vec<Line>,
 ) {
     if let Some((value, time)) = series.maximum(column) {
-        let at = 1e3 * (time - shift);
+        let at = moment(time - shift, LIKELY * time, 1);
         lines.push((
             name.to_owned(),
-            format!("{:.2}{unit} at {at:.1} ms", factor * value),
+            format!("{:.2}{unit} at {at}", factor * value),
         ));
     }
 }

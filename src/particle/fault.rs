@@ -45,7 +45,7 @@ pub enum PackError {
     },
     /// The optimisation did not converge.
     #[error(
-        "body `{body}`: after pack.iterations = {iterations} density deviates by {spread:.3} \
+        "body `{body}`: after pack.iterations = {iterations} density deviates by {spread:.3e} \
          kg/m^3 from rho0 and the closest particles are {closest:.3} spacings apart; required: \
          at most pack.tolerance = {tolerance} kg/m^3 and at least {PAIRED}: allow more iterations \
          or a larger tolerance, or change pack.seed"

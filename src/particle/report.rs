@@ -32,7 +32,8 @@ pub struct PackReport {
     /// Standard deviation of the density from rho0 over all particles, kg/m^3, with completion
     /// outside the free surface. In a body without a free surface, number and volume determine the
     /// mean density, and Wendland's kernel overestimates the density of disordered particles
-    /// (Dehnen & Aly 2012): there the deviation is from the mean, 1 + l in [`super::optimise::level`].
+    /// (Dehnen & Aly 2012): there the deviation is from the mean, 1 + l in
+    /// [`super::optimise::level`].
     pub spread: f64,
     /// Mean density less rho0, kg/m^3.
     pub offset: f64,

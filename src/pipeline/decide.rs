@@ -295,12 +295,10 @@ fn difference(
     let shown = |setting: Option<&SettingStamp>| {
         setting.map_or("(absent)".to_string(), |setting| setting.value.clone())
     };
-    let (mut before, mut after) = (shown(old), shown(new));
-    if let (Some(old), Some(new)) = (old, new)
-        && before == after
-    {
-        before = format!("{before} [{}]", old.canonical);
-        after = format!("{after} [{}]", new.canonical);
+    let (before, mut after) = (shown(old), shown(new));
+    if before == after {
+        // As the diameter of the only drop and of the first of two.
+        after += ", at another place of the scene";
     }
     match stage.remark(name) {
         Some(remark) => format!("{name} {before} -> {after} ({remark})"),

@@ -12,7 +12,7 @@ pub fn markdown() -> String {
     let mut page = String::from(
         "# Settings of a scene file\n\n\
          Written by `coronet schema pipeline --markdown`.\n\n\
-         A quantity is a number in SI units, or a text with a unit.\n",
+         A quantity is a number in SI units (angles: degrees), or a text with a unit.\n",
     );
     table(&SCHEMA, "", &mut page);
     page

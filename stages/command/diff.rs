@@ -40,7 +40,9 @@ pub fn diff(arguments: &DiffArguments) -> Result<()> {
     let first = Run::meant(&store, &arguments.first)?;
     let second = Run::meant(&store, &arguments.second)?;
     let settings = settings(&first, &second);
-    if settings.iter().any(|(name, _)| name == "dimension") {
+    if let (Some(first), Some(second)) = (is_plane(&first), is_plane(&second))
+        && first != second
+    {
         note!(
             "warning: masses, energies and forces of a run in two dimensions are for each metre of \
              depth: do not compare them with those of three"
@@ -72,6 +74,15 @@ pub fn diff(arguments: &DiffArguments) -> Result<()> {
     print_figures(&pairs);
     print_curves(&curves);
     Ok(())
+}
+
+/// Whether a run is in two dimensions, without an axis; `None` if it has no settings.
+fn is_plane(run: &Run) -> Option<bool> {
+    let settings = run.settings();
+    let find = |name: &str| settings.iter().find(|(known, _)| known == name);
+    let (_, dimension) = find("dimension")?;
+    let has_axis = find("box.x").is_some_and(|(_, sides)| sides.contains("axis"));
+    Some(dimension == "2" && !has_axis)
 }
 
 fn settings(first: &Run, second: &Run) -> Vec<Setting> {

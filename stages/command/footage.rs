@@ -126,9 +126,12 @@ pub fn under_way(store: &Store, name: &str) -> Result<Option<Reel>> {
         true => unfinished(store)?,
         false => Vec::new(),
     };
+    let meant = Path::new(name).canonicalize().ok();
     let is_mine = |job: &&Unfinished| {
         let told = job.told.as_ref();
-        job.stage == "impact" && told.is_some_and(|(told, _)| told.pipeline == name)
+        let is_its_folder = meant.is_some() && job.folder.canonicalize().ok() == meant;
+        let is_meant = is_its_folder || told.is_some_and(|(told, _)| told.pipeline == name);
+        job.stage == "impact" && is_meant
     };
     let Some(job) = jobs.iter().find(is_mine) else {
         return Ok(None);

@@ -65,7 +65,7 @@ fn checkpoint_facts(path: &Path) -> Result<Facts> {
         ("step", json!(checkpoint.step)),
         ("digest", json!(peek.digest)),
         ("format", json!(peek.version)),
-        ("size", json!(size(peek.file_size))),
+        ("bytes", json!(peek.file_size)),
         ("scalars", checkpoint.scalars.iter().map(scalar).collect()),
         ("texts", checkpoint.texts.iter().map(text).collect()),
         ("arrays", checkpoint.arrays.iter().map(array).collect()),
@@ -105,7 +105,7 @@ fn log_facts(path: &Path) -> Result<Facts> {
     let fact = |(name, value): (&String, &String)| json!({"name": name, "value": value});
     Ok(vec![
         ("log", json!(shown(path))),
-        ("size", json!(size(length))),
+        ("bytes", json!(length)),
         ("digest", json!(log::content_digest(path)?)),
         ("bodies", json!(bodies)),
         ("frames", json!(frames)),
@@ -136,8 +136,8 @@ fn result_facts(folder: &Path, json: bool, lacks: &mut Option<Error>) -> Result<
         json!({"name": name, "digest": input.digest})
     };
     let output = |output: &stamp::OutputStamp| {
-        let size = size(output.bytes);
-        json!({"file": output.file, "size": size, "digest": output.digest})
+        let (file, bytes) = (&output.file, output.bytes);
+        json!({"file": file, "bytes": bytes, "digest": output.digest})
     };
     let mut facts = vec![
         ("result", json!(stamp.label())),
@@ -178,10 +178,21 @@ fn write_facts(facts: &Facts) {
                     out!("  {}", line(item));
                 }
             }
-            value => out!("{name:18} {}", line(value)),
+            value => {
+                let (name, text) = pair(name, value);
+                out!("{name:18} {text}");
+            }
         }
     }
     out!("");
+}
+
+/// A name and its value in one line; sizes are for readers.
+fn pair<'a>(name: &'a str, value: &Value) -> (&'a str, String) {
+    match (name, value.as_u64()) {
+        ("bytes", Some(bytes)) => ("size", size(bytes)),
+        _ => (name, line(value)),
+    }
 }
 
 /// A value in one line; an object starts with its name.
@@ -199,7 +210,8 @@ fn line(value: &Value) -> String {
                 let width = if index == 0 { 32 } else { 0 };
                 parts.push(format!("{:width$}", line(value)));
             }
-            parts.extend(tail.map(|(name, value)| format!("{name} {}", line(value))));
+            let pairs = tail.map(|(name, value)| pair(name, value));
+            parts.extend(pairs.map(|(name, text)| format!("{name} {text}")));
             parts.join("  ")
         }
         other => other.to_string(),

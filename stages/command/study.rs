@@ -142,7 +142,8 @@ fn tell_costs(
         let figure = figure.map(|_| text(&out.join(FIGURE)));
         out!(
             "{}",
-            json!({ "table": text(&out.join(TABLE)), "groups": rows, "figure": figure })
+            json!({ "table": text(&out.join(TABLE)), "groups": rows, "figure": figure,
+                    "failed": doubt::objects(trials, &outcomes) })
         );
         return some_ended(&outcomes);
     }
@@ -219,10 +220,11 @@ fn tell_figures(
         }
     }
     if arguments.store.json {
+        let plots: Vec<String> = plots.iter().map(|plot| text(plot)).collect();
         out!(
             "{}",
             json!({ "table": text(&table), "page": text(&read), "points": trials.len(),
-                    "plots": plots.iter().map(|plot| text(plot)).collect::<Vec<_>>() })
+                    "failed": doubt::objects(trials, outcomes), "plots": plots })
         );
         return missing.and(some_ended(outcomes));
     }

@@ -11,6 +11,14 @@ use crate::print::{counted, out, size};
 
 pub fn verify(arguments: &StoreArguments) -> Result<()> {
     let store = existing(&arguments.artifacts)?;
+    let mut stages = store.stages()?.into_iter();
+    let has_results = stages.any(|stage| store.folders(&stage).is_ok_and(|all| !all.is_empty()));
+    if !has_results && !store.is_marked()? {
+        let path = store.root().display();
+        bail!(Usage(format!(
+            "{path} is not a store of results; name one with --artifacts"
+        )));
+    }
     let findings = verify::verify(&store, &mut |finding| {
         print_finding(finding, arguments.json)
     })?;

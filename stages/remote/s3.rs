@@ -61,13 +61,6 @@ impl S3 {
         self.runtime.block_on(work)
     }
 
-    fn size(&self, name: &str) -> Result<Option<u64>, RemoteError> {
-        match self.wait(self.bucket.head(&self.path(name))) {
-            Err(Error::NotFound { .. }) => Ok(None),
-            other => Ok(Some(other.map_err(unusable)?.size)),
-        }
-    }
-
     /// Puts a file in pieces.
     fn put_long(&self, name: &str, file: &Path) -> Result<(), RemoteError> {
         let path = self.path(name);
@@ -133,8 +126,11 @@ impl Objects for S3 {
         Ok(true)
     }
 
-    fn has(&self, name: &str) -> Result<bool, RemoteError> {
-        Ok(self.size(name)?.is_some())
+    fn size(&self, name: &str) -> Result<Option<u64>, RemoteError> {
+        match self.wait(self.bucket.head(&self.path(name))) {
+            Err(Error::NotFound { .. }) => Ok(None),
+            other => Ok(Some(other.map_err(unusable)?.size)),
+        }
     }
 
     fn put(&self, name: &str, file: &Path, replace: bool) -> Result<bool, RemoteError> {
@@ -143,7 +139,7 @@ impl Objects for S3 {
         // Only an object of one piece can be put on a condition. Longer ones are named after what
         // they hold.
         if first.len() as u64 == PIECE {
-            let is_there = !replace && self.has(name)?;
+            let is_there = !replace && self.size(name)?.is_some();
             return match is_there {
                 true => Ok(false),
                 false => self.put_long(name, file).map(|()| true),

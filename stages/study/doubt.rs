@@ -1,4 +1,5 @@
-//! What makes the figures of a study doubtful: the warnings at the end of its points.
+//! What makes the figures of a study doubtful: points that failed, and the warnings at the end of
+//! the others.
 //!
 //! Test: tests/pipeline/figures.rs.
 
@@ -47,11 +48,31 @@ fn kind(text: &str) -> &str {
     &text[..end.unwrap_or(text.len())]
 }
 
-/// The warnings as a section of a page; empty without any.
+/// Names of the points that failed, and why.
+pub fn failures<'a>(
+    trials: &'a [Trial],
+    outcomes: &'a [Outcome],
+) -> impl Iterator<Item = (&'a str, &'a str)> {
+    let points = trials.iter().zip(outcomes);
+    points.filter_map(|(trial, outcome)| match outcome {
+        Outcome::Failed { why, .. } => Some((trial.title.as_str(), why.as_str())),
+        Outcome::Done { .. } => None,
+    })
+}
+
+/// The failures and warnings as sections of a page; empty without any.
 pub fn section(trials: &[Trial], outcomes: &[Outcome]) -> String {
-    let all = warnings(trials, outcomes);
-    match all.is_empty() {
+    let failures = failures(trials, outcomes).map(|(name, why)| format!("{name}: {why}"));
+    let list = |head: &str, all: Vec<String>| match all.is_empty() {
         true => String::new(),
-        false => format!("\n## Warnings\n\n* {}\n", all.join("\n* ")),
-    }
+        false => format!("\n## {head}\n\n* {}\n", all.join("\n* ")),
+    };
+    list("Failures", failures.collect()) + &list("Warnings", warnings(trials, outcomes))
+}
+
+/// The failures, for programs.
+pub fn objects(trials: &[Trial], outcomes: &[Outcome]) -> Vec<serde_json::Value> {
+    let failures = failures(trials, outcomes);
+    let object = |(name, why)| serde_json::json!({ "point": name, "why": why });
+    failures.map(object).collect()
 }

@@ -37,6 +37,7 @@ mod method_completed;
 mod method_conservation;
 mod method_control;
 mod method_crush;
+mod method_held;
 mod method_instants;
 mod method_mirror;
 mod method_model;

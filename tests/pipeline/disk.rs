@@ -112,3 +112,11 @@ fn a_read_only_store_serves_what_it_has_and_refuses_the_rest() {
         .badly(5, &["Read-only"]);
     assert!(program.latest("impact").join(STATE).exists());
 }
+
+#[test]
+fn a_folder_that_is_no_store_is_not_damaged() {
+    let program = Program::new();
+    std::fs::create_dir_all(program.path("papers/old")).unwrap();
+    let verify = program.call(&["verify", "--artifacts", "papers"]);
+    verify.badly(2, &["papers", "is not a store", "--artifacts"]);
+}

@@ -353,6 +353,12 @@ fn the_program_shares_results() {
     assert!(said.out.contains("7 results put"), "{}", said.out);
     let said = first.call(&["push", "tiny", "--remote", &url]).well();
     assert!(said.out.contains("7 were there"), "{}", said.out);
+    // One whose files were cut short there is put again.
+    for entry in fs::read_dir(shared.path().join("files")).unwrap() {
+        change(&entry.unwrap().path(), |bytes| bytes.truncate(10));
+    }
+    let said = first.call(&["push", "--remote", &url]).well();
+    assert!(said.out.contains("7 results put"), "{}", said.out);
     let ended = crate::program::Ended::from(pull()).well();
     assert_eq!(
         third.fingerprint(&ended.objects()),

@@ -126,3 +126,30 @@ fn only_a_run_with_settings_and_without_a_name_has_one_of_its_own() {
     ]);
     assert!(told.well().out.contains("name     tiny,pack.seed=4"));
 }
+
+#[test]
+fn a_lattice_that_does_not_fit_its_shape_is_told() {
+    let program = Program::new();
+    let lattice = [
+        "run",
+        "tiny.toml",
+        "--until",
+        "pack",
+        "--set",
+        "pack.arrangement=lattice",
+    ];
+    let packed = |depth: &str| {
+        let depth = format!("body.pool.layer.depth={depth}");
+        program
+            .call(&[&lattice[..], &["--set", &depth]].concat())
+            .well()
+            .err
+    };
+    assert!(!packed("3 mm").contains("of mass beside"));
+    // Two and a half layers.
+    let told = packed("0.75 mm");
+    assert!(
+        told.contains("`pool` has +20.0 % of mass beside its shape"),
+        "{told}"
+    );
+}

@@ -12,7 +12,10 @@ const SPEED: i32 = 10;
 pub struct Gif {
     encoder: gif::Encoder<Vec<u8>>,
     /// Time of a picture, hundredths of a second.
-    delay: u16,
+    delay: f64,
+    /// Pictures so far, and the time of them that their delays have.
+    count: f64,
+    shown: f64,
 }
 
 impl Gif {
@@ -24,8 +27,14 @@ impl Gif {
         let mark = encoder.write_raw_extension(comment, &[MARK.as_bytes()]);
         mark.map_err(failed)?;
         // Viewers slow down what is faster than 50 pictures a second.
-        let delay = (100.0 / rate).round().clamp(2.0, 1000.0) as u16;
-        Ok(Gif { encoder, delay })
+        let delay = (100.0 / rate).clamp(2.0, 1000.0);
+        let (count, shown) = (0.0, 0.0);
+        Ok(Gif {
+            encoder,
+            delay,
+            count,
+            shown,
+        })
     }
 }
 
@@ -34,7 +43,11 @@ impl Encoder for Gif {
         let [width, height] = [picture.width, picture.height].map(|s| s as u16);
         let pixels = picture.pixels().as_flattened();
         let mut frame = Frame::from_rgb_speed(width, height, pixels, SPEED);
-        frame.delay = self.delay;
+        // Whole hundredths, so that none is late by more than a half.
+        self.count += 1.0;
+        let until = (self.count * self.delay).round();
+        frame.delay = (until - self.shown) as u16;
+        self.shown = until;
         self.encoder.write_frame(&frame).map_err(failed)
     }
 

@@ -48,8 +48,7 @@ impl Post {
         let picture = Artist::new(&self.part, &survey, Style::default()).picture(&frame);
         let png = picture.png().map_err(|e| draw_error("picture", &e))?;
         self.write("picture.png", &png)?;
-        let time = 1e3 * (frame.time - self.shift);
-        report.picture = Some((format!("t = {time:.2} ms"), png));
+        report.picture = Some((format!("t = {}", self.moment(frame.time, 2)), png));
         Ok(())
     }
 

@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use self::instants::Instants;
-use self::notes::norm_cells;
 use super::canvas::Canvas;
 use super::field::Field;
 use super::player::{Player, Shot};
@@ -243,7 +242,7 @@ impl Post {
 
     /// `before`: the frame before, if it is one of the same lot.
     fn look(&self, (frame, before): (&Frame, Option<&Frame>), part: &Frame, asked: Asked) -> Look {
-        let label = format!("t = {:.1} ms", 1e3 * (frame.time - self.shift)).replace("-0.0", "0.0");
+        let label = format!("t = {}", self.moment(frame.time, 1));
         let section = || Section::new(&self.scene, frame, self.axis.at[1], label.clone());
         let field = || Field::new(&self.scene, frame, &self.axis, label.clone());
         Look {
@@ -290,7 +289,7 @@ impl Post {
         self.draw_panels(&mut report)?;
         self.draw_fields(&mut report)?;
         let norms = self.norms();
-        report.norms = norms.iter().map(norm_cells).collect();
+        report.norms = norms.iter().map(|norm| self.norm_cells(norm)).collect();
         let (scene, kind, series) = (&self.scene, self.gauge.kind, &self.series);
         let answers = answer::of(scene, kind, series, self.shift);
         report.results = answer::lines(&answers, self.shift);

@@ -2,6 +2,7 @@
 
 use super::Post;
 use super::instants::Instants;
+use crate::measure::moment::moment;
 use crate::measure::norm::Norm;
 use crate::measure::series::is_clock;
 use crate::scene::Clock;
@@ -18,9 +19,9 @@ impl Post {
         }
         if self.shift > 0.0 {
             notes.push(format!(
-                "Plots count time from the contact of the drop, {:.3} ms after the start; \
+                "Plots and tables count time from the contact of the drop, {} after the start; \
                  measures.csv has both times.",
-                1e3 * self.shift
+                moment(self.shift, self.scene.impact.end, 3)
             ));
         }
         notes.extend(self.references.iter().map(|(label, reference)| {
@@ -33,11 +34,28 @@ impl Post {
         notes
     }
 
+    /// An instant, s from the start, as the report counts it.
+    pub(super) fn moment(&self, time: f64, decimals: usize) -> String {
+        moment(time - self.shift, self.scene.impact.end, decimals)
+    }
+
+    /// Cells of the table of distances.
+    pub(super) fn norm_cells(&self, norm: &Norm) -> [String; 5] {
+        let percent = |part: f64| format!("{:.1} %", 100.0 * part);
+        let (from, to) = (self.moment(norm.from, 1), self.moment(norm.to, 1));
+        let span = match from.split_once(' ') {
+            Some((from, _)) => format!("{from}–{to}"),
+            None => to,
+        };
+        let (l2, max) = (percent(norm.l2), percent(norm.max));
+        [norm.label.clone(), norm.column.clone(), l2, max, span]
+    }
+
     /// Requested instants after the last frame, and references of which nothing is measured.
     pub(super) fn missed(&self) -> Vec<String> {
         let sentence = |what: &str, time: f64| {
-            let time = 1e3 * time;
-            format!("No {what} at {time:.1} ms: the run ends before.")
+            let time = moment(time, self.scene.impact.end, 1);
+            format!("No {what} at {time}: the run ends before.")
         };
         let of = |what, instants: &Instants| -> Vec<String> {
             let left = instants.left.iter().rev();
@@ -78,12 +96,4 @@ impl Post {
         missed.extend(late);
         missed
     }
-}
-
-/// Cells of the table of distances.
-pub(super) fn norm_cells(norm: &Norm) -> [String; 5] {
-    let percent = |part: f64| format!("{:.1} %", 100.0 * part);
-    let span = format!("{:.1}–{:.1} ms", 1e3 * norm.from, 1e3 * norm.to);
-    let (l2, max) = (percent(norm.l2), percent(norm.max));
-    [norm.label.clone(), norm.column.clone(), l2, max, span]
 }

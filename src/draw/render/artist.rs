@@ -239,7 +239,8 @@ impl Artist {
         };
         let mut overlay = Overlay::new(&mut canvas, style.background);
         if style.has_clock {
-            overlay.clock(frame.time - contact_time(&self.part.whole()));
+            let time = frame.time - contact_time(&self.part.whole());
+            overlay.clock(time, self.part.impact.end);
         }
         if style.has_scale {
             overlay.scale(pixel);

@@ -3,6 +3,7 @@
 use crate::draw::canvas::{Anchor, Canvas, Colour, INK};
 use crate::draw::scale::Scale;
 use crate::draw::sheet::font::Weight;
+use crate::measure::moment::moment;
 
 /// Texts on a dark background.
 const PALE: Colour = [240, 242, 245];
@@ -30,9 +31,9 @@ impl<'a> Overlay<'a> {
         Overlay { canvas, ink, size }
     }
 
-    /// The instant, in the upper left corner; `time` in s.
-    pub fn clock(&mut self, time: f64) {
-        let text = format!("{:.1} ms", 1e3 * time).replace("-0.0", "0.0");
+    /// The instant, in the upper left corner; `time` and the `end` of the run in s.
+    pub fn clock(&mut self, time: f64, end: f64) {
+        let text = moment(time, end, 1);
         let at = [self.size, 1.6 * self.size];
         self.canvas
             .text(at, self.size, &text, Anchor::Left, self.ink);

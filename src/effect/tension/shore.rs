@@ -20,10 +20,8 @@ use crate::effect::wetting::friction::Hold;
 use crate::effect::wetting::survey::nearest;
 use crate::kernel::Kernel;
 use crate::kernel::ring::{Rings, mean};
-use crate::particle::lattice::cells;
 use crate::particle::ring;
-use crate::particle::shape::axes;
-use crate::particle::wall::is_wall;
+use crate::particle::wall::{Lattice, is_wall};
 use crate::scene::{Dimension, Domain};
 use crate::space::lane::Real;
 use crate::space::parallel::each_mut;
@@ -123,11 +121,9 @@ impl Shore {
 
     /// SUM slope d and SUM w of every wall particle over the others, in walls without a back.
     fn alone<K: Kernel>(&self, wall: &[Vec<f64>; 3], length: f64) -> Vec<[f32; 4]> {
-        let (mut count, mut pitch, mut reach) = ([1; 3], [0.0; 3], [0; 3]);
-        for &a in axes(self.dimension) {
-            (count[a], pitch[a]) = cells(self.domain.size[a], self.spacing);
-            reach[a] = (2.0 * length / pitch[a]).floor() as i64;
-        }
+        let lattice = Lattice::new(&self.domain, self.dimension, self.spacing);
+        let count = lattice.count;
+        let reach = [0, 1, 2].map(|a| lattice.within(a, 2.0 * length));
         // Away from corners all cells of a layer are alike.
         let class = |a: usize, i: i64| {
             let inside = i > reach[a] && i + reach[a] < count[a] - 1;
@@ -135,9 +131,9 @@ impl Shore {
         };
         let mut known = HashMap::new();
         let of = |j: usize| {
-            let index = [0, 1, 2].map(|a| match pitch[a] {
+            let index = [0, 1, 2].map(|a| match lattice.pitch[a] {
                 0.0 => 0,
-                pitch => class(a, (wall[a][j] / pitch).floor() as i64),
+                _ => class(a, lattice.index(a, wall[a][j])),
             });
             *known.entry(index).or_insert_with(|| {
                 let mut sum = [0.0; 4];
@@ -146,7 +142,7 @@ impl Shore {
                     let step = [k % nx, k / nx % ny, k / nx / ny];
                     let away = [0, 1, 2].map(|a| step[a] - reach[a]);
                     let other = [0, 1, 2].map(|a| index[a] + away[a]);
-                    let d = [0, 1, 2].map(|a| -pitch[a] * away[a] as f64 / length);
+                    let d = [0, 1, 2].map(|a| lattice.apart(a, index[a], other[a]) / length);
                     let q = d.iter().map(|d| d * d).sum::<f64>().sqrt();
                     if q == 0.0 || !is_wall(self.domain.boundary, other, count) {
                         continue;
@@ -165,29 +161,28 @@ impl Shore {
     /// SUM g and SUM w of every wall ring over the others, and over itself but for the kernel at
     /// its place in three dimensions, `own`, in walls without a back ([`super::ringed`]).
     pub fn rings_alone(&self, wall: &[Vec<f64>; 3], length: f64, own: f64) -> Vec<[f32; 4]> {
-        let (mut count, mut pitch) = ([1; 3], [0.0; 3]);
-        for a in [0, 2] {
-            (count[a], pitch[a]) = cells(self.domain.size[a], self.spacing);
-        }
+        let lattice = Lattice::new(&self.domain, self.dimension, self.spacing);
+        let count = lattice.count;
         // Columns near the axis are moved by less than a cell.
-        let reach = [0, 2].map(|a| (2.0 * length / pitch[a]).floor() as i64 + 1);
+        let reach = [0, 2].map(|a| lattice.within(a, 2.0 * length) + 1);
         let column = |i: i64| {
-            let mut radius = (i as f64 + 0.5) * pitch[0];
+            let mut radius = lattice.middle(0, i);
             let mass = ring::settle(&mut radius, self.spacing);
             (radius / length, mass)
         };
-        // Two rings see each other by their columns and by how many layers they are apart.
+        // Two rings see each other by their columns and by how far they are apart.
         let mut known = HashMap::new();
-        let mut pair = |i: i64, other: i64, layers: i64| {
-            *known.entry((i, other, layers.abs())).or_insert_with(|| {
-                let (own, other) = (column(i).0, column(other).0);
-                let apart = layers as f64 * pitch[2] / length;
-                let [f, fy, fp, ..] = mean((own - other).hypot(apart), own * other);
-                [f, fy, fp]
-            })
+        let mut pair = |i: i64, other: i64, apart: f64| {
+            *known
+                .entry((i, other, apart.abs().to_bits()))
+                .or_insert_with(|| {
+                    let (own, other) = (column(i).0, column(other).0);
+                    let [f, fy, fp, ..] = mean((own - other).hypot(apart), own * other);
+                    [f, fy, fp]
+                })
         };
         let of = |j: usize| {
-            let [i, k] = [0, 2].map(|a| (wall[a][j] / pitch[a]).floor() as i64);
+            let [i, k] = [0, 2].map(|a| lattice.index(a, wall[a][j]));
             let (radius, mass) = column(i);
             let [value, turn, ..] = Rings::default().own(radius);
             let mut sum = [mass * radius * turn, 0.0, 0.0, mass * value - own];
@@ -199,8 +194,8 @@ impl Shore {
                         continue;
                     }
                     let (beside, mass) = column(other);
-                    let [f, fy, fp] = pair(i, other, layer);
-                    let down = -(layer as f64) * pitch[2] / length;
+                    let down = lattice.apart(2, k, k + layer) / length;
+                    let [f, fy, fp] = pair(i, other, down);
                     sum[0] += mass * (fp * beside + 2.0 * fy * (radius - beside));
                     sum[2] += mass * 2.0 * fy * down;
                     sum[3] += mass * f;

@@ -9,8 +9,9 @@ const BEHIND: f64 = 0.5;
 
 impl Flow {
     /// What is deeper than [`BEHIND`] in a wall, where its layers push every way and not only
-    /// out, goes to its surface and keeps the velocity along it. Only a particle that is shot at
-    /// the wall gets there.
+    /// out, comes back to there and keeps the velocity along it: what is shot at the wall, and lone
+    /// particles on a wall that attracts liquid. Not farther back: a surface costs less in a wall
+    /// that counts as liquid, so that they would fall again, for ever.
     pub(super) fn hold_back(&mut self) {
         let (domain, n) = (&self.domain, self.particles.len());
         let deep = BEHIND * self.lengths.spacing;
@@ -21,9 +22,9 @@ impl Flow {
             let both = (&mut p.position[a][..n], &mut p.velocity[a][..n]);
             each_mut(both, |_, (x, v)| {
                 if low && *x < -deep {
-                    (*x, *v) = (0.0, v.max(0.0));
+                    (*x, *v) = (-deep, v.max(0.0));
                 } else if high && *x > size + deep {
-                    (*x, *v) = (size, v.min(0.0));
+                    (*x, *v) = (size + deep, v.min(0.0));
                 }
             });
         }

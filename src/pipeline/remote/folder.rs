@@ -67,8 +67,10 @@ impl Objects for Folder {
         Ok(true)
     }
 
-    fn has(&self, name: &str) -> Result<bool, RemoteError> {
-        Ok(self.path(name)?.is_file())
+    fn size(&self, name: &str) -> Result<Option<u64>, RemoteError> {
+        let found = self.path(name)?.metadata().ok();
+        let file = found.filter(|found| found.is_file());
+        Ok(file.map(|file| file.len()))
     }
 
     fn put(&self, name: &str, file: &Path, replace: bool) -> Result<bool, RemoteError> {

@@ -37,11 +37,11 @@ pub trait Objects: Sync {
     /// See [`RemoteError`].
     fn get(&self, name: &str, limit: u64, to: &mut dyn Write) -> Result<bool, RemoteError>;
 
-    /// Whether there is an object of that name.
+    /// Size of the object of that name, bytes; `None` if there is none.
     ///
     /// # Errors
     /// See [`RemoteError`].
-    fn has(&self, name: &str) -> Result<bool, RemoteError>;
+    fn size(&self, name: &str) -> Result<Option<u64>, RemoteError>;
 
     /// Puts a file under a name, whole or not at all. If there is one, it is replaced, or stays
     /// and the answer is false.

@@ -20,20 +20,20 @@ pub fn put(
         return Err(RemoteError::bad("its stamp", what));
     }
     let name = stamp_name(&stamp.stage, &stamp.key);
-    let known = match !replace && objects.has(&name)? {
+    let known = match !replace && objects.size(&name)?.is_some() {
         true => Some(other(objects, &name, stamp)?),
         false => None,
     };
-    let mut gone = false;
+    let mut mended = false;
     for output in &stamp.outputs {
-        // Of what is there a file may have gone, as by a rule of age.
+        // Of what is there a file may have gone, as by a rule of age, or be damaged.
         let object = sha256(output).map(|sha256| file_name(&sha256));
-        if known.is_some() {
-            match object {
-                Some(object) if !objects.has(&object)? => gone = true,
-                _ => continue,
-            }
+        let there = object.map(|object| objects.size(&object)).transpose()?;
+        let is_there = there.is_none_or(|bytes| bytes == Some(output.bytes));
+        if known.is_some() && is_there {
+            continue;
         }
+        mended |= known.is_some();
         let path = folder.join(&output.file);
         let local = |error: ContentError| match error {
             ContentError::File(error) => RemoteError::File(error),
@@ -45,13 +45,13 @@ pub fn put(
             return Err(RemoteError::bad("its stamp", what));
         };
         let object = file_name(&sha256);
-        // An object of this name holds these bytes, unless it was found bad.
-        if replace || !objects.has(&object)? {
+        // An object of this name and size holds these bytes, unless it was found bad.
+        if replace || !is_there {
             objects.put(&object, &path, true)?;
         }
     }
     if let Some(known) = known {
-        return Ok(if gone { Put::New } else { known });
+        return Ok(if mended { Put::New } else { known });
     }
     match objects.put(&name, &folder.join(stamp::FILE), replace)? {
         true => Ok(Put::New),

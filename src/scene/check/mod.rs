@@ -297,7 +297,10 @@ fn figures(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     }
     let [width, height] = [style.width, style.height].map(|length| legible(length, Unit::Length));
     let problem = format!("leaves no room for curves in a plot of {width} by {height}");
-    let remedy = format!("give at most {:.1}, or larger figures", most - 0.05);
+    let remedy = match most - 0.05 {
+        most if most >= 4.0 => format!("give at most {most:.1}, or larger figures"),
+        _ => "make the figures larger".to_string(),
+    };
     Err(tree.fault("post.figures.font_size", &problem, &remedy))
 }
 

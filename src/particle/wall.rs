@@ -2,10 +2,10 @@
 //!
 //! They lie on the lattice of the box and take part in every sum of the method. A box that is no
 //! whole number of spacings has stretched cells; layers behind its sides are so much thinner or
-//! thicker that a cell of a wall has the volume of a particle ([`Lattice`]). Corners and edges where
-//! walls meet are filled; a wall that ends at an open side continues beyond it by the same depth, so
-//! that the last liquid inside has full support. At a mirror plane it ends: images lie behind the
-//! plane.
+//! thicker that a cell of a wall has the volume of a particle ([`Lattice`]). Corners and edges
+//! where walls meet are filled; a wall that ends at an open side continues beyond it by the same
+//! depth, so that the last liquid inside has full support. At a mirror plane it ends: images lie
+//! behind the plane.
 
 use super::Wall;
 use super::lattice::cells;

@@ -319,6 +319,13 @@ fn many_at_once_put_one_result() {
     assert_eq!(results.each_ref().map(count), [2, 1]);
 }
 
+/// Leaves the first bytes of each file in a folder.
+fn cut_short(folder: &Path) {
+    for entry in fs::read_dir(folder).unwrap() {
+        change(&entry.unwrap().path(), |bytes| bytes.truncate(10));
+    }
+}
+
 #[test]
 fn the_program_shares_results() {
     let shared = tempfile::tempdir().unwrap();
@@ -353,10 +360,7 @@ fn the_program_shares_results() {
     assert!(said.out.contains("7 results put"), "{}", said.out);
     let said = first.call(&["push", "tiny", "--remote", &url]).well();
     assert!(said.out.contains("7 were there"), "{}", said.out);
-    // One whose files were cut short there is put again.
-    for entry in fs::read_dir(shared.path().join("files")).unwrap() {
-        change(&entry.unwrap().path(), |bytes| bytes.truncate(10));
-    }
+    cut_short(&shared.path().join("files"));
     let said = first.call(&["push", "--remote", &url]).well();
     assert!(said.out.contains("7 results put"), "{}", said.out);
     let ended = crate::program::Ended::from(pull()).well();
@@ -383,24 +387,4 @@ fn the_program_shares_results() {
         &["pack drop", "contradicts itself", "calibrate", "2 results"],
     );
     assert!(ended.out.contains("5 results put"), "{}", ended.out);
-}
-
-#[test]
-fn mistakes_in_remote_stores_are_named() {
-    let program = Program::new();
-    let run = |url: &str| program.call(&["run", "tiny.toml", "--remote", url]);
-    run("ftp://a/b").badly(2, &["ftp://a/b", "file:///", "s3://"]);
-    run("file://here").badly(2, &["file://here", "absolute"]);
-    program.call(&["pull", "tiny.toml"]).badly(2, &["--remote"]);
-    assert!(!program.path("artifacts").exists());
-    #[cfg(not(feature = "remote"))]
-    run("s3://bucket").badly(2, &["--features remote"]);
-    program.run(&["--until", "pack"]);
-    let own = format!("file://{}", program.path("artifacts").display());
-    run(&own).badly(2, &["store of this machine"]);
-    let gone = ["push", "--remote", "file:///nowhere/at/all"];
-    program.call(&gone).badly(5, &["there is no folder"]);
-    // A run goes on without.
-    let ended = run("file:///nowhere/at/all").well();
-    assert!(ended.err.contains("there is no folder"), "{}", ended.err);
 }

@@ -90,3 +90,23 @@ fn what_has_gone_from_a_remote_store_is_put_again() {
     assert!(push().contains("1 result put"));
     assert!(push().contains("0 results put"));
 }
+
+#[test]
+fn mistakes_in_remote_stores_are_named() {
+    let program = Program::new();
+    let run = |url: &str| program.call(&["run", "tiny.toml", "--remote", url]);
+    run("ftp://a/b").badly(2, &["ftp://a/b", "file:///", "s3://"]);
+    run("file://here").badly(2, &["file://here", "absolute"]);
+    program.call(&["pull", "tiny.toml"]).badly(2, &["--remote"]);
+    assert!(!program.path("artifacts").exists());
+    #[cfg(not(feature = "remote"))]
+    run("s3://bucket").badly(2, &["--features remote"]);
+    program.run(&["--until", "pack"]);
+    let own = format!("file://{}", program.path("artifacts").display());
+    run(&own).badly(2, &["store of this machine"]);
+    let gone = ["push", "--remote", "file:///nowhere/at/all"];
+    program.call(&gone).badly(5, &["there is no folder"]);
+    // A run goes on without.
+    let ended = run("file:///nowhere/at/all").well();
+    assert!(ended.err.contains("there is no folder"), "{}", ended.err);
+}

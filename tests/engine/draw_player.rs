@@ -46,7 +46,7 @@ fn read(shot: &Shot, kind: Kind) -> Read3 {
         })
         .collect();
     let normals = match corners {
-        0 => Vec::new(),
+        0 => vec![column(shot.points, 1).into_iter().map(f64::from).collect()],
         _ => (0..axes)
             .map(|_| {
                 let part = |v: u32| f64::from(v) / 127.0 - 1.0;
@@ -169,8 +169,16 @@ fn a_shot_in_two_dimensions_is_its_particles() {
     let frame = draw_surface::frame(&scene, draw_surface::splash(4e-3));
     let player = Player::new(&scene);
     let shot = player.shot(&frame).unwrap();
-    let Read3 { places, .. } = read(&shot, player.kind());
+    let Read3 {
+        places, normals, ..
+    } = read(&shot, player.kind());
     assert_eq!(shot.points, frame.id.len());
+    assert!(
+        normals[0]
+            .iter()
+            .zip(&frame.body)
+            .all(|(found, body)| *found == f64::from(*body))
+    );
     for (axis, places) in [0, 2].into_iter().zip(places) {
         for (place, wanted) in places.iter().zip(&frame.position[axis]) {
             assert!((place - f64::from(*wanted)).abs() < 1e-6);

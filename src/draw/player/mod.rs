@@ -8,9 +8,9 @@
 //! | `points` | x, z | none | two dimensions: the particles |
 //!
 //! A shot is, before its compression (zlib), for each coordinate of its points a column of 16 bits
-//! between [`Shot::low`] and `low + size`, for each component of its normals, which `points` do
-//! not have, a column of 8 bits (0 to 254 for -1 to 1), and the corners of its faces as one column
-//! of 32 bits. A column holds the differences of each value to the one before (the first: to 0,
+//! between [`Shot::low`] and `low + size`, for each component of its normals a column of 8 bits (0
+//! to 254 for -1 to 1; of `points` instead one column with their bodies), and the corners of its
+//! faces as one column of 32 bits. A column holds the differences of each value to the one before (the first: to 0,
 //! all modulo its range), first their lowest bytes, then the next ones.
 
 use std::io::Write;
@@ -148,7 +148,8 @@ impl Player {
         };
         let mesh = field.mesh(frame.time);
         let faces: Vec<u32> = mesh.triangles.concat();
-        Some(shot(frame.time, &mesh.points, &mesh.normals, &faces, 3))
+        let sides = columns(&mesh.normals);
+        Some(shot(frame.time, &mesh.points, &sides, &faces, 3))
     }
 
     fn outline(&self, frame: &Frame) -> Option<Shot> {
@@ -163,16 +164,19 @@ impl Player {
         };
         let normals: Vec<[f32; 2]> = contour.points.iter().map(normal).collect();
         let faces: Vec<u32> = contour.lines.concat();
-        Some(shot(frame.time, &contour.points, &normals, &faces, 2))
+        let sides = columns(&normals);
+        Some(shot(frame.time, &contour.points, &sides, &faces, 2))
     }
 
     fn points(&self, frame: &Frame) -> Shot {
         let [x, _, z] = &frame.position;
         let every = (x.len() as f64 / POINTS).ceil().max(1.0) as usize;
-        let points = x.iter().zip(z).step_by(every).map(|(x, z)| [*x, *z]);
-        let is_there = |p: &[f32; 2]| p.iter().all(|c| c.is_finite());
-        let points: Vec<[f32; 2]> = points.filter(is_there).collect();
-        shot::<2>(frame.time, &points, &[], &[], 1)
+        let all = (0..x.len()).step_by(every);
+        let is_there = |i: &usize| x[*i].is_finite() && z[*i].is_finite();
+        let shown: Vec<usize> = all.filter(is_there).collect();
+        let points: Vec<[f32; 2]> = shown.iter().map(|&i| [x[i], z[i]]).collect();
+        let bodies = shown.iter().map(|&i| frame.body[i]).collect();
+        shot(frame.time, &points, &[bodies], &[], 1)
     }
 }
 
@@ -197,11 +201,17 @@ fn extent(values: &[f32]) -> [f32; 2] {
     })
 }
 
-/// `corners`: of a face.
+/// Columns of normals.
+fn columns<const D: usize>(normals: &[[f32; D]]) -> [Vec<u8>; D] {
+    let part = |a: usize| move |n: &[f32; D]| (127.0 + 127.0 * n[a]).round() as u8;
+    std::array::from_fn(|a| normals.iter().map(part(a)).collect())
+}
+
+/// `sides`: columns of 8 bits; `corners`: of a face.
 fn shot<const D: usize>(
     time: f64,
     points: &[[f32; D]],
-    normals: &[[f32; D]],
+    sides: &[Vec<u8>],
     faces: &[u32],
     corners: usize,
 ) -> Shot {
@@ -221,14 +231,8 @@ fn shot<const D: usize>(
         low.push(from);
         size.push(length);
     }
-    for a in 0..D {
-        put(
-            &mut bytes,
-            normals
-                .iter()
-                .map(|n| (127.0 + 127.0 * n[a]).round() as u32),
-            1,
-        );
+    for side in sides {
+        put(&mut bytes, side.iter().map(|value| u32::from(*value)), 1);
     }
     put(&mut bytes, faces.iter().copied(), 4);
     let mut packed = ZlibEncoder::new(Vec::new(), Compression::new(7));

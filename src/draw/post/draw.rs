@@ -59,6 +59,9 @@ impl Post {
             size: self.player.size(),
             spacing: self.scene.spacing,
             shift: self.shift,
+            tints: (0..self.scene.bodies.len() as u8)
+                .map(|body| section::body_colour(&self.scene, body))
+                .collect(),
             shots: player::thinned(std::mem::take(&mut self.shots)),
         });
     }

@@ -6,6 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
+use super::canvas::Colour;
 use super::player::{Kind, Shot};
 use super::plot::{Axes, Plot};
 
@@ -29,6 +30,8 @@ pub struct Film {
     pub spacing: f64,
     /// What plots count time from, s.
     pub shift: f64,
+    /// Colours of the bodies.
+    pub tints: Vec<Colour>,
     /// In the order of time.
     pub shots: Vec<Shot>,
 }
@@ -152,6 +155,7 @@ impl Report {
                 "kind": film.kind.name(),
                 "size": film.size,
                 "spacing": film.spacing,
+                "tints": film.tints,
                 "shots": shots.collect::<Vec<_>>(),
             })
         });
@@ -160,14 +164,14 @@ impl Report {
 
     /// Hidden until the script finds that it can draw.
     fn put_player(&self, page: &mut String) {
-        if self
-            .player
-            .as_ref()
-            .is_none_or(|film| film.shots.is_empty())
-        {
+        let Some(film) = self.player.as_ref().filter(|film| !film.shots.is_empty()) else {
             return;
+        };
+        let player = include_str!("player.html");
+        match film.kind {
+            Kind::Points => page.push_str(&player.replace("Drag to turn, pinch", "Pinch")),
+            _ => page.push_str(player),
         }
-        page.push_str(include_str!("player.html"));
     }
 
     fn put_results(&self, page: &mut String) {

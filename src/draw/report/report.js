@@ -98,8 +98,13 @@
     const normal = new Uint8Array(axes * points);
     for (let a = 0; a < axes; a++) column(points, 2, place, a, axes);
     if (corners) for (let a = 0; a < axes; a++) column(points, 1, normal, a, axes);
+    const tone = new Uint8Array(3 * points);
+    if (!corners) {
+      const body = column(points, 1, new Uint8Array(points), 0, 1);
+      body.forEach((body, i) => tone.set(film.tints[body], 3 * i));
+    }
     const face = column(faces * corners, 4, new Uint32Array(faces * corners), 0, 1);
-    return { place, normal, face };
+    return { place, normal, tone, face };
   };
 
   const head = "#version 300 es\nprecision highp float;";
@@ -116,8 +121,8 @@
         vec2 out_ = vec2(cos(turn), sin(turn));
         at = vec3(axis + p.x * out_, p.y); normal = vec3(n.x * out_, n.y);
         gl_Position = view * vec4(at, 1.); }`,
-    points: `${head}${seen} in vec2 place; uniform float dot_;
-      void main() { at = vec3(low.x + size.x * place.x, 0., low.z + size.z * place.y);
+    points: `${head}${seen} in vec2 place; in vec3 tone; out vec3 own; uniform float dot_;
+      void main() { at = vec3(low.x + size.x * place.x, 0., low.z + size.z * place.y); own = tone;
         normal = vec3(0., -1., 0.); gl_Position = view * vec4(at, 1.); gl_PointSize = dot_; }`,
   };
   const fragment = `${head} in vec3 at, normal; uniform vec3 eye, tint; uniform float flat_;
@@ -134,9 +139,11 @@
       seen += .55 * pow(max(dot(reflect(-light, n), e), 0.), 60.);
       colour = vec4(seen, 1.);
     }`;
-  const program = (source) => {
+  const round = `${head} in vec3 own; out vec4 colour;
+    void main() { if (length(gl_PointCoord - .5) > .5) discard; colour = vec4(own, 1.); }`;
+  const program = (source, look) => {
     const made = gl.createProgram();
-    [[gl.VERTEX_SHADER, source], [gl.FRAGMENT_SHADER, fragment]].forEach(([type, text]) => {
+    [[gl.VERTEX_SHADER, source], [gl.FRAGMENT_SHADER, look]].forEach(([type, text]) => {
       const shader = gl.createShader(type);
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
@@ -146,10 +153,10 @@
     gl.linkProgram(made);
     return made;
   };
-  const liquid = program(vertex[film.kind]);
-  const edges = program(vertex.mesh);
-  const place = (of) => (name) => gl.getUniformLocation(of, name);
   const isFlat = film.kind === "points";
+  const liquid = program(vertex[film.kind], isFlat ? round : fragment);
+  const edges = program(vertex.mesh, fragment);
+  const place = (of) => (name) => gl.getUniformLocation(of, name);
   const SECTORS = 96;
 
   // The box, as twelve edges; of a flat one, four.
@@ -185,7 +192,7 @@
 
   // What is shown: of an outline each line is an instance, turned about the axis.
   const load = async (shot) => {
-    const { place, normal, face } = await unpack(shot);
+    const { place, normal, tone, face } = await unpack(shot);
     const array = gl.createVertexArray();
     const parts = [];
     gl.bindVertexArray(array);
@@ -206,7 +213,10 @@
       const width = isFlat ? 2 : 3;
       parts.push(buffer(gl.ARRAY_BUFFER, place));
       attribute(liquid, "place", width, gl.UNSIGNED_SHORT, 0, 0, 0);
-      if (!isFlat) {
+      if (isFlat) {
+        parts.push(buffer(gl.ARRAY_BUFFER, tone));
+        attribute(liquid, "tone", 3, gl.UNSIGNED_BYTE, 0, 0, 0);
+      } else {
         parts.push(buffer(gl.ARRAY_BUFFER, normal));
         attribute(liquid, "side", width, gl.UNSIGNED_BYTE, 0, 0, 0);
         parts.push(buffer(gl.ELEMENT_ARRAY_BUFFER, face));

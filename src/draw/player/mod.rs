@@ -10,8 +10,8 @@
 //! A shot is, before its compression (zlib), for each coordinate of its points a column of 16 bits
 //! between [`Shot::low`] and `low + size`, for each component of its normals a column of 8 bits (0
 //! to 254 for -1 to 1; of `points` instead one column with their bodies), and the corners of its
-//! faces as one column of 32 bits. A column holds the differences of each value to the one before (the first: to 0,
-//! all modulo its range), first their lowest bytes, then the next ones.
+//! faces as one column of 32 bits. A column holds the differences of each value to the one before
+//! (the first: to 0, all modulo its range), first their lowest bytes, then the next ones.
 
 use std::io::Write;
 

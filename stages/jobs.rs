@@ -27,9 +27,7 @@ use crate::settings::{self, Forecast};
 pub mod version {
     use coronet::particle::wall::Lattice;
     use coronet::pipeline::Setting;
-    use coronet::scene::{
-        Density, Dimension, Domain, Method, Problem, Side, TensionForm, TimeStepping,
-    };
+    use coronet::scene::{Density, Dimension, Domain, Method, Problem, TensionForm, TimeStepping};
 
     /// Of packing.
     pub const PACK: u32 = 2;
@@ -84,13 +82,8 @@ pub mod version {
 
     /// Of walls in a box that is no whole number of spacings, for what else sees them.
     pub fn stretched(domain: &Domain, dimension: Dimension, spacing: f64) -> Option<Setting> {
-        let has_wall = domain
-            .boundary
-            .iter()
-            .flatten()
-            .any(|side| *side == Side::Wall);
         let is_stretched = Lattice::new(domain, dimension, spacing).is_stretched();
-        (has_wall && is_stretched).then(walls)
+        (domain.has_wall() && is_stretched).then(walls)
     }
 
     fn walls() -> Setting {

@@ -53,7 +53,7 @@ pub const PALETTE: [[u8; 3]; 6] = [
     [86, 180, 233],
     [120, 94, 40],
 ];
-/// Greys for reference curves.
+/// Muted colours for reference curves.
 pub const REFERENCE: [[u8; 3]; 6] = [
     [40, 40, 40],
     [130, 130, 130],

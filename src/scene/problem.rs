@@ -101,8 +101,7 @@ impl Problem {
 
     /// Whether a side of the box is a wall.
     pub fn has_wall(&self) -> bool {
-        let mut sides = self.domain.boundary.iter().flatten();
-        sides.any(|side| *side == Side::Wall)
+        self.domain.has_wall()
     }
 
     /// Whether a setting of this name is present and has no effect.

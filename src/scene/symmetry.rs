@@ -43,6 +43,12 @@ impl Domain {
         self.revolved.is_some()
     }
 
+    /// Whether a side is a wall.
+    pub fn has_wall(&self) -> bool {
+        let mut sides = self.boundary.iter().flatten();
+        sides.any(|side| *side == Side::Wall)
+    }
+
     /// The same box with a mirror plane in place of an axis: areas of the half-plane are filled
     /// evenly.
     pub fn planar(mut self) -> Self {

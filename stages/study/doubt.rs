@@ -49,7 +49,7 @@ fn kind(text: &str) -> &str {
 }
 
 /// Names of the points that failed, and why.
-pub fn failures<'a>(
+fn failures<'a>(
     trials: &'a [Trial],
     outcomes: &'a [Outcome],
 ) -> impl Iterator<Item = (&'a str, &'a str)> {

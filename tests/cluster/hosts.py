@@ -8,21 +8,11 @@ import tempfile
 import time
 
 from place import Place, say
-from ranks import digests, finished, launch
+from ranks import SCENES, finished, launch
 
 # Name of each host and its address.
 HOSTS = {"coronet-a": "10.250.7.1", "coronet-b": "10.250.7.2"}
-SCENES = {
-    "WCSPH": [],
-    "ISPH, walls of 60 degrees": [
-        "--set",
-        "method.name=isph",
-        "--set",
-        "box.x=wall",
-        "--set",
-        "effects.wetting.angle=60 deg",
-    ],
-}
+SHARED = ["walls", "ISPH, walls of 60 degrees"]
 
 
 def ip(*words):
@@ -89,9 +79,9 @@ def command(number):
 
 
 def same_digests(hosts, folder):
-    for name, sets in SCENES.items():
+    for name in SHARED:
         place = Place(folder / name.replace(" ", "-"))
-        words = ["--threads", "1", "--set", "impact.end=2 ms", *sets]
+        words = ["--threads", "1", *SCENES[name]]
         _, alone, _ = place.run(*words, "--artifacts", "alone")
         for each in [1, 2]:
             found = finished(

@@ -98,7 +98,7 @@ impl<'a> Surface<'a> {
     /// Vectors of the images from those of the points.
     pub fn turn(&self, words: &mut [Vec<f32>; 3]) {
         if let Some((ranks, halo)) = self.ranks {
-            words.iter_mut().for_each(|words| halo.fill(ranks, words));
+            halo.fill_three(ranks, words);
         }
         if let Some(mirror) = self.mirror {
             mirror.turn(words);

@@ -130,7 +130,8 @@ impl Crowd {
     /// Ghosts and images get what they are copies of.
     fn copy(&mut self) {
         if let Some(ranks) = &self.ranks {
-            self.halo.fill_records(ranks, &mut self.records);
+            self.halo
+                .fill_records(ranks, &mut self.records, false, |_| ());
         }
         if let Some(mirror) = &self.mirror {
             mirror.copy(&mut self.records);

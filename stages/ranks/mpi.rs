@@ -81,4 +81,40 @@ impl Communicator for World {
             received
         })
     }
+
+    fn exchange_while(
+        &self,
+        to: &[(usize, Vec<u8>)],
+        from: &[(usize, usize)],
+        meanwhile: &mut dyn FnMut(),
+    ) -> Vec<Vec<u8>> {
+        let world = SimpleCommunicator::world();
+        let at = |rank: usize| world.process_at_rank(rank as i32);
+        let mut received: Vec<Vec<u8>> = from.iter().map(|(_, size)| vec![0; *size]).collect();
+        let pieces = |size: usize| size / PIECE + 1;
+        let coming = from.iter().map(|(_, size)| pieces(*size)).sum();
+        let going = to.iter().map(|(_, bytes)| pieces(bytes.len())).sum();
+        multiple_scope(coming, |scope, receiving| {
+            for ((rank, _), bytes) in from.iter().zip(&mut received) {
+                let mut left = &mut bytes[..];
+                for _ in 0..pieces(left.len()) {
+                    let (piece, rest) = left.split_at_mut(left.len().min(PIECE));
+                    receiving.add(at(*rank).immediate_receive_into(scope, piece));
+                    left = rest;
+                }
+            }
+            multiple_scope(going, |scope, sending| {
+                for (rank, bytes) in to {
+                    for k in 0..pieces(bytes.len()) {
+                        let piece = &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)];
+                        sending.add(at(*rank).immediate_send(scope, piece));
+                    }
+                }
+                meanwhile();
+                receiving.wait_all(&mut Vec::new());
+                sending.wait_all(&mut Vec::new());
+            });
+        });
+        received
+    }
 }

@@ -361,7 +361,7 @@ impl Flow {
             }
         }
         if let Some(ranks) = &self.ranks {
-            self.at.iter_mut().for_each(|at| self.halo.fill(ranks, at));
+            self.halo.fill_three(ranks, &mut self.at);
         }
         if let Some(mirror) = &self.mirror {
             mirror.place(&mut self.at);

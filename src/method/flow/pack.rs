@@ -7,6 +7,7 @@ use crate::space::lane::{Record, WIDTH};
 use crate::space::parallel::{Parts, each_mut, each_part};
 use crate::space::room::resize;
 use crate::space::sweep::{Payload, words_of};
+use std::ops::Range;
 
 impl Flow {
     /// Writes all records: current positions, payloads by liquid index and by wall index.
@@ -17,13 +18,22 @@ impl Flow {
     ) {
         let (n, m) = (self.liquid(), self.walls());
         let count = n + m + self.others() + WIDTH;
+        let inner = self.inner();
         let records = self.records.carry::<P>();
         resize(records, count, Record::default());
         let (p, w) = (&self.particles, &self.wall);
         let (own, rest) = records.split_at_mut(n);
-        write(&self.grid, &p.position, own, |i| liquid(p, i));
-        write(&self.grid, &w.position, &mut rest[..m], |i| wall(w, i));
-        self.fill_ghosts();
+        let liquid = |part: Range<usize>, own: &mut [Record]| {
+            write(&self.grid, &p.position, (part, own), |i| liquid(p, i));
+        };
+        liquid(0..inner.start, own);
+        liquid(inner.end..n, own);
+        write(&self.grid, &w.position, (0..m, rest), |i| wall(w, i));
+        if let Some(ranks) = &self.ranks {
+            let write = |records: &mut [Record]| liquid(inner.clone(), records);
+            self.halo
+                .fill_records(ranks, &mut self.records, false, write);
+        }
         if let Some(mirror) = &self.mirror {
             mirror.copy(&mut self.records);
         }
@@ -36,11 +46,23 @@ impl Flow {
         wall: impl Fn(&Wall, usize) -> P + Sync,
     ) {
         let (n, p, w) = (self.liquid(), &self.particles, &self.wall);
-        let (of_liquid, others) = self.records.carry::<P>().split_at_mut(n);
+        let inner = self.inner();
+        let (own, others) = self.records.carry::<P>().split_at_mut(n);
+        let liquid = |part: Range<usize>, own: &mut [Record]| {
+            let first = part.start;
+            each_mut(&mut own[part], |i, record| {
+                record.carry(words_of(liquid(p, first + i)))
+            });
+        };
+        liquid(0..inner.start, own);
+        liquid(inner.end..n, own);
         let of_wall = &mut others[..w.position[0].len()];
-        each_mut(of_liquid, |i, record| record.carry(words_of(liquid(p, i))));
         each_mut(of_wall, |i, record| record.carry(words_of(wall(w, i))));
-        self.fill_ghosts();
+        if let Some(ranks) = &self.ranks {
+            let write = |records: &mut [Record]| liquid(inner.clone(), records);
+            self.halo
+                .fill_records(ranks, &mut self.records, false, write);
+        }
         if let Some(mirror) = &self.mirror {
             mirror.copy(&mut self.records);
         }
@@ -55,22 +77,26 @@ impl Flow {
         let of_wall = n..n + self.wall.position[0].len();
         let records = &mut self.records.carrying::<P>()[of_wall];
         each_mut(records, |i, record| record.carry(words_of(wall(i))));
-        self.fill_ghosts();
+        if let Some(ranks) = &self.ranks {
+            self.halo
+                .fill_records(ranks, &mut self.records, true, |_| ());
+        }
         if let Some(mirror) = &self.mirror {
             mirror.copy_wall(&mut self.records);
         }
     }
 }
 
-/// Writes records of the points at `position`, m.
+/// Writes records of a part of the points at `position`, m.
 fn write<P: Payload>(
     grid: &Grid,
     position: &[Vec<f64>; 3],
-    records: &mut [Record],
+    (points, records): (Range<usize>, &mut [Record]),
     payload: impl Fn(usize) -> P + Sync,
 ) {
-    each_part(Parts::of(records, PART), |part, records| {
-        let from = part * PART;
+    let first = points.start;
+    each_part(Parts::of(&mut records[points], PART), |part, records| {
+        let from = first + part * PART;
         let mut at = [[0; PART]; 3];
         for (a, at) in at.iter_mut().enumerate() {
             let x = &position[a][from..from + records.len()];

@@ -6,6 +6,7 @@ use crate::particle::migrate::Emigrate;
 use crate::space::ranks::halo::Carried;
 use crate::space::ranks::largest;
 use crate::space::ranks::span::Span;
+use std::ops::Range;
 
 impl Flow {
     /// Records beside those of this rank's particles and of walls: images or ghosts.
@@ -158,10 +159,12 @@ impl Flow {
         );
     }
 
-    /// Records of ghosts, and of walls of other ranks, from theirs.
-    pub(super) fn fill_ghosts(&mut self) {
-        if let Some(ranks) = &self.ranks {
-            self.halo.fill_records(ranks, &mut self.records);
+    /// Particles whose records can be written while others are on their way between ranks; none in
+    /// one process.
+    pub(super) fn inner(&self) -> Range<usize> {
+        match &self.ranks {
+            None => 0..0,
+            Some(_) => self.halo.inner(),
         }
     }
 }

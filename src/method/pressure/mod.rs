@@ -20,6 +20,7 @@ use crate::space::ranks::span::Span;
 use crate::space::sparse::Sparse;
 use multigrid::{Domain, Multigrid};
 use shared::Shared;
+use std::ops::Range;
 
 /// (1), with where its unknowns are.
 #[derive(Default)]
@@ -73,8 +74,29 @@ impl Equation {
     /// Gives unknowns of other ranks their values.
     pub fn fill(&self, x: &mut [f64]) {
         if let Some(shared) = &self.shared {
-            shared.fill(x);
+            shared.fill(x, |_| ());
         }
+    }
+
+    /// Calls `f` with every row, `x` and what of `out` belongs to it, once unknowns of other ranks
+    /// have their values in `x`. They are on their way while rows that need none are at work.
+    pub fn each_row(
+        &self,
+        x: &mut [f64],
+        out: &mut [f64],
+        f: impl Fn(usize, &[f64], &mut f64) + Sync,
+    ) {
+        let Some(shared) = &self.shared else {
+            return each_mut(out, |i, out| f(i, x, out));
+        };
+        let part = |rows: Range<usize>, x: &[f64], out: &mut [f64]| {
+            let first = rows.start;
+            each_mut(&mut out[rows], |i, out| f(first + i, x, out));
+        };
+        let (inner, rows) = (shared.inner(), out.len());
+        shared.fill(x, |x| part(inner.clone(), x, out));
+        part(0..inner.start, x, out);
+        part(inner.end..rows, x, out);
     }
 
     /// The first `count` unknowns, for a sum over those of all ranks.
@@ -130,8 +152,7 @@ pub struct Rows;
 
 impl Matrix for Rows {
     fn apply(&mut self, equation: &Equation, x: &mut [f64], out: &mut [f64]) {
-        equation.fill(x);
-        each_mut(out, |i, out| *out = equation.row(i, x));
+        equation.each_row(x, out, |i, x, out| *out = equation.row(i, x));
     }
 }
 

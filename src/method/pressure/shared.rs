@@ -9,7 +9,7 @@
 //! Test: tests/engine/method_ranks.rs.
 
 use crate::space::grid::Grid;
-use crate::space::ranks::halo::{Carried, Halo};
+use crate::space::ranks::halo::{Carried, Copying, Halo};
 use crate::space::ranks::span::{self, Span};
 use crate::space::ranks::{Ranks, largest};
 use std::ops::Range;
@@ -95,18 +95,27 @@ impl Shared {
         largest(&*self.ranks.with, own)
     }
 
-    /// Gives the columns of other ranks the values that those have.
-    pub fn fill<T: Carried + Default>(&self, values: &mut [T]) {
-        let (n, groups) = (self.liquid, self.contact.len());
-        let ghosts = n + groups;
-        let mut points = values[..n].to_vec();
-        points.extend(self.group.iter().map(|&group| values[n + group as usize]));
-        points.resize(self.halo.first + self.halo.len(), T::default());
-        self.halo.fill(&self.ranks, &mut points);
-        for (value, &contact) in values[n..ghosts].iter_mut().zip(&self.contact) {
-            *value = points[n + contact as usize];
-        }
-        values[ghosts..].copy_from_slice(&points[self.halo.first..]);
+    /// Rows without columns of other ranks.
+    pub fn inner(&self) -> Range<usize> {
+        self.halo.inner()
+    }
+
+    /// Gives the columns of other ranks the values that those have; `meanwhile` reads those of
+    /// [`Shared::inner`].
+    pub fn fill<T: Carried>(&self, values: &mut [T], mut meanwhile: impl FnMut(&[T])) {
+        let ghosts = self.liquid + self.contact.len();
+        let column = |point: usize| match point.checked_sub(self.halo.first) {
+            Some(ghost) => ghosts + ghost,
+            None if point < self.liquid => point,
+            None => self.liquid + self.group[point - self.liquid] as usize,
+        };
+        let copying = Copying {
+            walls_alone: false,
+            give: |values: &[T], point| values[column(point)],
+            take: |values: &mut [T], point, value| values[column(point)] = value,
+        };
+        let meanwhile = |values: &mut [T]| meanwhile(values);
+        self.halo.copy(&self.ranks, values, &copying, meanwhile);
     }
 
     /// Gives all ranks the nodes that each has found, of a grid with `count` nodes to each side

@@ -89,9 +89,8 @@ impl<S: Scheme> Matrix for Product<'_, S> {
             let f = share_of[g];
             *x = beta * (2.0 - f) * *x - f * scale * flux[g] / equation.diagonal[n + g];
         });
-        equation.fill(&mut wide);
-        each_mut(&mut out[..n], |i, out| {
-            *out = scale * *out + equation.row(i, &wide)
+        equation.each_row(&mut wide, &mut out[..n], |i, wide, out| {
+            *out = scale * *out + equation.row(i, wide)
         });
         out[n..].fill(0.0);
         this.transposed.wide = wide;

@@ -24,7 +24,7 @@ impl<S: Scheme> Projection<S> {
         let [x, y, z] = &mut equation.place;
         for values in [x, y, z, &mut equation.share, &mut equation.surface] {
             values.resize(shared.columns(), 0.0);
-            shared.fill(values);
+            shared.fill(values, |_| ());
         }
         equation.shared = Some(shared);
     }

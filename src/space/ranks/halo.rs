@@ -28,6 +28,8 @@ pub struct Halo {
     /// By rank: what it gets from here, and what here comes from it.
     to: Vec<Share>,
     from: Vec<Share>,
+    /// Own particles that no other rank needs, and whose sums need none of another rank.
+    inner: Range<usize>,
 }
 
 /// Points that one rank has and another needs.
@@ -38,13 +40,36 @@ struct Share {
 }
 
 impl Share {
-    fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
-        self.liquid.iter().chain(&self.wall).cloned()
+    /// Its points, or those of walls alone.
+    fn points(&self, walls_alone: bool) -> impl Iterator<Item = usize> {
+        let liquid = self.liquid.iter().filter(move |_| !walls_alone);
+        liquid.chain(&self.wall).cloned().flatten()
     }
+}
 
-    fn is_empty(&self) -> bool {
-        self.ranges().all(|range| range.is_empty())
+/// The longest range of `n` particles that no other rank gets.
+fn inner(to: &[Share], n: usize) -> Range<usize> {
+    let mut needed: Vec<Range<usize>> = to.iter().flat_map(|share| share.liquid.clone()).collect();
+    needed.push(n..n);
+    needed.sort_by_key(|range| range.start);
+    let (mut from, mut longest) = (0, 0..0);
+    for range in needed {
+        if range.start.saturating_sub(from) > longest.len() {
+            longest = from..range.start;
+        }
+        from = from.max(range.end);
     }
+    longest
+}
+
+/// How points get what those of other ranks have.
+pub struct Copying<G, T> {
+    /// Whether only walls have changed.
+    pub walls_alone: bool,
+    /// What a point has.
+    pub give: G,
+    /// Sets it.
+    pub take: T,
 }
 
 /// The slabs within `reach` cells of those of a rank, its own left out.
@@ -122,6 +147,7 @@ impl Halo {
             let counts: Vec<u32> = cells_of(grid, &mine).map(count).collect();
             out.push(super::encoded(&counts));
         }
+        self.inner = inner(&self.to, n);
         let counted = ranks.trade(out);
         let needed = needs(own);
         self.start.clear();
@@ -165,9 +191,32 @@ impl Halo {
         }
     }
 
+    /// Own particles that no other rank needs, and whose sums need none of another rank.
+    pub fn inner(&self) -> Range<usize> {
+        self.inner.clone()
+    }
+
     /// Ghosts and walls of other ranks get what those have; `points` of this rank.
     pub fn fill<T: Carried>(&self, ranks: &Ranks, points: &mut [T]) {
-        self.fill_as(ranks, points, |point| *point, |point| point);
+        let copying = Copying {
+            walls_alone: false,
+            give: |points: &[T], i: usize| points[i],
+            take: |points: &mut [T], i: usize, value| points[i] = value,
+        };
+        self.copy(ranks, points, &copying, |_| ());
+    }
+
+    /// The same of three numbers of each point.
+    pub fn fill_three<T: Carried>(&self, ranks: &Ranks, points: &mut [Vec<T>; 3]) {
+        let copying = Copying {
+            walls_alone: false,
+            give: |points: &[Vec<T>; 3], i: usize| points.each_ref().map(|points| points[i]),
+            take: |points: &mut [Vec<T>; 3], i: usize, values: [T; 3]| {
+                let pairs = points.iter_mut().zip(values);
+                pairs.for_each(|(points, value)| points[i] = value);
+            },
+        };
+        self.copy(ranks, points, &copying, |_| ());
     }
 
     /// Records of `n` own particles and of the ghosts in the order of all; `slab`: the first own
@@ -192,48 +241,71 @@ impl Halo {
     ) -> ([Vec<f64>; 3], Vec<u32>) {
         let slab = ranks.slabs(ranks.rank()).start;
         let index = self.in_order(own[0].len(), slab, grid);
-        let all = own.each_ref().map(|own| {
+        let mut all = own.each_ref().map(|own| {
             let mut points = own.clone();
             points.resize(self.first + self.len(), 0.0);
-            self.fill(ranks, &mut points);
-            index.iter().map(|&i| points[i as usize]).collect()
+            points
         });
-        (all, index)
+        self.fill_three(ranks, &mut all);
+        let in_order = |points: Vec<f64>| index.iter().map(|&i| points[i as usize]).collect();
+        (all.map(in_order), index)
     }
 
-    /// [`Halo::fill`] of records.
-    pub fn fill_records(&self, ranks: &Ranks, records: &mut Records) {
-        self.fill_as(ranks, records.all(), |record| record.0, Record);
-    }
-
-    fn fill_as<T, W: Carried>(
+    /// [`Halo::fill`] of records, of those of walls or of all; `meanwhile` writes records of
+    /// [`Halo::inner`].
+    pub fn fill_records(
         &self,
         ranks: &Ranks,
-        points: &mut [T],
-        take: impl Fn(&T) -> W,
-        give: impl Fn(W) -> T,
+        records: &mut Records,
+        walls_alone: bool,
+        meanwhile: impl FnMut(&mut [Record]),
     ) {
-        let collect = |share: &Share| -> Vec<W> {
-            let ranges = share.ranges();
-            ranges
-                .flat_map(|range| points[range].iter().map(&take))
-                .collect()
+        let copying = Copying {
+            walls_alone,
+            give: |records: &[Record], i: usize| records[i].0,
+            take: |records: &mut [Record], i: usize, words| records[i] = Record(words),
         };
-        let filled = |(rank, share)| -> Option<(usize, &Share)> {
-            let share: &Share = share;
-            (!share.is_empty()).then_some((rank, share))
+        self.copy(ranks, records.all(), &copying, meanwhile);
+    }
+
+    /// Gives points what those of other ranks have; `meanwhile` goes on until it has come.
+    pub fn copy<P: ?Sized, W: Carried>(
+        &self,
+        ranks: &Ranks,
+        points: &mut P,
+        copying: &Copying<impl Fn(&P, usize) -> W, impl Fn(&mut P, usize, W)>,
+        mut meanwhile: impl FnMut(&mut P),
+    ) {
+        let Copying { give, take, .. } = copying;
+        let alone = copying.walls_alone;
+        let filled = |shares: &[Share]| -> Vec<(usize, usize)> {
+            let counts = shares.iter().map(|share| share.points(alone).count());
+            counts.enumerate().filter(|(_, count)| *count > 0).collect()
         };
-        let to = self.to.iter().enumerate().filter_map(filled);
-        let to: Vec<(usize, Vec<u8>)> = to
-            .map(|(rank, share)| (rank, super::encoded(&collect(share))))
+        let values = |share: &Share, count| -> Vec<W> {
+            let first = share.points(alone).take(count);
+            first.map(|point| give(points, point)).collect()
+        };
+        let to = filled(&self.to).into_iter();
+        let sent: Vec<(usize, Vec<u8>)> = to
+            .map(|(rank, count)| (rank, super::encoded(&values(&self.to[rank], count))))
             .collect();
-        let from = self.from.iter().enumerate().filter_map(filled);
-        let (others, shares): (Vec<usize>, Vec<&Share>) = from.unzip();
-        let all = ranks.with.exchange(&to, &others);
-        for (bytes, share) in all.iter().zip(shares) {
+        // All values are of one length.
+        let length = |&(rank, count): &(usize, usize)| {
+            let [none, one] = [0, 1].map(|k| super::encoded(&values(&self.from[rank], k)).len());
+            (rank, none + count * (one - none))
+        };
+        let wanted: Vec<(usize, usize)> = filled(&self.from).iter().map(length).collect();
+        let work = &mut || meanwhile(points);
+        let all = ranks.with.exchange_while(&sent, &wanted, work);
+        for (bytes, (rank, _)) in all.iter().zip(&wanted) {
             let mut values = super::decoded::<Vec<W>>(bytes).into_iter();
-            for point in share.ranges().flatten() {
-                points[point] = give(values.next().expect("a value of every point"));
+            for point in self.from[*rank].points(alone) {
+                take(
+                    points,
+                    point,
+                    values.next().expect("a value of every point"),
+                );
             }
         }
     }

@@ -44,6 +44,23 @@ impl Communicator for Timed {
         self.waited.fetch_add(waited, Ordering::Relaxed);
         received
     }
+
+    fn exchange_while(
+        &self,
+        to: &[(usize, Vec<u8>)],
+        from: &[(usize, usize)],
+        meanwhile: &mut dyn FnMut(),
+    ) -> Vec<Vec<u8>> {
+        let (start, mut busy) = (Instant::now(), Duration::ZERO);
+        let received = self.with.exchange_while(to, from, &mut || {
+            let begun = Instant::now();
+            meanwhile();
+            busy = begun.elapsed();
+        });
+        let waited = start.elapsed().saturating_sub(busy).as_nanos() as u64;
+        self.waited.fetch_add(waited, Ordering::Relaxed);
+        received
+    }
 }
 
 /// The time that a particle takes on this rank.

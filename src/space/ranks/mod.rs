@@ -31,6 +31,18 @@ pub trait Communicator: Send + Sync {
     /// Sends bytes to other ranks, and returns what the ranks `from` have sent to this one, in
     /// this order. No rank twice, and not this one.
     fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>>;
+    /// The same where the lengths of what comes are known, bytes; `meanwhile` is work of this rank
+    /// that needs nothing of it.
+    fn exchange_while(
+        &self,
+        to: &[(usize, Vec<u8>)],
+        from: &[(usize, usize)],
+        meanwhile: &mut dyn FnMut(),
+    ) -> Vec<Vec<u8>> {
+        meanwhile();
+        let others: Vec<usize> = from.iter().map(|(rank, _)| *rank).collect();
+        self.exchange(to, &others)
+    }
 }
 
 const CODING: bincode::config::Configuration<
@@ -185,9 +197,22 @@ pub fn trade(with: &dyn Communicator, out: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
     all
 }
 
-/// What every rank has, in their order.
+/// What every rank has, in their order; each sends as many messages as the number of ranks has
+/// binary digits (Bruck, Ho, Kipnis, Upfal & Weathersby 1997).
 pub fn gather<T: Serialize + DeserializeOwned>(with: &dyn Communicator, own: &T) -> Vec<T> {
-    let all = trade(with, vec![encoded(own); with.size()]);
+    let (rank, size) = (with.rank(), with.size());
+    // Of this rank and those behind it.
+    let mut all = vec![encoded(own)];
+    while all.len() < size {
+        let (known, wanted) = (all.len(), all.len().min(size - all.len()));
+        let to = (rank + size - known) % size;
+        let bytes = bincode::encode_to_vec(&all[..wanted], CODING).expect("plain bytes");
+        let more = with.exchange(&[(to, bytes)], &[(rank + known) % size]);
+        let (more, _): (Vec<Vec<u8>>, _) =
+            bincode::decode_from_slice(&more[0], CODING).expect("all ranks run the same program");
+        all.extend(more);
+    }
+    all.rotate_right(rank);
     all.iter().map(|bytes| decoded(bytes)).collect()
 }
 
@@ -212,20 +237,29 @@ pub fn collect<T: Serialize + DeserializeOwned>(
     Some(whole)
 }
 
-/// Gives all ranks what the rank `from` has, which alone has a value.
+/// Gives all ranks what the rank `from` has, which alone has a value. Those that have it pass it on,
+/// twice as many each time.
 pub fn broadcast<T: Serialize + DeserializeOwned>(
     with: &dyn Communicator,
     from: usize,
     value: Option<T>,
 ) -> T {
-    let Some(value) = value else {
-        return decoded(&with.exchange(&[], &[from])[0]);
+    let size = with.size();
+    // Places count from the rank with the value.
+    let place = (with.rank() + size - from) % size;
+    let at = |place: usize| (place + from) % size;
+    let bytes = match &value {
+        Some(value) => encoded(value),
+        None => with.exchange(&[], &[at(place & (place - 1))]).remove(0),
     };
-    let bytes = encoded(&value);
-    let others = (0..with.size()).filter(|&rank| rank != from);
-    let to: Vec<(usize, Vec<u8>)> = others.map(|rank| (rank, bytes.clone())).collect();
+    let step = |k: &u32| place & ((2 << k) - 1) == 0;
+    let next = (0..usize::BITS - 1)
+        .take_while(step)
+        .map(|k| place + (1 << k));
+    let to = next.take_while(|place| *place < size);
+    let to: Vec<(usize, Vec<u8>)> = to.map(|place| (at(place), bytes.clone())).collect();
     with.exchange(&to, &[]);
-    value
+    value.unwrap_or_else(|| decoded(&bytes))
 }
 
 /// The largest of a number that each rank has; NaN wins.

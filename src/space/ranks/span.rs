@@ -176,25 +176,26 @@ fn chunk_sums<const K: usize>(
     let later = (rank + 1..with.size()).find(has_items);
     let from = earlier.filter(|_| !is_empty && !first.is_multiple_of(size));
     let to = later.filter(|_| !is_empty && !end.is_multiple_of(size) && end < last);
-    // The first chunk goes on from another rank, the last one may go on on another.
     let mut chunks: Vec<Range<usize>> = chunks(first, values.len(), size).collect();
-    let mut done: Vec<Vec<f64>> = Vec::new();
-    let open = chunks.pop();
-    let mut sum = match (from, earlier) {
-        (Some(from), _) => received(with, from),
+    // The first chunk goes on from another rank, the last one may go on on another: at once, if
+    // they are not the same.
+    let ahead = to.filter(|_| chunks.len() > 1).zip(chunks.last().cloned());
+    let sent = ahead.map(|(to, chunk)| (to, encoded(&fold([0.0; K], &values[chunk]).to_vec())));
+    chunks.truncate(chunks.len() - sent.iter().len());
+    let come = with.exchange(sent.as_slice(), from.as_slice());
+    let mut sum = match (come.first(), earlier) {
+        (Some(bytes), _) => array(decoded(bytes)),
         (None, None) => begun,
         (None, Some(_)) => [0.0; K],
     };
+    let mut done: Vec<Vec<f64>> = Vec::new();
     for chunk in chunks {
         done.push(fold(sum, &values[chunk]).to_vec());
         sum = [0.0; K];
     }
-    let open = open.map(|chunk| fold(sum, &values[chunk]).to_vec());
-    match (open, to) {
-        (Some(sum), Some(to)) => {
-            with.exchange(&[(to, encoded(&sum))], &[]);
-        }
-        (sum, _) => done.extend(sum),
+    if let (Some(to), None) = (to, sent) {
+        let sum = done.pop().expect("this rank has items");
+        with.exchange(&[(to, encoded(&sum))], &[]);
     }
     gather(with, &done)
         .into_iter()
@@ -205,8 +206,4 @@ fn chunk_sums<const K: usize>(
 
 fn array<const K: usize>(sum: Vec<f64>) -> [f64; K] {
     sum.try_into().expect("all ranks run the same program")
-}
-
-fn received<const K: usize>(with: &dyn Communicator, from: usize) -> [f64; K] {
-    array(decoded(&with.exchange(&[], &[from])[0]))
 }

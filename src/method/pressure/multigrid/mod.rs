@@ -86,8 +86,7 @@ impl Multigrid {
     pub fn apply(&mut self, equation: &Equation, r: &[f64], z: &mut [f64]) {
         let n = equation.len();
         each_mut(&mut z[..n], |i, z| *z = r[i] / equation.diagonal[i]);
-        equation.fill(z);
-        each_mut(&mut self.residual[..n], |i, residual| {
+        equation.each_row(z, &mut self.residual[..n], |i, z, residual| {
             *residual = r[i] - equation.row(i, z)
         });
         equation.fill(&mut self.residual);
@@ -96,8 +95,7 @@ impl Multigrid {
         self.elements.join(equation, level.count, &mut level.b);
         self.cycle();
         self.elements.prolong(&self.levels[0], &mut z[..n]);
-        equation.fill(z);
-        each_mut(&mut self.residual[..n], |i, residual| {
+        equation.each_row(z, &mut self.residual[..n], |i, z, residual| {
             *residual = (r[i] - equation.row(i, z)) / equation.diagonal[i]
         });
         let change = &self.residual;

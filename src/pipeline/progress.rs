@@ -53,6 +53,9 @@ pub struct Told {
     pub unit: String,
     /// Where it is: `t = 3.1 of 40 ms`.
     pub text: String,
+    /// Why the stage ended, if that was not for a stop or a kill.
+    #[serde(default)]
+    pub failure: Option<String>,
 }
 
 impl Told {
@@ -122,6 +125,14 @@ impl Teller {
         told.unit = progress.unit.to_string();
         told.text.clone_from(&progress.text);
         write(&self.path, told);
+    }
+
+    /// Tells that the stage has ended, and why.
+    pub(super) fn fail(&self, cause: &dyn std::error::Error) {
+        if let Ok(mut state) = self.state.lock() {
+            state.told.failure = Some(cause.to_string());
+            write(&self.path, &state.told);
+        }
     }
 }
 

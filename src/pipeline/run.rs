@@ -238,6 +238,7 @@ impl Walk<'_> {
                 return Ok(Attempt::Repair { job, file, what });
             }
             Err(StageError::Failed(source)) => {
+                context.teller.fail(&*source);
                 return Err(PipelineError::Stage { job: label, source });
             }
         };

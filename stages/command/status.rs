@@ -61,7 +61,7 @@ fn print(store: &Store, jobs: &[Unfinished], json: bool) {
     }
     if jobs.is_empty() {
         let root = store.root().display();
-        return out!("no job in {root} is under way or was interrupted");
+        return out!("no job in {root} is under way, was interrupted or failed");
     }
     text(jobs).iter().for_each(|line| out!("{line}"));
 }
@@ -75,9 +75,9 @@ fn text(jobs: &[Unfinished]) -> Vec<String> {
     // Where it is, is too long for a column.
     for (index, job) in jobs.iter().enumerate().rev() {
         let told = job.told.as_ref().map(|(told, _)| told.text.as_str());
-        if let Some(text) = told.filter(|text| !text.is_empty()) {
-            all.insert(index + 2, format!("  {text}"));
-        }
+        let told = told.filter(|text| !text.is_empty());
+        let below = told.into_iter().chain(failure(job));
+        all.splice(index + 2..index + 2, below.map(|text| format!("  {text}")));
     }
     all
 }
@@ -88,9 +88,10 @@ fn row(job: &Unfinished) -> Vec<String> {
     let left = done.and_then(|told| told.left());
     let speed = done.filter(|told| told.speed > 0.0);
     let none = || "-".to_string();
-    let state = match &job.holder {
-        Some(holder) => holder.clone(),
-        None => format!("interrupted {} ago", since(job.touched())),
+    let state = match (&job.holder, failure(job)) {
+        (Some(holder), _) => holder.clone(),
+        (None, Some(_)) => format!("failed {} ago", since(job.touched())),
+        (None, None) => format!("interrupted {} ago", since(job.touched())),
     };
     vec![
         job.label(),
@@ -105,6 +106,12 @@ fn row(job: &Unfinished) -> Vec<String> {
         },
         state,
     ]
+}
+
+/// Why it ended, if neither a stop nor a kill ended it.
+fn failure(job: &Unfinished) -> Option<&str> {
+    let told = job.told.as_ref().filter(|_| job.holder.is_none());
+    told.and_then(|(told, _)| told.failure.as_deref())
 }
 
 fn since(instant: Option<SystemTime>) -> String {
@@ -124,7 +131,12 @@ fn object(job: &Unfinished) -> Value {
         "stage": job.stage,
         "body": told.map(|told| &told.body),
         "name": told.map(|told| &told.pipeline),
-        "state": if is_running { "running" } else { "interrupted" },
+        "state": match (is_running, failure(job)) {
+            (true, _) => "running",
+            (false, Some(_)) => "failed",
+            (false, None) => "interrupted",
+        },
+        "failure": failure(job),
         "fraction": told.and_then(|told| told.first.map(|_| told.fraction)),
         "text": told.map(|told| &told.text),
         "speed": told.map(|told| told.speed),

@@ -1,4 +1,4 @@
-//! What a name and a table of measures show is of one run, as it was computed.
+//! What a name, a table of measures and `status` show agrees with what was computed.
 
 use std::fs;
 
@@ -52,4 +52,22 @@ fn a_changed_table_of_measures_is_not_believed() {
     program.call(&["verify"]);
     program.run(&arguments);
     assert_eq!(fs::read_to_string(&path).unwrap(), text);
+}
+
+/// A stage that has failed is not called interrupted.
+#[test]
+fn status_says_that_a_stage_has_failed() {
+    let program = Program::new();
+    let slow = "method.wcsph.reference_speed=0.01 m/s";
+    let sets = ["--set", "method.wcsph.sound_speed=constant", "--set", slow];
+    let ended = program.call(&[&["run", "tiny.toml"], &sets[..]].concat());
+    ended.badly(3, &["diverged"]);
+    let jobs = program.call(&["status", "--json"]).well().objects();
+    assert_eq!(jobs[0]["state"], "failed");
+    assert!(jobs[0]["failure"].as_str().unwrap().contains("diverged"));
+    let text = program.call(&["status"]).well().out;
+    assert!(
+        text.contains("failed") && text.contains("diverged"),
+        "{text}"
+    );
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use coronet::file::{self, FileError};
+use coronet::particle::Shares;
 use coronet::pipeline::content::CHECKPOINT;
 use coronet::pipeline::content::ContentError;
 use coronet::pipeline::store::{OUT, entries};
@@ -21,7 +22,10 @@ pub const KEPT: &str = "kept-";
 /// Text with the key for which a rolling checkpoint was written.
 const KEY: &str = "key";
 
-/// Writes the checkpoints of a running stage in the background.
+/// What this process has of a checkpoint, and what gives the rest if several share the run.
+pub type Shared<'a> = (Checkpoint, Option<Box<dyn Shares + 'a>>);
+
+/// Writes the checkpoints of a running stage, in the background if one process has all.
 pub struct Flight {
     folder: PathBuf,
     key: Digest,
@@ -51,7 +55,7 @@ impl Flight {
     pub fn save(
         &mut self,
         context: &Context,
-        mut checkpoint: Checkpoint,
+        (mut checkpoint, more): Shared,
         after: Option<Flush>,
         kept: bool,
     ) -> Result<(), StageError> {
@@ -59,11 +63,20 @@ impl Flight {
         let name = format!("{prefix}{:012}.{CHECKPOINT}", checkpoint.step);
         checkpoint.texts.push((KEY.into(), self.key.to_string()));
         let path = self.folder.join(name);
-        self.writer
-            .submit(checkpoint, path, after)
-            .map_err(StageError::failed)?;
+        let Some(more) = more else {
+            self.writer
+                .submit(checkpoint, path, after)
+                .map_err(StageError::failed)?;
+            self.last = Instant::now();
+            return self.collect(context);
+        };
+        if let Some(after) = after {
+            after.wait().map_err(StageError::failed)?;
+        }
+        let written = checkpoint.write_with(Some(&*more), &path, LEVEL);
+        written.map_err(StageError::failed)?;
         self.last = Instant::now();
-        self.collect(context)
+        self.settle(context)
     }
 
     /// Registers the checkpoints written since the last call and removes unneeded ones. Returns

@@ -137,11 +137,13 @@ impl Impact<'_> {
             let note = frames.stop.note(solver.time(), self.input.impact.end);
             context.note(note);
         }
-        let end = frames.checkpoint(solver.as_ref());
+        let (end, more) = frames.checkpoint(solver.as_ref());
         let taken = frames.taken;
         frames.log.finish().map_err(StageError::failed)?;
-        end.write(&context.output().join(STATE), checkpoint::LEVEL)
-            .map_err(StageError::failed)?;
+        let path = context.output().join(STATE);
+        let written = end.write_with(more.as_deref(), &path, checkpoint::LEVEL);
+        written.map_err(StageError::failed)?;
+        drop(more);
         merge(context, taken)?;
         self.write_layout(context, solver.as_ref())?;
         let mut outputs = vec![Output::counted(STATE), Output::counted(FRAMES)];

@@ -13,7 +13,7 @@ use coronet::pipeline::{Context, Relative, StageError};
 use coronet::record::Checkpoint;
 use coronet::record::log::{self, BASE, LogError, LogWriter, Segment};
 
-use crate::flight;
+use crate::flight::{self, Shared};
 use crate::stop::{Past, Stop};
 
 /// Frames of the whole run.
@@ -96,12 +96,14 @@ impl Frames {
             .map_or(Ok(()), |error| Err(StageError::failed(error)))
     }
 
-    pub fn checkpoint(&self, solver: &dyn Solver) -> Checkpoint {
-        let mut checkpoint = Checkpoint::from(solver.state());
+    /// What this process has of a checkpoint, and what gives the rest.
+    pub fn checkpoint<'a>(&self, solver: &'a dyn Solver) -> Shared<'a> {
+        let (state, more) = solver.share();
+        let mut checkpoint = Checkpoint::from(state);
         checkpoint.scalars.push((NEXT.into(), self.due.next as f64));
         checkpoint.scalars.push((TAKEN.into(), self.taken as f64));
         self.stop.keep(&mut checkpoint);
-        checkpoint
+        (checkpoint, more)
     }
 }
 

@@ -12,7 +12,7 @@ use coronet::record::{Checkpoint, checkpoint};
 use coronet::scene::input::RelaxInput;
 
 use crate::body::{BODY, read_body};
-use crate::flight::{self, Flight};
+use crate::flight::{self, Flight, Shared};
 use crate::pace::Pace;
 use crate::ranks::{self, Part};
 use crate::settings::Forecast;
@@ -140,10 +140,11 @@ impl Relax<'_> {
     }
 }
 
-fn checkpoint(solver: &dyn Solver, calm_since: f64) -> Checkpoint {
-    let mut checkpoint = Checkpoint::from(solver.state());
+fn checkpoint(solver: &dyn Solver, calm_since: f64) -> Shared<'_> {
+    let (state, more) = solver.share();
+    let mut checkpoint = Checkpoint::from(state);
     checkpoint.scalars.push((CALM_SINCE.into(), calm_since));
-    checkpoint
+    (checkpoint, more)
 }
 
 fn restored(checkpoint: Checkpoint) -> Option<(State, f64)> {

@@ -2,12 +2,13 @@
 
 use super::model::Case;
 use super::{Diverged, MethodError, Phase, Solver, flow_of};
-use crate::particle::{Frame, Particles, State, Wall};
+use crate::particle::{Frame, Particles, Shares, State, Wall};
 use crate::scene::{Closure, Method, MpsClosure, MpsGradient, PoissonSource};
 use crate::scene::{Preconditioner, Problem, TensionForm};
 use crate::space::grid::WIDE;
-use crate::space::ranks::{Communicator, broadcast, collect, gather};
+use crate::space::ranks::{Communicator, broadcast, collect, decoded, encoded, gather};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Why several ranks cannot share a problem.
@@ -58,6 +59,7 @@ enum Order {
     /// A step is over, and has been seen.
     GoOn,
     State,
+    Share,
     Frame,
     Unrest,
     End,
@@ -150,6 +152,16 @@ impl Solver for Shared<'_> {
         collect(&*self.with, self.own().state(), join).expect(HAS_ALL)
     }
 
+    fn share(&self) -> (State, Option<Box<dyn Shares + '_>>) {
+        self.tell(Order::Share);
+        let elsewhere = Elsewhere {
+            with: &*self.with,
+            count: self.count,
+        };
+        let state = named(&*self.with, self.own().state());
+        (state, Some(Box::new(elsewhere)))
+    }
+
     fn frame(&self) -> Frame {
         self.tell(Order::Frame);
         let join = |whole: &mut Frame, part| join_frames(whole, part, self.count);
@@ -170,6 +182,51 @@ impl Solver for Shared<'_> {
     fn memory(&self) -> (f64, f64) {
         self.own().memory()
     }
+}
+
+/// On rank 0: the states of the others, which [`give`] theirs.
+struct Elsewhere<'a> {
+    with: &'a dyn Communicator,
+    count: usize,
+}
+
+impl Shares for Elsewhere<'_> {
+    fn count(&self) -> usize {
+        self.count
+    }
+
+    fn each(&self, columns: &Range<usize>, take: &mut dyn FnMut(State)) {
+        broadcast(self.with, 0, Some(Some(columns.clone())));
+        for rank in 1..self.with.size() {
+            take(decoded(&self.with.exchange(&[], &[rank])[0]));
+        }
+    }
+}
+
+impl Drop for Elsewhere<'_> {
+    fn drop(&mut self) {
+        broadcast::<Option<Range<usize>>>(self.with, 0, Some(None));
+    }
+}
+
+/// On the other ranks: gives rank 0 what it wants of a state.
+fn give(state: &State, with: &dyn Communicator) {
+    while let Some(columns) = broadcast::<Option<Range<usize>>>(with, 0, None) {
+        with.exchange(&[(0, encoded(&state.columns(&columns)))], &[]);
+    }
+}
+
+/// Gives a state of no particles the arrays that other ranks have, without values.
+fn named(with: &dyn Communicator, mut state: State) -> State {
+    let own: Vec<String> = state.arrays.iter().map(|array| array.0.clone()).collect();
+    let names = gather(with, &own)
+        .into_iter()
+        .find(|names| !names.is_empty());
+    if state.arrays.is_empty() {
+        let names = names.unwrap_or_default().into_iter();
+        state.arrays = names.map(|name| (name, Vec::new())).collect();
+    }
+    state
 }
 
 /// On the other ranks: does what rank 0 says, until it drops its solver; how many particles this
@@ -205,6 +262,7 @@ fn answer(own: &dyn Solver, with: &dyn Communicator, order: Order) {
         Order::State => {
             collect(with, own.state(), |_, _| ());
         }
+        Order::Share => give(&named(with, own.state()), with),
         Order::Frame => {
             collect(with, own.frame(), |_, _| ());
         }
@@ -218,6 +276,19 @@ fn answer(own: &dyn Solver, with: &dyn Communicator, order: Order) {
 /// Particles of all ranks.
 pub fn counted(with: &dyn Communicator, own: usize) -> usize {
     gather(with, &(own as u64)).iter().sum::<u64>() as usize
+}
+
+/// Gives all ranks about as many particles of the state that rank 0 has; the part of this one.
+pub fn scatter(with: &dyn Communicator, state: Option<State>) -> State {
+    let Some(state) = state else {
+        return decoded(&with.exchange(&[], &[0])[0]);
+    };
+    let (count, size) = (state.particles.len(), with.size());
+    let part = |rank: usize| state.part(count * rank / size..count * (rank + 1) / size);
+    for rank in 1..size {
+        with.exchange(&[(rank, encoded(&part(rank)))], &[]);
+    }
+    part(0)
 }
 
 /// Appends the part of a state that the next rank has; `count`: particles of all.

@@ -25,6 +25,7 @@ pub mod wall;
 
 use column::{Columns, Role, Viewer, Visitor};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Liquid particles, structure of arrays, SI units, length `len()` each.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -155,6 +156,68 @@ impl State {
     pub fn has(&self, name: &str) -> bool {
         self.arrays.iter().any(|array| array.0 == name)
     }
+
+    /// The particles of a range, with all scalars.
+    pub fn part(&self, range: Range<usize>) -> State {
+        let reals = |column: &Vec<f64>| column.get(range.clone()).unwrap_or_default().to_vec();
+        let p = &self.particles;
+        let arrays = self.arrays.iter();
+        State {
+            particles: Particles {
+                id: p.id[range.clone()].to_vec(),
+                body: p.body[range.clone()].to_vec(),
+                position: p.position.each_ref().map(reals),
+                velocity: p.velocity.each_ref().map(reals),
+                density: reals(&p.density),
+                mass: p.mass,
+                weight: reals(&p.weight),
+            },
+            scalars: self.scalars.clone(),
+            arrays: arrays
+                .map(|(name, values)| (name.clone(), reals(values)))
+                .collect(),
+            ..*self
+        }
+    }
+
+    /// A copy of some of the columns: identities, bodies, positions, velocities, densities, arrays.
+    /// The others are empty. For particles of one mass.
+    pub fn columns(&self, wanted: &Range<usize>) -> State {
+        let mut next = 0..usize::MAX;
+        let mut is_wanted = || next.next().is_some_and(|k| wanted.contains(&k));
+        let p = &self.particles;
+        let (with_id, with_body) = (is_wanted(), is_wanted());
+        let mut part = |column: &Vec<f64>| copy_if(is_wanted(), column);
+        let particles = Particles {
+            id: copy_if(with_id, &p.id),
+            body: copy_if(with_body, &p.body),
+            position: p.position.each_ref().map(&mut part),
+            velocity: p.velocity.each_ref().map(&mut part),
+            density: part(&p.density),
+            mass: p.mass,
+            weight: Vec::new(),
+        };
+        let arrays = self.arrays.iter();
+        let arrays = arrays.map(|(name, values)| (name.clone(), part(values)));
+        State {
+            particles,
+            arrays: arrays.collect(),
+            scalars: Vec::new(),
+            ..*self
+        }
+    }
+}
+
+fn copy_if<T: Clone>(wanted: bool, column: &[T]) -> Vec<T> {
+    if wanted { column.to_vec() } else { Vec::new() }
+}
+
+/// The parts of a state that other ranks have, in their order behind that of this one.
+pub trait Shares {
+    /// Particles of all ranks.
+    fn count(&self) -> usize;
+    /// Calls `take` with the same [`State::columns`] of each part, one after the other.
+    fn each(&self, columns: &Range<usize>, take: &mut dyn FnMut(State));
 }
 
 /// One recorded frame of the liquid, SI units, f32 as in the log; particles sorted by `id`.

@@ -79,8 +79,8 @@ const BASE: f64 = 3.5e7;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
 
-/// Bytes that rank 0 needs beside for each particle of all while it gathers a frame or a state; of
-/// a wall particle, which every rank has.
+/// Bytes that rank 0 needs beside for each particle of all at the start and while it gathers a
+/// frame; of a wall particle.
 const WHOLE: f64 = 350.0;
 const WALL_MEMORY: f64 = 300.0;
 
@@ -366,13 +366,14 @@ pub fn impact(scene: &Scene) -> Option<Work> {
 }
 
 /// Memory of rank 0 and of each other of `ranks` processes in an impact, bytes: a share of the
-/// particles, ghosts within a support beyond its two faces, and all walls.
+/// particles and walls, with those within a support beyond its two faces.
 pub fn shared(scene: &Scene, ranks: f64) -> [f64; 2] {
     let count = particles(scene);
     let reach = 2.0 * numbers::smoothing_length(scene);
     let ghosts = (2.0 * reach / scene.domain.size[0]).min(1.0 - 1.0 / ranks);
     let own = count * (1.0 / ranks + ghosts) * MEMORY[usize::from(is_projected(scene))];
-    let share = BASE + own + wall_particles(scene) * WALL_MEMORY;
+    let walls = wall_particles(scene) * (1.0 / ranks + ghosts) * WALL_MEMORY;
+    let share = BASE + own + walls;
     [share + count * WHOLE, share]
 }
 

@@ -3,6 +3,7 @@
 use super::method_scene::disturbed;
 use coronet::method::{self, MethodError, Phase, Solver, shared};
 use coronet::particle::{Frame, State};
+use coronet::record::checkpoint::{self, Checkpoint};
 use coronet::scene::{Scene, file};
 use coronet::space::ranks::{Communicator, local};
 use std::path::Path;
@@ -48,7 +49,15 @@ fn run(solver: &mut dyn Solver, advances: usize) -> Seen {
         solver.advance(&mut |s| last = Some(s.frame())).unwrap();
         frames.extend(last);
     }
-    (frames, solver.state())
+    let state = solver.state();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("parts.checkpoint");
+    let (own, others) = solver.share();
+    let checkpoint = Checkpoint::from(own);
+    let written = checkpoint.write_with(others.as_deref(), &path, 1).unwrap();
+    assert_eq!(written, Checkpoint::from(&state).digest());
+    assert!(State::try_from(checkpoint::read(&path).unwrap()).unwrap() == state);
+    (frames, state)
 }
 
 fn alone(scene: &Scene, state: &State, advances: usize) -> Seen {

@@ -1,10 +1,11 @@
 //! Checkpoints: round trips, the frozen format, failing writes.
 
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 
-use coronet::particle::{Particles, State};
+use coronet::particle::{Particles, Shares, State};
 use coronet::record::checkpoint::{peek, read};
 use coronet::record::{Array, Checkpoint, CheckpointError, Digest};
 use proptest::prelude::*;
@@ -130,6 +131,67 @@ fn long_arrays_cross_the_blocks() {
         };
         content.write(&path, 1).unwrap();
         assert!(read(&path).unwrap() == content, "{count} elements");
+    }
+}
+
+/// A state cut after so many particles.
+struct Cut(State, Vec<usize>);
+
+impl Cut {
+    fn part(&self, k: usize) -> State {
+        self.0.part(self.1[k]..self.1[k + 1])
+    }
+}
+
+impl Shares for Cut {
+    fn count(&self) -> usize {
+        self.0.particles.len()
+    }
+
+    fn each(&self, columns: &Range<usize>, take: &mut dyn FnMut(State)) {
+        (1..self.1.len() - 1).for_each(|k| take(self.part(k).columns(columns)));
+    }
+}
+
+#[test]
+fn parts_make_the_file_of_the_whole() {
+    let count = 300_000;
+    let reals = |k: usize| {
+        (0..count)
+            .map(|i| ((i * k) as f64).sin())
+            .collect::<Vec<f64>>()
+    };
+    let state = State {
+        particles: Particles {
+            id: (0..count as u32).collect(),
+            body: (0..count).map(|i| (i % 3) as u8).collect(),
+            position: [1, 2, 3].map(reals),
+            velocity: [4, 5, 6].map(reals),
+            density: reals(7),
+            mass: 1e-9,
+            weight: Vec::new(),
+        },
+        arrays: vec![("held_x".into(), reals(8)), ("held_y".into(), reals(9))],
+        ..state()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, joined] = ["whole", "joined"].map(|name| folder.path().join(name));
+    Checkpoint::from(&state).write(&whole, 1).unwrap();
+    // An end of a block of 131072 is inside of a part, between parts, and behind an empty one.
+    for cuts in [
+        vec![0, 100_000, 250_000, 300_000],
+        vec![0, 131_072, 262_144, 262_144, 300_000],
+        vec![0, 0, 7, 300_000],
+        vec![0, 300_000, 300_000],
+    ] {
+        let cut = Cut(state.clone(), cuts);
+        let own = Checkpoint::from(cut.part(0));
+        own.write_with(Some(&cut), &joined, 1).unwrap();
+        assert!(
+            fs::read(&whole).unwrap() == fs::read(&joined).unwrap(),
+            "{:?}",
+            cut.1
+        );
     }
 }
 

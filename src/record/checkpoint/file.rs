@@ -16,9 +16,10 @@ use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
 
 use super::codec::{self, ElementType, FORMAT_VERSION, HEADER_LIMIT, Header, Section};
-use super::section::{self, Unreadable};
-use super::{Checkpoint, CheckpointError, content_digest};
+use super::section::{self, Packer, Unreadable};
+use super::{Array, Checkpoint, CheckpointError, content_digest};
 use crate::file::{self, FileError};
+use crate::particle::Shares;
 use crate::record::atomic::AtomicFile;
 use crate::record::digest::Digest;
 
@@ -32,6 +33,9 @@ const SMALL: u64 = 16 << 20;
 
 /// Permitted size of the arrays beyond that, over the length of the file.
 const EXPANSION: u64 = 4096;
+
+/// Elements of arrays of several processes that are compressed together.
+const TOGETHER: usize = 32 << 20;
 
 /// The header of a checkpoint, without its arrays.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +73,13 @@ pub struct PeekArray {
     pub compressed: u64,
 }
 
-pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest, CheckpointError> {
+/// Writes a checkpoint; `more`: where the rest of its arrays is.
+pub fn write(
+    checkpoint: &Checkpoint,
+    more: Option<&dyn Shares>,
+    path: &Path,
+    level: i32,
+) -> Result<Digest, CheckpointError> {
     let mut file = AtomicFile::create(path)?;
     let io = FileError::new(path, "write");
     // Integers have fixed width: a header with blank lengths and hashes is as long as the final
@@ -77,24 +87,50 @@ pub fn write(checkpoint: &Checkpoint, path: &Path, level: i32) -> Result<Digest,
     let blank = checkpoint.arrays.iter().map(|(name, array)| Section {
         name: name.clone(),
         element: section::element(array),
-        count: array.len() as u64,
+        count: more.map_or(array.len(), Shares::count) as u64,
         compressed: 0,
         digest: [0; 32],
     });
     let mut header = checkpoint.header(blank.collect());
     let length = encode(&header, path)?.len();
     file.write_all(&vec![0; PREAMBLE + length]).map_err(&io)?;
-    // As many arrays at a time as there are threads: only their compressed bytes take memory.
-    let batch = rayon::current_num_threads().max(1);
-    let arrays = checkpoint.arrays.chunks(batch);
-    for (arrays, sections) in arrays.zip(header.sections.chunks_mut(batch)) {
-        let packed: Vec<_> = arrays
-            .par_iter()
-            .map(|(_, array)| section::pack(array, level))
+    // As many arrays at a time as there are threads, and few of long ones: only their compressed
+    // bytes take memory, of the first nothing.
+    let threads = rayon::current_num_threads().max(1);
+    let few = more.map_or(threads, |more| (TOGETHER / more.count().max(1)).max(1));
+    let batch = threads.min(few);
+    let arrays = checkpoint.arrays.chunks(batch).enumerate();
+    for ((k, arrays), sections) in arrays.zip(header.sections.chunks_mut(batch)) {
+        let made: Result<Vec<_>, _> = sections
+            .iter()
+            .map(|s| Packer::new(s.element, s.count as usize, level))
             .collect();
+        let mut packers = made.map_err(FileError::new(path, "compress"))?;
+        let mut add = |packers: &mut [Packer], arrays: &[(String, Array)]| {
+            let pairs = packers.par_iter_mut().zip(arrays);
+            let added: Result<(), _> = pairs
+                .map(|(packer, (_, array))| packer.add(array))
+                .collect();
+            added.map_err(FileError::new(path, "compress"))?;
+            let ready = packers[0].ready();
+            sections[0].compressed += ready.len() as u64;
+            file.write_all(&ready).map_err(&io)
+        };
+        let mut added = add(&mut packers, arrays);
+        let columns = k * batch..k * batch + arrays.len();
+        if let Some(more) = more {
+            more.each(&columns, &mut |part| {
+                if added.is_ok() {
+                    let part = Checkpoint::from(part).arrays;
+                    added = add(&mut packers, &part[columns.clone()]);
+                }
+            });
+        }
+        added?;
+        let packed: Vec<_> = packers.into_par_iter().map(Packer::finish).collect();
         for (packed, section) in packed.into_iter().zip(sections) {
             let packed = packed.map_err(FileError::new(path, "compress"))?;
-            section.compressed = packed.bytes.len() as u64;
+            section.compressed += packed.bytes.len() as u64;
             section.digest = packed.digest.0;
             file.write_all(&packed.bytes).map_err(&io)?;
         }

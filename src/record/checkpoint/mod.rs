@@ -32,6 +32,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::digest::{Digest, Hasher};
+use crate::particle::Shares;
 
 /// Default compression level: level 3 costs 30 % more time for 0.3 % less space.
 pub const LEVEL: i32 = 1;
@@ -124,7 +125,21 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be written, as on a full disk; an older file of that name stays.
     pub fn write(&self, path: &Path, level: i32) -> Result<Digest, CheckpointError> {
-        file::write(self, path, level)
+        file::write(self, None, path, level)
+    }
+
+    /// The same of a state of which this is the part of the first of several ranks, and `more` has
+    /// those of the others. No rank holds more than a few arrays of another at a time.
+    ///
+    /// # Errors
+    /// As [`Checkpoint::write`].
+    pub fn write_with(
+        &self,
+        more: Option<&dyn Shares>,
+        path: &Path,
+        level: i32,
+    ) -> Result<Digest, CheckpointError> {
+        file::write(self, more, path, level)
     }
 
     fn header(&self, sections: Vec<codec::Section>) -> codec::Header {

@@ -8,6 +8,7 @@
 use std::io::{self, Read, Write};
 
 use sha2::{Digest as _, Sha256};
+use zstd::stream::write::Encoder;
 
 use super::Array;
 use super::codec::{ElementType, Section};
@@ -21,7 +22,7 @@ const LARGEST_EXPANSION: u64 = 32 << 10;
 /// Largest permitted window of a frame, log2 of bytes: that of level 19.
 const WINDOW_LOG: u32 = 23;
 
-/// A compressed array.
+/// The end of a compressed array.
 pub struct Packed {
     pub bytes: Vec<u8>,
     pub digest: Digest,
@@ -84,14 +85,83 @@ pub fn digest(array: &Array) -> Digest {
     }
 }
 
-/// Compresses and hashes.
-pub fn pack(array: &Array, level: i32) -> io::Result<Packed> {
-    match array {
-        Array::F64(values) => pack_values(values, level),
-        Array::F32(values) => pack_values(values, level),
-        Array::U64(values) => pack_values(values, level),
-        Array::U32(values) => pack_values(values, level),
-        Array::U8(values) => pack_values(values, level),
+/// Compresses and hashes an array whose elements come in parts.
+pub struct Packer {
+    encoder: Encoder<'static, Vec<u8>>,
+    hasher: Sha256,
+    /// Bytes of an element, and of a whole block.
+    size: usize,
+    block: usize,
+    /// Bytes of the block that is not full yet, and room to shuffle it.
+    plain: Vec<u8>,
+    planes: Vec<u8>,
+}
+
+impl Packer {
+    /// For `count` elements.
+    pub fn new(element: ElementType, count: usize, level: i32) -> io::Result<Self> {
+        let size = element.size();
+        let block = BLOCK.min(count.max(1)) * size;
+        let mut encoder = Encoder::new(Vec::new(), level)?;
+        encoder.include_checksum(true)?;
+        encoder.set_pledged_src_size(Some((count * size) as u64))?;
+        Ok(Packer {
+            encoder,
+            hasher: Sha256::new(),
+            size,
+            block,
+            plain: Vec::with_capacity(block),
+            planes: vec![0; block],
+        })
+    }
+
+    /// Adds the elements of `array`.
+    pub fn add(&mut self, array: &Array) -> io::Result<()> {
+        match array {
+            Array::F64(values) => self.add_values(values),
+            Array::F32(values) => self.add_values(values),
+            Array::U64(values) => self.add_values(values),
+            Array::U32(values) => self.add_values(values),
+            Array::U8(values) => self.add_values(values),
+        }
+    }
+
+    fn add_values<T: Element>(&mut self, mut values: &[T]) -> io::Result<()> {
+        while !values.is_empty() {
+            let begun = self.plain.len();
+            let count = ((self.block - begun) / T::SIZE).min(values.len());
+            let (here, rest) = values.split_at(count);
+            self.plain.resize(begun + count * T::SIZE, 0);
+            T::to_bytes(here, &mut self.plain[begun..]);
+            values = rest;
+            if self.plain.len() == self.block {
+                self.close_block()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn close_block(&mut self) -> io::Result<()> {
+        let planes = &mut self.planes[..self.plain.len()];
+        self.hasher.update(&self.plain);
+        shuffle(&self.plain, planes, self.size);
+        self.encoder.write_all(planes)?;
+        self.plain.clear();
+        Ok(())
+    }
+
+    /// Takes the bytes that are ready.
+    pub fn ready(&mut self) -> Vec<u8> {
+        std::mem::take(self.encoder.get_mut())
+    }
+
+    /// What is left.
+    pub fn finish(mut self) -> io::Result<Packed> {
+        self.close_block()?;
+        Ok(Packed {
+            bytes: self.encoder.finish()?,
+            digest: Digest(self.hasher.finalize().into()),
+        })
     }
 }
 
@@ -128,28 +198,6 @@ fn digest_of<T: Element>(values: &[T]) -> Digest {
         hasher.update(bytes);
     }
     Digest(hasher.finalize().into())
-}
-
-fn pack_values<T: Element>(values: &[T], level: i32) -> io::Result<Packed> {
-    let length = values.len() * T::SIZE;
-    let mut encoder = zstd::stream::write::Encoder::new(Vec::new(), level)?;
-    encoder.include_checksum(true)?;
-    encoder.set_pledged_src_size(Some(length as u64))?;
-    let mut hasher = Sha256::new();
-    let mut plain = vec![0; BLOCK.min(values.len()) * T::SIZE];
-    let mut planes = plain.clone();
-    for block in values.chunks(BLOCK) {
-        let plain = &mut plain[..block.len() * T::SIZE];
-        let planes = &mut planes[..block.len() * T::SIZE];
-        T::to_bytes(block, plain);
-        hasher.update(&*plain);
-        shuffle(plain, planes, T::SIZE);
-        encoder.write_all(planes)?;
-    }
-    Ok(Packed {
-        bytes: encoder.finish()?,
-        digest: Digest(hasher.finalize().into()),
-    })
 }
 
 fn unpack_values<T: Element>(section: &Section, bytes: &[u8]) -> Result<Vec<T>, Unreadable> {

@@ -13,13 +13,25 @@ use coronet::scene::Scene;
 use coronet::space::ranks::{Communicator, local};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A rank that counts what it sends.
 struct Counting {
     own: Arc<dyn Communicator>,
     bytes: AtomicU64,
+    /// Of these, what goes beside work.
+    beside: AtomicU64,
     messages: AtomicU64,
+}
+
+impl Counting {
+    /// Counts messages; their bytes.
+    fn count(&self, to: &[(usize, Vec<u8>)]) -> u64 {
+        let bytes = to.iter().map(|(_, bytes)| bytes.len() as u64).sum();
+        self.bytes.fetch_add(bytes, Relaxed);
+        self.messages.fetch_add(to.len() as u64, Relaxed);
+        bytes
+    }
 }
 
 impl Communicator for Counting {
@@ -30,10 +42,79 @@ impl Communicator for Counting {
         self.own.size()
     }
     fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
-        let bytes: usize = to.iter().map(|(_, bytes)| bytes.len()).sum();
-        self.bytes.fetch_add(bytes as u64, Relaxed);
-        self.messages.fetch_add(to.len() as u64, Relaxed);
+        self.count(to);
         self.own.exchange(to, from)
+    }
+    fn exchange_while(
+        &self,
+        to: &[(usize, Vec<u8>)],
+        from: &[(usize, usize)],
+        meanwhile: &mut dyn FnMut(),
+    ) -> Vec<Vec<u8>> {
+        self.beside.fetch_add(self.count(to), Relaxed);
+        self.own.exchange_while(to, from, meanwhile)
+    }
+}
+
+/// What a message takes in [`Late`].
+const DELAY: Duration = Duration::from_millis(1);
+
+/// A rank that gets what others send only [`DELAY`] later.
+struct Late {
+    own: Arc<dyn Communicator>,
+    /// When all ranks began to count.
+    since: Instant,
+    /// Whether work goes on meanwhile.
+    overlaps: bool,
+}
+
+impl Late {
+    fn stamped(&self, to: &[(usize, Vec<u8>)]) -> Vec<(usize, Vec<u8>)> {
+        let now = (self.since.elapsed().as_nanos() as u64).to_le_bytes();
+        let to = to.iter();
+        to.map(|(rank, bytes)| (*rank, [&now, &bytes[..]].concat()))
+            .collect()
+    }
+
+    fn arrived(&self, all: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+        let open = |mut bytes: Vec<u8>| {
+            let rest = bytes.split_off(8);
+            let sent = u64::from_le_bytes(bytes.try_into().expect("8 bytes"));
+            let due = self.since + Duration::from_nanos(sent) + DELAY;
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            rest
+        };
+        all.into_iter().map(open).collect()
+    }
+}
+
+impl Communicator for Late {
+    fn rank(&self) -> usize {
+        self.own.rank()
+    }
+    fn size(&self) -> usize {
+        self.own.size()
+    }
+    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
+        self.arrived(self.own.exchange(&self.stamped(to), from))
+    }
+    fn exchange_while(
+        &self,
+        to: &[(usize, Vec<u8>)],
+        from: &[(usize, usize)],
+        meanwhile: &mut dyn FnMut(),
+    ) -> Vec<Vec<u8>> {
+        if !self.overlaps {
+            meanwhile();
+        }
+        let to = self.stamped(to);
+        let from: Vec<_> = from.iter().map(|(rank, size)| (*rank, size + 8)).collect();
+        let all = self.own.exchange_while(&to, &from, &mut || {
+            if self.overlaps {
+                meanwhile();
+            }
+        });
+        self.arrived(all)
     }
 }
 
@@ -41,8 +122,9 @@ impl Communicator for Counting {
 struct Cost {
     /// Particle-steps a second by the clock, of each advance.
     rates: Vec<f64>,
-    /// Bytes and messages of a step, the most that a rank sends.
+    /// Bytes, those of them that go beside work, and messages of a step, the most that a rank sends.
     bytes: f64,
+    beside: f64,
     messages: f64,
     /// Of one rank, with what the rows take.
     memory: f64,
@@ -54,6 +136,7 @@ pub fn measure(sides: &[usize]) {
         for &side in sides {
             speed(side, preset);
         }
+        overlap(sides[0], preset);
         let costs = [1, 2, 4, 8, 16].map(|size| (size as f64, traffic(sides[0], preset, size)));
         weak(sides[0], preset, &costs);
     }
@@ -67,31 +150,49 @@ const LATENCY: f64 = 2e-6;
 const EACH: f64 = 1e6;
 
 /// Extrapolates to so many ranks with as many particles each, a core for each: work of the one rank
-/// that was measured, bytes with the face of a rank, messages with the number of ranks (sums of all
-/// go from each to each). Nothing overlaps.
+/// that was measured; what ghosts send grows with the face of a rank, the rest, mostly sums over
+/// chunks of all particles, with their number; messages with the binary digits of the number of
+/// ranks. Nothing overlaps.
 fn weak(side: usize, preset: &str, costs: &[(f64, Cost)]) {
     let (_, alone) = &costs[0];
     let rate = median(&mut alone.rates.clone());
     let face = (EACH.cbrt() / side as f64).powi(2);
     let [(few, a), (many, b)] = [&costs[2], &costs[4]];
-    let of_each = (b.messages - a.messages) / (many - few);
+    let of_each = (b.messages - a.messages) / (many / few).log2();
     for ranks in [16.0, 128.0, 1024.0] {
-        let messages = b.messages + (ranks - many) * of_each;
-        let sent = b.bytes * face / BANDWIDTH + messages * LATENCY;
+        let messages = b.messages + (ranks / many).log2() * of_each;
+        let of_sums = (b.bytes - b.beside) * ranks * EACH / (side as f64).powi(3);
+        let sent = (b.beside * face + of_sums) / BANDWIDTH + messages * LATENCY;
         let part = 1.0 / (1.0 + sent * rate / EACH);
         let name = format!("ranks.{preset}.weak_{ranks}.n{EACH}");
         line(&name, part, "x_one_rank");
     }
 }
 
-/// Steps of the periodic box on so many ranks with so many threads each.
-fn cost(scene: &Scene, side: usize, [size, threads]: [usize; 2], advances: usize) -> Cost {
+/// Steps of the periodic box on so many ranks with so many threads each; `late`: messages are, and
+/// work goes on meanwhile or not.
+fn cost(
+    scene: &Scene,
+    side: usize,
+    [size, threads]: [usize; 2],
+    (advances, late): (usize, Option<bool>),
+) -> Cost {
+    let since = Instant::now();
     let ranks: Vec<Arc<Counting>> = local::ranks(size)
         .into_iter()
         .map(|own| {
+            let own: Arc<dyn Communicator> = match late {
+                None => own,
+                Some(overlaps) => Arc::new(Late {
+                    own,
+                    since,
+                    overlaps,
+                }),
+            };
             Arc::new(Counting {
                 own,
                 bytes: AtomicU64::new(0),
+                beside: AtomicU64::new(0),
                 messages: AtomicU64::new(0),
             })
         })
@@ -113,6 +214,7 @@ fn cost(scene: &Scene, side: usize, [size, threads]: [usize; 2], advances: usize
         advance(&mut *solver);
         let (mut rates, mut steps) = (Vec::new(), 0.0);
         most(|rank| &rank.bytes);
+        most(|rank| &rank.beside);
         most(|rank| &rank.messages);
         for _ in 0..advances {
             let (taken, seconds) = advance(&mut *solver);
@@ -122,6 +224,7 @@ fn cost(scene: &Scene, side: usize, [size, threads]: [usize; 2], advances: usize
         Some(Cost {
             rates,
             bytes: most(|rank| &rank.bytes) / steps,
+            beside: most(|rank| &rank.beside) / steps,
             messages: most(|rank| &rank.messages) / steps,
             memory: solver.memory().1,
         })
@@ -158,7 +261,8 @@ fn speed(side: usize, preset: &str) {
     let mut share = 0.0;
     let mut gains: Vec<f64> = (0..3)
         .map(|_| {
-            let [mut one, mut two] = [[1, 2], [2, 1]].map(|on| cost(&scene, side, on, advances));
+            let [mut one, mut two] =
+                [[1, 2], [2, 1]].map(|on| cost(&scene, side, on, (advances, None)));
             share = two.memory / one.memory;
             median(&mut two.rates) / median(&mut one.rates)
         })
@@ -168,9 +272,27 @@ fn speed(side: usize, preset: &str) {
     line(&name("memory_over_share_of_2"), share, "1");
 }
 
+/// The speed of two ranks with a thread each whose messages are late, over that without delay: with
+/// other work meanwhile, and without.
+fn overlap(side: usize, preset: &str) {
+    let scene = scene::block(side, preset, true);
+    let turns = || {
+        [None, Some(true), Some(false)].map(|late| {
+            let mut found = cost(&scene, side, [2, 1], (5, late));
+            median(&mut found.rates)
+        })
+    };
+    let all: Vec<[f64; 3]> = (0..3).map(|_| turns()).collect();
+    for (k, name) in [(1, "late"), (2, "late_alone")] {
+        let mut parts: Vec<f64> = all.iter().map(|rates| rates[k] / rates[0]).collect();
+        let name = format!("ranks.{preset}.{name}.n{}", side.pow(3));
+        line(&name, median(&mut parts), "x_at_once");
+    }
+}
+
 fn traffic(side: usize, preset: &str, size: usize) -> Cost {
     let scene = scene::block(side, preset, true);
-    let found = cost(&scene, side, [size, 1], 2);
+    let found = cost(&scene, side, [size, 1], (2, None));
     let n = side.pow(3);
     let name = |what: &str| format!("ranks.{preset}.{what}_of_{size}.n{n}");
     line(&name("traffic"), 1e-6 * found.bytes, "MB/step");

@@ -28,6 +28,8 @@ pub struct Surface<'a> {
     pub position: &'a [Vec<f64>; 3],
     /// Positions of the wall particles, m.
     pub wall: &'a [Vec<f64>; 3],
+    /// How often they were replaced by others.
+    pub wall_changes: u64,
     /// Densities of the liquid particles, kg/m^3.
     pub density: &'a [f64],
     /// Mass of a particle, kg.
@@ -144,10 +146,9 @@ impl<'a> Surface<'a> {
 
     /// All walls, for a sum over those of all ranks.
     pub fn wall_span(&self) -> Span {
-        let cells = self.of_wall().first();
-        match (self.ranks, cells) {
-            (Some((ranks, _)), Some(cells)) => ranks.span(self.grid, cells.start),
-            _ => self.wall[0].len().into(),
+        match self.ranks {
+            Some((ranks, _)) => ranks.wall_span(),
+            None => self.wall[0].len().into(),
         }
     }
 }

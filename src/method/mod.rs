@@ -30,8 +30,8 @@ use crate::effect::surface::Surface;
 use crate::effect::tension::{Tension, energy};
 use crate::effect::viscosity::PairViscosity;
 use crate::kernel::Kernel;
-use crate::particle::wall::layers;
-use crate::particle::{Frame, Particles, State, Wall};
+use crate::particle::wall::{self, layers};
+use crate::particle::{Frame, Particles, Shares, State, Wall};
 use crate::scene::{Body, KernelName, Method, Problem, Shape, TensionStrength};
 use crate::scene::{Viscosity, ViscosityForm};
 use crate::space::ranks::{Communicator, Ranks, broadcast};
@@ -114,6 +114,10 @@ pub trait Solver: Send + Sync {
     fn advance(&mut self, on_step: &mut dyn FnMut(&dyn Solver)) -> Result<(), Diverged>;
     /// Everything that a restart needs. Only right after `advance` or at the start.
     fn state(&self) -> State;
+    /// The part of the state that this process has, and what gives those of others.
+    fn share(&self) -> (State, Option<Box<dyn Shares + '_>>) {
+        (self.state(), None)
+    }
     /// What the log shows.
     fn frame(&self) -> Frame;
     /// Kinetic energy, J, and standard deviation of density of supported particles, kg/m^3.
@@ -179,36 +183,20 @@ pub fn build_shared(
         true => Err(MethodError::Empty),
         false => strength_of(problem, &case, &state, strength).map(|strength| (state, strength)),
     });
-    let begun = found.as_ref().map(|found| {
-        let (state, strength) = found.as_ref().ok()?;
-        Some((without_particles(state), *strength))
-    });
+    let known = found
+        .as_ref()
+        .map(|found| found.as_ref().ok().map(|(_, s)| *s));
     // Where rank 0 cannot begin, the others get nothing.
-    let begun = broadcast(&**with, 0, begun);
-    let (state, strength) = match found {
-        Some(found) => found?,
-        None => begun.ok_or(MethodError::Empty)?,
-    };
+    let known = broadcast(&**with, 0, known);
+    let state = found.transpose()?.map(|(state, _)| state);
+    let strength = known.ok_or(MethodError::Empty)?;
+    let state = shared::scatter(&**with, state);
     let own = build_on(Some(with), problem, case, state, strength, phase)?;
     let count = shared::counted(&**with, own.len());
     Ok(match with.rank() {
         0 => Box::new(shared::Shared::new(own, with.clone(), count)),
         _ => own,
     })
-}
-
-/// What a rank without particles has of a state.
-fn without_particles(state: &State) -> State {
-    let names = state.arrays.iter().map(|(name, _)| name.clone());
-    State {
-        particles: Particles {
-            mass: state.particles.mass,
-            ..Particles::default()
-        },
-        arrays: names.map(|name| (name, Vec::new())).collect(),
-        scalars: state.scalars.clone(),
-        ..*state
-    }
 }
 
 fn build_on(
@@ -219,10 +207,18 @@ fn build_on(
     strength: f64,
     phase: Phase,
 ) -> Result<Box<dyn Solver>, MethodError> {
-    let wall = crate::particle::wall::build(problem);
+    let wall = match with {
+        None => wall::build(problem),
+        Some(_) => Wall::default(),
+    };
     let mut flow = flow_of(&case, state.particles.clone(), wall)?;
     flow.ranks = with.map(|with| Ranks::new(with.clone(), &flow.grid, flow.liquid()));
     flow.far = far(problem, &case);
+    if with.is_some() {
+        let problem = problem.clone();
+        flow.build_walls = Box::new(move |wanted| wall::build_where(&problem, wanted));
+        flow.balance(true);
+    }
     let layer = |b: &Body| matches!(b.shape, Shape::Layer { .. });
     let pool = problem.bodies.iter().any(layer);
     let tension = tension_of(&case, strength, problem.method.shifting() > 0.0)
@@ -386,6 +382,7 @@ pub fn surface_of<'a>(flow: &'a Flow, sources: &'a [Source<'a>]) -> Surface<'a> 
         ranks: flow.ranks.as_ref().map(|ranks| (ranks, &flow.halo)),
         position: &flow.particles.position,
         wall: &flow.wall.position,
+        wall_changes: flow.wall_changes,
         density: &flow.particles.density,
         mass: flow.particles.mass,
         weights: flow

@@ -18,13 +18,19 @@ const WHOLE: f64 = 1e-9;
 
 /// Wall particles deep enough for the largest kernel support of the scene.
 pub fn build(problem: &Problem) -> Wall {
+    build_where(problem, &|_| true)
+}
+
+/// Those of them at certain x, m.
+pub fn build_where(problem: &Problem, is_wanted: &dyn Fn(f64) -> bool) -> Wall {
     let Problem {
         domain,
         dimension,
         spacing,
         ..
     } = problem;
-    let mut wall = build_layers(domain, *dimension, *spacing, layers(problem));
+    let lattice = Lattice::new(domain, *dimension, *spacing);
+    let mut wall = layers_of(domain, &lattice, layers(problem), is_wanted);
     if domain.is_axial() {
         let rings = wall.position[0].iter_mut();
         wall.weight = rings.map(|r| ring::settle(r, *spacing)).collect();
@@ -124,11 +130,20 @@ impl Lattice {
 
 /// Wall particles of `layers` layers at every side that is [`Side::Wall`], z slowest, x fastest.
 pub fn build_layers(domain: &Domain, dimension: Dimension, spacing: f64, layers: usize) -> Wall {
-    let depth = layers as i64;
     let lattice = Lattice::new(domain, dimension, spacing);
+    layers_of(domain, &lattice, layers, &|_| true)
+}
+
+fn layers_of(
+    domain: &Domain,
+    lattice: &Lattice,
+    layers: usize,
+    is_wanted: &dyn Fn(f64) -> bool,
+) -> Wall {
+    let depth = layers as i64;
     let count = lattice.count;
     let mut range = [[0, 1]; 3];
-    for &k in axes(dimension) {
+    for k in (0..3).filter(|&k| lattice.pitch[k] > 0.0) {
         let extra = |side: Side| match side {
             Side::Periodic | Side::Mirror | Side::Axis => 0,
             Side::Open | Side::Wall => depth,
@@ -145,6 +160,7 @@ pub fn build_layers(domain: &Domain, dimension: Dimension, spacing: f64, layers:
             while ix < range[0][1] {
                 let index = [ix, iy, iz];
                 match owner(domain.boundary, index, count) {
+                    Some(_) if !is_wanted(lattice.middle(0, ix)) => {}
                     Some((axis, side)) => {
                         for k in 0..3 {
                             wall.position[k].push(lattice.middle(k, index[k]));

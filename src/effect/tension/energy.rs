@@ -295,6 +295,7 @@ impl Tension {
         let Some(mut shore) = self.energy.shore.take() else {
             return;
         };
+        shore.meet(flow);
         match flow.weights {
             None => {
                 self.band.members_of(flow.grid, wall.start, &mut shore.near);

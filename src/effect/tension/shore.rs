@@ -43,6 +43,8 @@ pub struct Shore {
     /// Per wall particle: SUM slope d and SUM w over other wall particles; empty before the first
     /// update.
     pub dry: Vec<[f32; 4]>,
+    /// Of which walls: see [`Surface::wall_changes`].
+    pub known: u64,
     /// e of those, of the whole of them.
     pub dry_energy: Vec<f32>,
     /// Masses of wall particles over the nominal one, where they are rings.
@@ -70,6 +72,7 @@ impl Shore {
             dimension,
             spacing,
             dry: Vec::new(),
+            known: 0,
             dry_energy: Vec::new(),
             weights: Vec::new(),
             near: Vec::new(),
@@ -87,6 +90,15 @@ impl Shore {
             + 8 * self.weights.capacity()
             + 4 * (self.near.capacity() + self.dry_energy.capacity())
             + 24 * self.pulls[0].capacity()
+    }
+
+    /// Forgets what it knows of other walls.
+    pub fn meet(&mut self, flow: &Surface) {
+        if self.known != flow.wall_changes {
+            self.known = flow.wall_changes;
+            self.dry.clear();
+            self.dry_energy.clear();
+        }
     }
 
     /// Finds the wall particles under liquid: one that is not near a surface is under liquid if the

@@ -100,6 +100,8 @@ pub struct Wetting {
     band: Band,
     /// Per wall particle; empty before the first update.
     places: Vec<Place>,
+    /// Of which walls: see [`Surface::wall_changes`].
+    known: Option<u64>,
     /// c_w per wall particle.
     pub colour: Vec<f32>,
     /// nu cot theta per wall particle, towards the liquid's side of the wall; the point above it.
@@ -147,6 +149,7 @@ impl Wetting {
             setting,
             band: Band::default(),
             places: Vec::new(),
+            known: None,
             colour: Vec::new(),
             shear: Default::default(),
             foot: Default::default(),
@@ -196,7 +199,8 @@ impl Wetting {
             return;
         };
         let count = flow.wall[0].len();
-        if self.places.len() != count {
+        if self.known != Some(flow.wall_changes) {
+            self.known = Some(flow.wall_changes);
             self.places = survey(&self.setting, flow.wall);
             self.shear = std::array::from_fn(|_| vec![0.0; count]);
             self.foot = flow.wall.clone();

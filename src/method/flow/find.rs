@@ -19,7 +19,7 @@ impl Flow {
             start: &self.wall_cells.start,
             offset: self.liquid(),
         };
-        let kinds = 1 + usize::from(self.walls() > 0);
+        let kinds = 1 + usize::from(self.has_walls());
         let ghosts = self.halo.source();
         match (&self.mirror, &self.ranks) {
             (None, None) => Sources::of(&[liquid, wall][..kinds]),
@@ -109,7 +109,7 @@ impl Flow {
             each: &self.reach,
         };
         rows.build(search, 0, &self.particles.position);
-        if self.walls() > 0 {
+        if self.has_walls() {
             let seen = match self.wall_sees_wall {
                 true => sources.len(),
                 false => self.liquid_sources(),

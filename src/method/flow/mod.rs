@@ -36,6 +36,9 @@ const MOST: f64 = 2.5;
 /// How much farther than at its present speed a particle may go before rows are stale.
 const HASTE: f64 = 1.5;
 
+/// See [`Flow::build_walls`].
+type WallSource = Box<dyn Fn(&dyn Fn(f64) -> bool) -> Wall + Send + Sync>;
+
 /// Points that are placed together.
 const PART: usize = 512;
 
@@ -76,7 +79,7 @@ pub struct Flow {
     slack: f64,
     /// The liquid.
     pub particles: Particles,
-    /// Sorted along cells once, never moved.
+    /// Sorted along cells, never moved. Of several ranks each has what is in and about its slabs.
     pub wall: Wall,
     /// What pair sums read: liquid, wall, images.
     pub records: Records,
@@ -98,6 +101,12 @@ pub struct Flow {
     pub halo: Halo,
     /// How far they must see each other at least, m.
     pub far: f64,
+    /// Of several ranks: makes the walls at certain x, m.
+    pub build_walls: WallSource,
+    /// Which cells have walls, on whichever rank; empty in one process.
+    pub walled: Vec<bool>,
+    /// How often this rank has got other walls.
+    pub wall_changes: u64,
     /// For how long rows should last at the speeds of their making, s; 0: equal reach for all.
     pub lasting: f64,
     /// Fixed-point coordinates of the liquid when the rows were made.
@@ -137,7 +146,7 @@ impl Flow {
         lengths: Lengths,
         pairs: Pairs,
         particles: Particles,
-        mut wall: Wall,
+        wall: Wall,
     ) -> Result<Self, TooSmall> {
         let slack = pairs.slack;
         let reach = lengths.support * (1.0 + slack);
@@ -147,16 +156,7 @@ impl Flow {
         let edge = (0.5 * reach).max(margin.max(widest) / column::REACH as f64);
         let mut grid = Grid::new(domain, dimension, edge, margin, longest)?;
         grid.precision = pairs.precision;
-        let mut wall_cells = Cells::default();
-        wall_cells.sort(&grid, &wall.position);
-        let mut scratch = Vec::new();
-        for a in 0..3 {
-            wall_cells.permute(&mut wall.position[a], &mut scratch);
-            wall_cells.permute(&mut wall.velocity[a], &mut scratch);
-        }
-        if !wall.weight.is_empty() {
-            wall_cells.permute(&mut wall.weight, &mut scratch);
-        }
+        let (wall, wall_cells) = wall::sorted(&grid, wall);
         let places = [0, 1, 2].map(|a| domain.mirrors(a));
         let mirror = Planes::new(places, &grid).map(Mirror::new);
         Ok(Flow {
@@ -176,6 +176,9 @@ impl Flow {
             mirror,
             ranks: None,
             far: 0.0,
+            build_walls: Box::new(|_| Wall::default()),
+            walled: Vec::new(),
+            wall_changes: 0,
             halo: Halo::default(),
             lasting: 0.0,
             home: Default::default(),

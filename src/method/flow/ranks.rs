@@ -6,7 +6,7 @@ use crate::particle::migrate::Emigrate;
 use crate::space::ranks::halo::Carried;
 use crate::space::ranks::largest;
 use crate::space::ranks::span::Span;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 impl Flow {
     /// Records beside those of this rank's particles and of walls: images or ghosts.
@@ -26,7 +26,7 @@ impl Flow {
     pub fn wall_span(&self) -> Span {
         match &self.ranks {
             None => self.walls().into(),
-            Some(ranks) => ranks.span(&self.grid, &self.wall_cells.start),
+            Some(ranks) => ranks.wall_span(),
         }
     }
 
@@ -99,20 +99,33 @@ impl Flow {
         }
     }
 
-    /// Gives every rank about the same work from the next sort on.
-    pub fn balance(&mut self) {
+    /// Gives every rank about the same work from the next sort on, and the walls for it; whether
+    /// these are others than before. `first`: at the start of a run.
+    pub fn balance(&mut self, first: bool) -> bool {
+        let within = self.slabs_of_liquid();
         let Some(ranks) = &mut self.ranks else {
-            return;
+            return false;
         };
+        let (grid, x) = (&self.grid, &self.particles.position);
+        let moves = match first {
+            true => ranks.share_out(grid, x, &within, f64::INFINITY),
+            false => ranks.balance(grid, x, &within),
+        };
+        if moves || first {
+            self.take_walls();
+        }
+        moves
+    }
+
+    /// Slabs at which a rank may begin: a group of wall particles behind each other belongs to one.
+    pub(super) fn slabs_of_liquid(&self) -> RangeInclusive<usize> {
         let grid = &self.grid;
-        // A group of wall particles behind each other belongs to one rank.
         let (low, edge) = (grid.low[0], grid.edge[0]);
         let slab = |x: f64| (x - low) / edge;
-        let within = match grid.periodic[0] {
+        match grid.periodic[0] {
             true => 0..=grid.count[0],
             false => slab(0.0).ceil() as usize..=slab(self.domain.size[0]).floor() as usize,
-        };
-        ranks.balance(grid, &self.particles.position, &within);
+        }
     }
 
     /// Gives particles to the ranks that own their slabs, with `own` columns and what is `held`
@@ -147,16 +160,16 @@ impl Flow {
         let Some(ranks) = &self.ranks else {
             return;
         };
+        let (liquid, wall) = (&self.liquid_cells, &self.wall_cells);
+        let reach = self.farthest_pair();
+        self.halo.find(ranks, &self.grid, liquid, wall, reach);
+    }
+
+    /// How far a rank looks beyond its slabs, m.
+    pub(super) fn farthest_pair(&self) -> f64 {
         let most = self.lengths.most(self.slack);
         let reach = (self.lengths.support + 2.0 * most).max(self.lengths.longest + 2.0 * most);
-        let (liquid, wall) = (&self.liquid_cells, &self.wall_cells);
-        self.halo.find(
-            ranks,
-            &self.grid,
-            liquid,
-            wall,
-            reach.max(self.far + 2.0 * most) + most,
-        );
+        reach.max(self.far + 2.0 * most) + most
     }
 
     /// Particles whose records can be written while others are on their way between ranks; none in

@@ -99,10 +99,11 @@ impl Equation {
         part(inner.end..rows, x, out);
     }
 
-    /// The first `count` unknowns, for a sum over those of all ranks.
-    fn span(&self, count: usize) -> Span {
+    /// The first `count` unknowns, for a sum over those of all ranks; `walls`: whether those of
+    /// walls are among them.
+    fn span(&self, count: usize, walls: bool) -> Span {
         let shared = self.shared.as_ref();
-        shared.map_or(count.into(), |shared| shared.span(count))
+        shared.map_or(count.into(), |shared| shared.span(walls))
     }
 
     /// Of a matrix: unknowns that vectors are summed over.
@@ -137,6 +138,10 @@ pub trait Matrix {
     /// How many of `all` unknowns it has, the first ones; those behind follow from them.
     fn varying(&self, all: usize) -> usize {
         all
+    }
+    /// Whether those of walls are among them.
+    fn has_walls(&self) -> bool {
+        true
     }
     /// Makes zero what belongs to unknowns whose value is given.
     fn clear_given(&self, _: &mut [f64]) {}
@@ -195,7 +200,7 @@ impl Solver {
         let varying = matrix.varying(equation.len());
         if enclosed {
             let mut right = std::mem::take(&mut equation.right);
-            self.centre(equation, &mut right[..varying]);
+            self.centre(equation, &mut right[..varying], matrix.has_walls());
             equation.right = right;
         }
         for v in [
@@ -209,7 +214,7 @@ impl Solver {
         self.residual.fill(0.0);
         let outcome = self.iterate(equation, matrix, preconditioner, (tolerance, most), x);
         if enclosed {
-            self.centre(equation, &mut x[..varying]);
+            self.centre(equation, &mut x[..varying], matrix.has_walls());
         }
         outcome
     }
@@ -223,7 +228,7 @@ impl Solver {
         x: &mut [f64],
     ) -> Outcome {
         let (n, right) = (equation.summed(matrix), &equation.right);
-        let span = equation.span(n);
+        let span = equation.span(n, matrix.has_walls());
         let [scale] = sum_in(&mut self.one, span.clone(), |i| [right[i] * right[i]]);
         if scale == 0.0 {
             x.fill(0.0);
@@ -291,7 +296,11 @@ impl Solver {
         matrix.apply(equation, x, &mut image[..n]);
         matrix.clear_given(&mut image[..n]);
         if equation.is_enclosed() {
-            self.centre(equation, &mut image[..matrix.varying(n)]);
+            self.centre(
+                equation,
+                &mut image[..matrix.varying(n)],
+                matrix.has_walls(),
+            );
         }
         self.image = image;
     }
@@ -314,7 +323,7 @@ impl Solver {
         }
         matrix.clear_given(&mut z[..n]);
         if rough > 0.0 && equation.is_enclosed() {
-            self.centre(equation, &mut z[..matrix.varying(n)]);
+            self.centre(equation, &mut z[..matrix.varying(n)], matrix.has_walls());
         }
         self.better = z;
     }
@@ -330,9 +339,9 @@ impl Solver {
         }
     }
 
-    /// Takes the mean away.
-    fn centre(&mut self, equation: &Equation, x: &mut [f64]) {
-        let (n, span) = (x.len(), equation.span(x.len()));
+    /// Takes the mean away; `walls`: as [`Equation::span`] has it.
+    fn centre(&mut self, equation: &Equation, x: &mut [f64], walls: bool) {
+        let (n, span) = (x.len(), equation.span(x.len(), walls));
         let all = span.total();
         let [total] = sum_in(&mut self.one, span, |i| [x[i]]);
         let mean = total / all.max(1) as f64;

@@ -27,8 +27,9 @@ pub struct Shared {
     contact: Vec<u32>,
     /// The wall particles of this rank.
     walls: Range<usize>,
-    /// First group of each rank, and their number.
+    /// First group of each rank, and their number; the first of this one among those that it has.
     groups: Arc<[usize]>,
+    begin: usize,
     /// All columns in the order of all ranks.
     pub order: Vec<u32>,
     /// Whether constants are in the null space.
@@ -53,7 +54,9 @@ impl Shared {
         let order = records.iter().map(column);
         let is_own = |contact: &&u32| walls.contains(&(**contact as usize));
         let own_groups = contact.iter().filter(is_own).count();
+        let begin = contact.iter().position(|contact| is_own(&contact));
         Shared {
+            begin: begin.unwrap_or(0),
             groups: span::starts(&*ranks.with, own_groups),
             ranks: ranks.clone(),
             halo: halo.clone(),
@@ -72,12 +75,12 @@ impl Shared {
         self.order.len()
     }
 
-    /// The first `count` unknowns, particles with or without groups, for a sum over those of all
-    /// ranks. Groups are numbered as their ranks are.
-    pub fn span(&self, count: usize) -> Span {
+    /// Particles, with or without groups of `walls`, for a sum over those of all ranks. Groups are
+    /// numbered as their ranks are.
+    pub fn span(&self, walls: bool) -> Span {
         let particles = Span::shared(&self.ranks.with, &self.ranks.first, 0);
-        match count > self.liquid {
-            true => particles.with(self.groups.clone()),
+        match walls {
+            true => particles.with(self.groups.clone(), self.begin, self.contact.len()),
             false => particles,
         }
     }

@@ -43,19 +43,19 @@ impl<S: Scheme> Projection<S> {
     pub(super) fn keep_momentum(&mut self) {
         let flow = &self.liquid.flow;
         let reach = self.liquid.case.h * 2.0 + flow.extra().most;
-        let (own, walls) = (&flow.liquid_cells.start, &flow.wall_cells.start);
+        let own = &flow.liquid_cells.start;
         let Closed { components, sums } = &mut self.closed;
-        let (filled, has_walls) = (flow.filled(), flow.walls() > 0);
+        let (filled, has_walls) = (flow.filled(), flow.has_walls());
         components.find(&flow.grid, reach, |cell| {
             own[cell] < own[cell + 1]
                 || filled.get(cell).is_some_and(|&filled| filled)
-                || has_walls && walls[cell] < walls[cell + 1]
+                || has_walls && flow.is_walled(cell)
         });
         sums.clear();
         sums.resize(components.len(), Body::default());
         if has_walls {
             for (body, cells) in components.runs() {
-                let walled = walls[cells.start] < walls[cells.end];
+                let walled = cells.clone().any(|cell| flow.is_walled(cell));
                 sums[body].open = sums[body].open.map(|open| open || walled);
             }
         }

@@ -48,6 +48,10 @@ impl<S: Scheme> Matrix for Product<'_, S> {
         self.0.liquid.len()
     }
 
+    fn has_walls(&self) -> bool {
+        false
+    }
+
     fn roughness(&self) -> f64 {
         ROUGHNESS
     }

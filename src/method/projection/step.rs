@@ -120,9 +120,11 @@ impl<S: Scheme> Projection<S> {
         // All vectors that are held are found again before they are used.
         self.liquid.confine(&mut self.own);
         self.liquid.ledger.removal += self.stored() - before;
-        self.liquid.flow.balance();
+        if self.liquid.flow.balance(false) {
+            self.walls = self.walls.of(&self.liquid);
+        }
         self.liquid.sort(&mut self.own);
-        if self.walls.own.is_empty() && S::walls_are_dense(self) {
+        if !self.walls.is_seen && S::walls_are_dense(self) {
             self.look_along_walls();
         }
         self.liquid.flow.find();
@@ -139,6 +141,7 @@ impl<S: Scheme> Projection<S> {
         self.liquid.flow.wall_sees_wall = false;
         let (n, unit) = (self.liquid.len(), self.liquid.flow.grid.unit);
         let (at, rows) = (&self.liquid.flow.at, &self.liquid.flow.wall_rows);
+        let walls = n..n + self.liquid.flow.walls();
         let add = |j: usize, k: usize| {
             let away = |a: usize| at[a][k].wrapping_sub(at[a][j]) as f64 * unit[a];
             let r = (0..3).map(|a| away(a).powi(2)).sum::<f64>().sqrt();
@@ -147,12 +150,13 @@ impl<S: Scheme> Projection<S> {
         // In the order of the walls: that of rows changes with the liquid.
         let own = |j: usize| {
             let others = rows.row(j).indices();
-            let is_wall = |k: &usize| self.liquid.flow.original(*k) >= n && *k != n + j;
+            let is_wall = |k: &usize| walls.contains(&self.liquid.flow.original(*k)) && *k != n + j;
             let mut others: Vec<usize> = others.filter(is_wall).collect();
             others.sort_unstable();
             add(n + j, n + j) + others.into_iter().map(|k| add(n + j, k)).sum::<f64>()
         };
-        self.walls.own = (0..self.liquid.flow.walls()).map(own).collect();
+        self.walls.own = walls.clone().map(|j| own(j - n)).collect();
+        self.walls.is_seen = true;
     }
 
     /// (1) without the step: viscosity, gravity, tension at r^n.
@@ -205,7 +209,7 @@ impl<S: Scheme> Projection<S> {
 
     /// Gives walls in these records the velocity of no slip, unless Eq. 8 stands as printed.
     pub(in crate::method) fn pack_no_slip(&mut self, weight: f32) {
-        if self.is_printed() || self.walls.len() == 0 {
+        if self.is_printed() || !self.liquid.flow.has_walls() {
             return;
         }
         self.extrapolate();

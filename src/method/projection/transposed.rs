@@ -353,6 +353,7 @@ impl<S: Scheme> Projection<S> {
     fn set_right_transposed(&mut self, dt: f64, density: f64) {
         let mut flux = std::mem::take(&mut self.transposed.flux);
         let (n, count) = (self.liquid.len(), self.equation.len());
+        let walled = self.liquid.flow.has_walls();
         flux.resize(count, 0.0);
         let beta = share(self.settings.theta);
         let mut lift = std::mem::take(&mut self.equation.right);
@@ -361,7 +362,7 @@ impl<S: Scheme> Projection<S> {
         let mut beyond = std::mem::take(&mut self.transposed.beyond);
         beyond.clear();
         beyond.extend((n..count).map(|i| self.wall_flux(i, dt) / self.equation.diagonal[i]));
-        if count > n {
+        if walled {
             let mut x = std::mem::take(&mut self.transposed.wide);
             x.clear();
             x.resize(n, 0.0);
@@ -386,7 +387,7 @@ impl<S: Scheme> Projection<S> {
             *right = rate / (dt * unit) + beta * this.sums[i][1] as f64;
         });
         self.transposed.beyond = beyond;
-        if count > n {
+        if walled {
             self.share_out(&mut lift);
         }
         self.equation.right = lift;

@@ -21,6 +21,7 @@
 //! Test: tests/engine/projection_flow.rs.
 
 use crate::method::flow::Flow;
+use crate::method::liquid::Liquid;
 use crate::method::model::Case;
 use crate::method::pass::WallSums;
 use crate::method::wet;
@@ -56,8 +57,11 @@ pub struct Walls {
     /// Per wall particle: sums over the liquid, and its density over rho0.
     pub sums: Vec<WallSums>,
     pub density: Vec<f64>,
-    /// The part of the density that is the walls' own.
+    /// The part of the density that is the walls' own, and whether it is known.
     pub own: Vec<f64>,
+    pub is_seen: bool,
+    /// Whether a wall has its pressure only as far as it is wet.
+    dries: bool,
     /// Per group: v*_w, m/s; mean pressure of the liquid, Pa; whether any is there.
     pub velocity: Vec<[f32; 3]>,
     pub guess: Vec<f64>,
@@ -71,7 +75,7 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// `dries`: whether a wall has its pressure only as far as it is wet.
+    /// `dries`: as the field.
     pub fn new(case: &Case, wall: &Wall, dries: bool) -> Self {
         let n = wall.position[0].len();
         let mut walls = Walls {
@@ -79,6 +83,7 @@ impl Walls {
             sums: vec![WallSums::default(); n],
             density: vec![1.0; n],
             offset: vec![0.0; n],
+            dries,
             ..Walls::default()
         };
         let pitch = [0, 1, 2].map(|a| {
@@ -121,6 +126,11 @@ impl Walls {
         }
         walls.share = vec![1.0; walls.len()];
         walls
+    }
+
+    /// The same of the walls that `liquid` has now.
+    pub fn of(&self, liquid: &Liquid) -> Self {
+        Walls::new(&liquid.case, &liquid.flow.wall, self.dries)
     }
 
     /// Members of the groups, by counting.

@@ -17,7 +17,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     pub(super) fn books(&self) -> bool {
         self.is_dual()
             && self.model.diffusion().is_some()
-            && (self.liquid.flow.walls() == 0
+            && (!self.liquid.flow.has_walls()
                 || self.model.settings.wall_pressure != WallPressure::Summation)
             && (self.liquid.case.effects.tension.is_none() || self.liquid.follows_energy())
     }
@@ -68,7 +68,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
 
     /// Books the end of the last acoustic step, of `dt` s.
     pub(super) fn close_walls(&mut self, dt: f64) {
-        if self.books() && self.liquid.flow.walls() > 0 {
+        if self.books() && self.liquid.flow.has_walls() {
             self.extrapolate_velocity();
             self.liquid.ledger.walls += 0.5 * dt * self.power_of_walls();
         }

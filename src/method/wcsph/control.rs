@@ -211,5 +211,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.adaption = control.adaption;
         self.tension_age = f64::INFINITY;
         self.liquid.flow.count();
+        if self.liquid.flow.ranks.is_some() {
+            // Slabs may have moved since. A step begins without what is known of walls.
+            self.forget_walls();
+        }
     }
 }

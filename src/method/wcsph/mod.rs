@@ -182,7 +182,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.liquid.confine(&mut self.own);
         self.liquid.ledger.removal += self.stored() - before;
         self.tension_age = f64::INFINITY;
-        self.liquid.flow.balance();
+        if self.liquid.flow.balance(false) {
+            self.forget_walls();
+        }
         self.sort();
         self.look();
         if self.adapt() {

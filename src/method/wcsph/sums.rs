@@ -83,7 +83,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             &pass,
             &mut self.liquid.flow.particles.density,
         );
-        if self.liquid.flow.walls() > 0 && self.liquid.flow.wall_sees_wall {
+        if self.liquid.flow.has_walls() && self.liquid.flow.wall_sees_wall {
             self.liquid.sum_at_walls(&pass, &mut self.walls.density);
         }
     }

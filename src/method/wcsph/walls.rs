@@ -40,6 +40,13 @@ impl WallState {
 }
 
 impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
+    /// Begins anew, with other walls than before.
+    pub(super) fn forget_walls(&mut self) {
+        self.walls = WallState::default();
+        self.walls
+            .resize(self.liquid.flow.walls(), self.model.density);
+    }
+
     fn extrapolate(&mut self) {
         if self.liquid.flow.is_axial() {
             return self.extrapolate_rings();
@@ -87,7 +94,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             ..Moving::default()
         };
         self.liquid.flow.pack_moving(moved, liquid, wall);
-        if self.liquid.flow.walls() == 0 {
+        if !self.liquid.flow.has_walls() {
             return;
         }
         if !self.liquid.flow.wall_sees_wall {
@@ -199,7 +206,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 ..Moving::default()
             },
         );
-        if self.liquid.flow.walls() == 0 {
+        if !self.liquid.flow.has_walls() {
             return;
         }
         if !self.liquid.flow.wall_sees_wall {

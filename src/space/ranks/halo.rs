@@ -1,7 +1,7 @@
 //! Ghosts: copies of what lies in the slabs beside those of a rank.
 //!
-//! Points of a rank: its own, all walls, then its ghosts, which are in the order of all. Walls are
-//! the same everywhere, but a rank finds what only its own slabs' walls carry.
+//! Points of a rank: its own, the walls in and beside its slabs, then its ghosts, which are in the
+//! order of all. A rank finds what the walls in its own slabs carry.
 
 use super::Ranks;
 use crate::space::grid::Grid;
@@ -73,7 +73,7 @@ pub struct Copying<G, T> {
 }
 
 /// The slabs within `reach` cells of those of a rank, its own left out.
-fn beside(ranks: &Ranks, grid: &Grid, rank: usize, reach: usize) -> Vec<usize> {
+pub fn beside(ranks: &Ranks, grid: &Grid, rank: usize, reach: usize) -> Vec<usize> {
     let (own, count) = (ranks.slabs(rank), grid.count[0]);
     if own.is_empty() {
         return Vec::new();
@@ -118,7 +118,7 @@ fn points(grid: &Grid, start: &[u32], slabs: &[usize]) -> Vec<Range<usize>> {
 
 impl Halo {
     /// Finds the ghosts within `reach` m of the slabs of each rank. `liquid` and `wall`: cells of
-    /// this rank's particles, and of all walls.
+    /// this rank's particles, and of the walls that it has.
     pub fn find(&mut self, ranks: &Ranks, grid: &Grid, liquid: &Cells, wall: &Cells, reach: f64) {
         let far = (reach / grid.edge[0]).ceil() as usize;
         let own = ranks.rank();

@@ -77,6 +77,8 @@ pub struct Ranks {
     pub cuts: Vec<usize>,
     /// First particle of each rank in the order of all, and their number.
     pub first: Arc<[usize]>,
+    /// The same of the walls in their slabs, and the first of this rank among those that it has.
+    walls: (Arc<[usize]>, usize),
     load: Load,
 }
 
@@ -90,6 +92,7 @@ impl Ranks {
             with: load.with(),
             cuts,
             first: Arc::new([]),
+            walls: (Arc::new([]), 0),
             load,
         };
         ranks.count(count);
@@ -126,30 +129,55 @@ impl Ranks {
         self.cuts[rank]..self.cuts[rank + 1]
     }
 
-    /// Points that every rank has, of which each counts those in its own slabs; `start`: first of
-    /// each cell, and the number of all.
-    pub fn span(&self, grid: &Grid, start: &[u32]) -> Span {
-        let slab = grid.count[1] * grid.count[2];
-        let starts = self.cuts.iter().map(|cut| start[cut * slab] as usize);
-        let starts: Arc<[usize]> = starts.collect();
-        Span::shared(&self.with, &starts, starts[self.rank()])
+    /// Takes over that walls are sorted into cells; `start`: the first of each cell.
+    pub fn count_walls(&mut self, grid: &Grid, start: &[u32]) {
+        let (slab, own) = (grid.count[1] * grid.count[2], self.slabs(self.rank()));
+        let [begin, end] = [own.start, own.end].map(|cut| start[cut * slab] as usize);
+        self.walls = (span::starts(&*self.with, end - begin), begin);
+    }
+
+    /// The walls in the slabs of each rank.
+    pub fn wall_span(&self) -> Span {
+        Span::shared(&self.with, &self.walls.0, self.walls.1)
+    }
+
+    /// Whether any rank has walls.
+    pub fn has_walls(&self) -> bool {
+        self.walls.0.last().is_some_and(|&count| count > 0)
     }
 
     /// Gives every rank slabs that take it about the same time: `x` are the positions of the
     /// particles of this rank, m; no rank begins outside of the slabs `within`. Call it at the
-    /// start of a step.
-    pub fn balance(&mut self, grid: &Grid, x: &[Vec<f64>; 3], within: &RangeInclusive<usize>) {
-        let own = x[0].len();
+    /// start of a step. Whether slabs have moved.
+    pub fn balance(
+        &mut self,
+        grid: &Grid,
+        x: &[Vec<f64>; 3],
+        within: &RangeInclusive<usize>,
+    ) -> bool {
+        let cost = self.load.lap(x[0].len());
+        self.share_out(grid, x, within, cost)
+    }
+
+    /// The same where a particle takes `cost` s, infinite if that is not known.
+    pub fn share_out(
+        &mut self,
+        grid: &Grid,
+        x: &[Vec<f64>; 3],
+        within: &RangeInclusive<usize>,
+        cost: f64,
+    ) -> bool {
         let mut counts = vec![0u32; grid.count[0]];
-        for i in 0..own {
+        for i in 0..x[0].len() {
             counts[grid.cell([x[0][i], x[1][i], x[2][i]])[0]] += 1;
         }
-        let cost = self.load.lap(own);
         let costs = load::costs(&self.gather(&(counts, cost)));
         let cuts = load::cuts(&costs, self.size(), within);
-        if load::is_worth(&costs, &self.cuts, &cuts) {
+        let moves = load::is_worth(&costs, &self.cuts, &cuts);
+        if moves {
             self.cuts = cuts;
         }
+        moves
     }
 
     /// What every rank has, in their order.

@@ -14,9 +14,9 @@ pub struct Span {
     pub own: Range<usize>,
     /// Of items that several ranks have.
     shared: Option<Shared>,
-    /// First of each rank of items behind those of all ranks; every rank has room for all of them
-    /// at the end of its own.
-    behind: Option<Arc<[usize]>>,
+    /// First of each rank of items behind those of all ranks, and where in the room for them at the
+    /// end of its own this rank's begin.
+    behind: Option<(Arc<[usize]>, usize)>,
 }
 
 impl From<usize> for Span {
@@ -52,10 +52,11 @@ impl Span {
     }
 
     /// With more items behind those of all ranks, of which every rank has those that `starts` says.
-    /// Each has room for all of them at the end of its own, and counts none of the others.
-    pub fn with(mut self, starts: Arc<[usize]>) -> Self {
-        self.own.end += starts.last().copied().unwrap_or(0);
-        self.behind = Some(starts);
+    /// It has `room` for some at the end of its own, counts those from `begin` on, and none of
+    /// the others.
+    pub fn with(mut self, starts: Arc<[usize]>, begin: usize, room: usize) -> Self {
+        self.own.end += room;
+        self.behind = Some((starts, begin));
         self
     }
 
@@ -73,7 +74,8 @@ impl Span {
     pub fn total(&self) -> usize {
         let last = |starts: &Arc<[usize]>| starts.last().copied().unwrap_or(0);
         let all = self.shared.as_ref().map(|(_, starts)| last(starts));
-        all.map_or(self.len(), |all| all + self.behind.as_ref().map_or(0, last))
+        let behind = self.behind.as_ref().map(|(starts, _)| starts);
+        all.map_or(self.len(), |all| all + behind.map_or(0, last))
     }
 
     /// Whether it has none.
@@ -120,15 +122,16 @@ impl Span {
         let rank = with.rank();
         let own = starts[rank + 1] - starts[rank];
         let mut parts = chunk_sums(&**with, (starts, 0), size, (&values[..own], [0.0; K]));
-        if let Some(behind) = self
+        if let Some((behind, begin)) = self
             .behind
             .as_ref()
-            .filter(|behind| behind[with.size()] > 0)
+            .filter(|(behind, _)| behind[with.size()] > 0)
         {
             let before = starts[with.size()];
             let is_open = !before.is_multiple_of(size);
             let begun = parts.pop_if(|_| is_open).unwrap_or([0.0; K]);
-            let values = &values[own + behind[rank]..own + behind[rank + 1]];
+            let first = own + begin;
+            let values = &values[first..first + behind[rank + 1] - behind[rank]];
             parts.extend(chunk_sums(&**with, (behind, before), size, (values, begun)));
         }
         parts

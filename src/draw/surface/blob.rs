@@ -12,6 +12,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 
+use super::near::Near;
 use super::points::Points;
 use crate::draw::smooth_step;
 use crate::scene::{Domain, Side};
@@ -63,11 +64,11 @@ pub(super) fn blobs(
     }
     let own: Vec<Blob> = (0..position[0].len())
         .into_par_iter()
-        .map(|i| {
+        .map_init(Near::default, |near, i| {
             let p = Vector3::from([0, 1, 2].map(|a| position[a][i]));
             match !is_there[i] || crowded[points.place(&p)] {
                 true => Blob::round(p, SMOOTHING * spacing, strength(SMOOTHING)),
-                false => Blob::new(points, p, spacing, |_| 1.0),
+                false => Blob::new(near, points, p, spacing, |_| 1.0),
             }
         })
         .collect();
@@ -83,19 +84,6 @@ fn flat_strength() -> f32 {
 /// Of a kernel in space: `21 / (16 pi h^3)`.
 fn strength(smoothing: f32) -> f32 {
     21.0 / (16.0 * std::f32::consts::PI * smoothing.powi(3))
-}
-
-/// `d = (other - own) / reach` and w of (1), of a point within reach.
-#[inline(always)]
-fn seen(own: &Vector3<f32>, other: &Vector3<f32>, reach: f32) -> Option<(Vector3<f32>, f32)> {
-    let d = other - own;
-    // Most points are far: that is told without a division, with room for its rounding.
-    if d.norm_squared() > 1.0001 * reach * reach {
-        return None;
-    }
-    let d = d / reach;
-    let r = d.norm();
-    (r < 1.0).then_some((d, 1.0 - r * r * r))
 }
 
 impl Blob {
@@ -127,6 +115,7 @@ impl Blob {
 
     /// `volume`: of a point, by its source, in cubes of the spacing.
     pub fn new(
+        near: &mut Near,
         points: &Points,
         own: Vector3<f32>,
         spacing: f32,
@@ -134,24 +123,20 @@ impl Blob {
     ) -> Blob {
         let reach = REACH * spacing;
         let (mut weight, mut first) = (0.0, Vector3::zeros());
-        points.near(&own, |other, source| {
-            if let Some((d, w)) = seen(&own, other, reach) {
-                let w = volume(source) * w;
-                weight += w;
-                first += w * d;
-            }
-        });
+        near.find(points, &own, reach, volume);
+        for (d, w) in &near.found {
+            weight += w;
+            first += *w * d;
+        }
         let mean = first / weight;
         let fullness = weight / FULL;
         if fullness > 0.85 && mean.norm() < 0.03 {
             return Blob::round(own, SMOOTHING * spacing, strength(SMOOTHING));
         }
         let mut second = Matrix3::zeros();
-        points.near(&own, |other, source| {
-            if let Some((d, w)) = seen(&own, other, reach) {
-                second += volume(source) * w * d * d.transpose();
-            }
-        });
+        for (d, w) in &near.found {
+            second += *w * d * d.transpose();
+        }
         let part = smooth_step(0.03, 0.30, fullness);
         let smoothing = SMOOTHING * (0.62 + 0.38 * part);
         let boost = 1.0 + 1.6 * (1.0 - smooth_step(0.03, 0.12, fullness));

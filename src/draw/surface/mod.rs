@@ -12,27 +12,26 @@ mod blob;
 mod coarse;
 mod contour;
 mod mesh;
+mod near;
 mod points;
 mod revolved;
 mod smooth;
+mod sum;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 pub use self::contour::Contour;
 
-use self::blob::{Blob, EXTENT, REACH, blobs};
+use self::blob::{EXTENT, REACH, blobs};
 use self::points::Points;
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene, Side};
-use crate::space::lane::vectorised;
 
 /// The level that is the surface.
 pub const LEVEL: f32 = 0.5;
 /// Nodes of a grid at most; a scene that needs more has a coarser grid.
 const MOST: f64 = 2e8;
-/// Layers of nodes that are summed together.
-const SLAB: usize = 8;
 /// Edge of a block of cells that a ray crosses at once.
 pub(crate) const BLOCK: usize = 4;
 
@@ -161,99 +160,6 @@ impl Field {
         }
     }
 
-    /// (1) at all nodes.
-    fn sum(&mut self, blobs: &[Blob], source: &[u32], colours: &[[f32; 3]]) {
-        let slab = SLAB * self.count[1] * self.count[2];
-        let slabs = self.count[0].div_ceil(SLAB);
-        let mut lists = vec![Vec::new(); slabs];
-        for (i, blob) in blobs.iter().enumerate() {
-            let range = self.range(blob, 0);
-            if !range.is_empty() {
-                let touched = range.start / SLAB..=(range.end - 1) / SLAB;
-                touched.for_each(|slab| lists[slab].push(i));
-            }
-        }
-        let mut values = std::mem::take(&mut self.values);
-        let mut sums = vec![[0.0f32; 3]; if colours.is_empty() { 0 } else { values.len() }];
-        let mut empty = vec![[]; slabs];
-        let parts: Vec<&mut [[f32; 3]]> = match colours.is_empty() {
-            true => empty
-                .iter_mut()
-                .map(|e: &mut [[f32; 3]; 0]| &mut e[..])
-                .collect(),
-            false => sums.chunks_mut(slab).collect(),
-        };
-        let work = values
-            .par_chunks_mut(slab)
-            .zip(parts)
-            .zip(&lists)
-            .enumerate();
-        work.for_each(|(n, ((out, sums), list))| {
-            for &i in list {
-                let colour = colours.get(source[i] as usize);
-                let colour = colour.map(|c| (*c, &mut *sums));
-                match blobs[i].turns {
-                    0 => vectorised(|| self.add(&blobs[i], n * SLAB, out, colour)),
-                    _ => vectorised(|| self.turn(&blobs[i], n * SLAB, out, colour)),
-                }
-            }
-            for (sum, value) in sums.iter_mut().zip(out) {
-                *sum = sum.map(|c| c / value.max(1e-6));
-            }
-        });
-        self.values = values;
-        self.colours = sums;
-    }
-
-    /// Nodes along an axis that a blob reaches.
-    fn range(&self, blob: &Blob, axis: usize) -> std::ops::Range<usize> {
-        if self.count[axis] == 1 {
-            return 0..1;
-        }
-        let place = |x: f32| (x - self.low[axis]) / self.step[axis];
-        let low = place(blob.centre[axis] - blob.extent[axis]).ceil().max(0.0) as usize;
-        let high = place(blob.centre[axis] + blob.extent[axis]).floor();
-        let end = ((high + 1.0).max(0.0) as usize).min(self.count[axis]);
-        // The blob may lie beyond the last node.
-        low.min(end)..end
-    }
-
-    /// Adds a blob to the layers of nodes from `first` on.
-    #[inline(always)]
-    fn add(
-        &self,
-        blob: &Blob,
-        first: usize,
-        out: &mut [f32],
-        mut colour: Option<([f32; 3], &mut [[f32; 3]])>,
-    ) {
-        let [x, y, z] = [0, 1, 2].map(|a| self.range(blob, a));
-        let layer = self.count[1] * self.count[2];
-        let x = x.start.max(first)..x.end.min(first + out.len() / layer);
-        let along = blob.inverse.column(2) * self.step[2];
-        let c = along.norm_squared();
-        for i in x {
-            for j in y.clone() {
-                let start = self.node([i, j, z.start]) - blob.centre;
-                let base = blob.inverse * start;
-                let (a, b) = (base.norm_squared(), 2.0 * base.dot(&along));
-                let row = (i - first) * layer + j * self.count[2];
-                let row = row + z.start..row + z.end;
-                for (k, value) in out[row.clone()].iter_mut().enumerate() {
-                    *value += kernel(blob.strength, a, b, c, k as f32);
-                }
-                if let Some((colour, sums)) = &mut colour {
-                    for (k, sum) in sums[row].iter_mut().enumerate() {
-                        let w = kernel(blob.strength, a, b, c, k as f32);
-                        for (s, c) in sum.iter_mut().zip(*colour) {
-                            *s += w * c;
-                        }
-                    }
-                }
-            }
-        }
-    }
-
     /// Position of a node, m; in 2-D y is 0.
     pub fn node(&self, node: [usize; 3]) -> Vector3<f32> {
         let at = Vector3::from(node.map(|n| n as f32));
@@ -297,12 +203,4 @@ impl Field {
         }
         bounds
     }
-}
-
-/// `strength (1 - q/2)^4 (1 + 2 q)` with `q^2 = a + b k + c k^2`.
-#[inline(always)]
-fn kernel(strength: f32, a: f32, b: f32, c: f32, k: f32) -> f32 {
-    let q = (a + k * (b + k * c)).max(0.0).sqrt();
-    let t = (1.0 - 0.5 * q).max(0.0);
-    strength * (t * t) * (t * t) * (1.0 + 2.0 * q)
 }

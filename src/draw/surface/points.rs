@@ -1,13 +1,18 @@
 //! Particles and their images beyond walls and periodic sides, sorted by cells.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use crate::scene::{Domain, Side};
+use crate::space::lane::WIDTH;
 
 /// Points in the order of their cells.
 pub(super) struct Points {
     /// Positions, m.
     pub at: Vec<Vector3<f32>>,
+    /// Their x, y and z, and eight more numbers.
+    pub planes: [Vec<f32>; 3],
     /// The particle that each is, or is an image of.
     pub source: Vec<u32>,
     start: Vec<u32>,
@@ -37,6 +42,7 @@ impl Points {
         let cells = [0, 1, 2].map(|a| (size[a] / cell) as usize + 1);
         let mut points = Points {
             at: vec![Vector3::zeros(); all.len()],
+            planes: [0, 1, 2].map(|_| vec![0.0; all.len() + WIDTH]),
             source: vec![0; all.len()],
             start: vec![0; cells.iter().product::<usize>() + 1],
             low,
@@ -55,6 +61,7 @@ impl Points {
         for ((p, source), place) in all.into_iter().zip(places) {
             let slot = next[place] as usize;
             points.at[slot] = p;
+            (0..3).for_each(|a| points.planes[a][slot] = p[a]);
             points.source[slot] = source;
             next[place] += 1;
         }
@@ -95,20 +102,17 @@ impl Points {
         (x * self.cells[1] + y) * self.cells[2] + z
     }
 
-    /// Calls `visit` for all points in the cell of `p` and in those around it, with their sources.
-    pub fn near(&self, p: &Vector3<f32>, mut visit: impl FnMut(&Vector3<f32>, u32)) {
+    /// The cell of `p` and those around it, along each axis.
+    pub fn around(&self, p: &Vector3<f32>) -> [Range<usize>; 3] {
         let cell = self.cell_of(p);
-        let [x, y, z] =
-            [0, 1, 2].map(|a| cell[a].saturating_sub(1)..(cell[a] + 2).min(self.cells[a]));
-        for i in x {
-            for j in y.clone() {
-                let first = self.start[self.index([i, j, z.start])] as usize;
-                let last = self.start[self.index([i, j, z.end - 1]) + 1] as usize;
-                let sources = &self.source[first..last];
-                let points = self.at[first..last].iter().zip(sources);
-                points.for_each(|(point, source)| visit(point, *source));
-            }
-        }
+        [0, 1, 2].map(|a| cell[a].saturating_sub(1)..(cell[a] + 2).min(self.cells[a]))
+    }
+
+    /// The points in cells that follow each other along z.
+    pub fn within(&self, x: usize, y: usize, z: &Range<usize>) -> Range<usize> {
+        let first = self.start[self.index([x, y, z.start])] as usize;
+        let last = self.start[self.index([x, y, z.end - 1]) + 1] as usize;
+        first..last
     }
 }
 

@@ -9,13 +9,16 @@
 //! spacing apart, into which the neighbours of a ring are divided.
 
 use std::f32::consts::PI;
+use std::ops::Range;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::blob::{Blob, EXTENT, REACH};
+use super::near::Near;
 use super::points::{Points, with_images};
-use super::{Field, LEVEL, kernel};
+use super::sum::kernel;
+use super::{Field, LEVEL};
 use crate::particle::{Frame, ring};
 use crate::scene::Scene;
 
@@ -79,16 +82,19 @@ impl Rings {
             let n = n as usize;
             self.volume[n] / ring::point_count(self.at[n].0.x, spacing) as f32
         };
-        let blob = |n: usize| {
+        let blob = |near: &mut Near, n: usize| {
             let at = self.at[n].0;
-            let mut blob = Blob::new(&points, at, spacing, part);
+            let mut blob = Blob::new(near, &points, at, spacing, part);
             let along = 0.5 * blob.extent.y;
             blob.turns = ((PI * at.x / (TURN * along)).ceil() as usize).max(3);
             blob.strength *= self.volume[n] / blob.turns as f32;
             blob.extent.x = blob.extent.x.hypot(blob.extent.y);
             blob
         };
-        (0..self.at.len()).into_par_iter().map(blob).collect()
+        (0..self.at.len())
+            .into_par_iter()
+            .map_init(Near::default, blob)
+            .collect()
     }
 }
 
@@ -119,18 +125,18 @@ impl Field {
         Some(field)
     }
 
-    /// Adds a turned blob to the columns of nodes from `first` on.
+    /// Adds a turned blob to some layers of nodes, that is columns; to three sums of colours too.
     #[inline(always)]
     pub(super) fn turn(
         &self,
         blob: &Blob,
-        first: usize,
+        layers: &Range<usize>,
         out: &mut [f32],
-        mut colour: Option<([f32; 3], &mut [[f32; 3]])>,
+        mut colour: Option<([f32; 3], &mut [Vec<f32>; 3])>,
     ) {
         let (x, z) = (self.range(blob, 0), self.range(blob, 2));
         let row = self.count[2];
-        let x = x.start.max(first)..x.end.min(first + out.len() / row);
+        let x = x.start.max(layers.start)..x.end.min(layers.end);
         let along = blob.inverse.column(2) * self.step.z;
         let c = along.norm_squared();
         let bottom = self.low.z + z.start as f32 * self.step.z;
@@ -149,13 +155,14 @@ impl Field {
                 let [low, high] = [-1.0, 1.0].map(|s| (s * square.sqrt() - 0.5 * b) / c);
                 let low = low.ceil().max(0.0) as usize;
                 let high = ((high.floor() + 1.0).max(0.0) as usize).min(z.len());
-                let nodes = (i - first) * row + z.start..;
+                let first = (i - layers.start) * row + z.start;
                 for k in low..high {
                     let w = kernel(blob.strength, a, b, c, k as f32);
-                    out[nodes.start + k] += w;
+                    out[first + k] += w;
                     if let Some((colour, sums)) = &mut colour {
-                        let sum = &mut sums[nodes.start + k];
-                        *sum = [0, 1, 2].map(|a| sum[a] + w * colour[a]);
+                        for (sums, part) in sums.iter_mut().zip(*colour) {
+                            sums[first + k] += w * part;
+                        }
                     }
                 }
             }

@@ -11,6 +11,7 @@ pub mod drop;
 pub mod ending;
 mod energy;
 mod force;
+mod forest;
 pub mod gauge;
 pub mod kind;
 pub mod lamella;

@@ -20,11 +20,11 @@ use rayon::prelude::*;
 
 use crate::particle::Frame;
 use crate::scene::{Dimension, Scene, Side};
-use crate::space::lane::vectorised;
+use crate::space::lane::{Job, Lanes, Real, WIDTH, run_mixed};
 use sorted::{Sorted, with_images};
 
 /// Nodes along an edge of a block.
-const EDGE: usize = 8;
+const EDGE: usize = WIDTH;
 /// Smoothing length over spacing.
 const SMOOTHING: f64 = 1.3;
 /// The level that is the surface.
@@ -85,7 +85,14 @@ impl Raster {
         values
             .par_chunks_mut(volume)
             .zip(band.par_iter())
-            .for_each(|(out, &index)| raster.sum(&sorted, index, out));
+            .for_each(|(out, &index)| {
+                run_mixed(Block {
+                    raster: &raster,
+                    sorted: &sorted,
+                    index,
+                    out,
+                })
+            });
         raster.values = values;
         raster
     }
@@ -149,6 +156,12 @@ impl Raster {
         }
     }
 
+    /// φ at the nodes of a summed block, in their order.
+    pub(super) fn block_values(&self, block: usize) -> &[f32] {
+        let nodes = self.block_nodes();
+        &self.values[self.code[block] as usize * nodes..][..nodes]
+    }
+
     /// What nodes at a place along x stand for: 1, or of a section the distance from its axis.
     pub(super) fn weight(&self, i: usize) -> f64 {
         self.axis
@@ -162,14 +175,19 @@ impl Raster {
 
     /// Calls `visit` for every node of a block that lies on the grid, x fastest.
     pub(super) fn for_nodes(&self, block: usize, mut visit: impl FnMut([usize; 3])) {
+        self.for_rows(block, |[low, j, k], count| {
+            (low..low + count).for_each(|i| visit([i, j, k]));
+        });
+    }
+
+    /// Calls `visit` for every row of such nodes along x: with the first one, and their number.
+    pub(super) fn for_rows(&self, block: usize, mut visit: impl FnMut([usize; 3], usize)) {
         let b = self.block_at(block);
         let low = [0, 1, 2].map(|a| b[a] * self.edge[a]);
         let high = [0, 1, 2].map(|a| (low[a] + self.edge[a]).min(self.count[a]));
         for k in low[2]..high[2] {
             for j in low[1]..high[1] {
-                for i in low[0]..high[0] {
-                    visit([i, j, k]);
-                }
+                visit([low[0], j, k], high[0] - low[0]);
             }
         }
     }
@@ -260,13 +278,9 @@ impl Raster {
             .collect()
     }
 
-    fn sum(&self, sorted: &Sorted, index: usize, out: &mut [f32]) {
-        vectorised(|| self.sum_block(sorted, index, out))
-    }
-
     /// (1) at the nodes of one block, in units of the nominal volume.
     #[inline(always)]
-    fn sum_block(&self, sorted: &Sorted, index: usize, out: &mut [f32]) {
+    fn sum<L: Lanes>(&self, lanes: L, sorted: &Sorted, index: usize, out: &mut [f32]) {
         let flat = self.edge[1] == 1;
         let b = self.block_at(index);
         let h = SMOOTHING * self.particle_spacing;
@@ -280,25 +294,29 @@ impl Raster {
         let first = [0, 1, 2].map(|a| self.coordinate(a, b[a] * self.edge[a]) as f32);
         let inverse = 1.0 / (h * h) as f32;
         let [ex, ey, ez] = self.edge;
+        let width = (ex - 1) as f32 * step[0];
+        let one = lanes.splat(1.0);
+        let places = one.of_array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]) * step[0];
         for bin in sorted.around(b, flat) {
             for p in &sorted.position[sorted.range(bin)] {
                 let d = [0, 1, 2].map(|a| first[a] - p[a]);
-                if d[0] > support || d[0] + (ex - 1) as f32 * step[0] < -support {
+                if d[0] > support || d[0] + width < -support {
                     continue;
                 }
-                let volume = p[3];
+                // Rows farther than this have exactly nothing of it, in spite of rounding.
+                let beside = d[0].max(-width - d[0]).max(0.0);
+                let most = (1.001 * support * support - beside * beside).min(support * support);
                 for k in 0..ez {
                     let dz = d[2] + k as f32 * step[2];
-                    if dz.abs() >= support {
+                    if dz.abs() >= support || dz * dz >= most {
                         continue;
                     }
                     for j in 0..ey {
                         let dy = if flat { 0.0 } else { d[1] + j as f32 * step[1] };
                         let across = dz * dz + dy * dy;
-                        if across < support * support {
-                            let row = (k * ey + j) * ex;
-                            let row = &mut out[row..row + EDGE];
-                            add_row(row, d[0], step[0], across, inverse, volume);
+                        if across < most {
+                            let row = &mut out[(k * ey + j) * ex..];
+                            add_row(row, places + d[0], across, inverse, p[3]);
                         }
                     }
                 }
@@ -344,13 +362,31 @@ fn area(radius: f64, volume: f64) -> f64 {
     }
 }
 
-/// Adds `V (1 − q/2)^4 (1 + 2q)` at the nodes of a row; eight lanes.
+/// Adds `V (1 − q/2)^4 (1 + 2q)` at the nodes of a row, which are `d` from the particle along x.
 #[inline(always)]
-fn add_row(row: &mut [f32], dx: f32, step: f32, across: f32, inverse: f32, volume: f32) {
-    for (i, value) in row.iter_mut().enumerate() {
-        let d = dx + i as f32 * step;
-        let q = ((across + d * d) * inverse).sqrt();
-        let t = (1.0 - 0.5 * q).max(0.0);
-        *value += volume * ((t * t) * (t * t) * (1.0 + 2.0 * q));
+fn add_row<F: Real>(row: &mut [f32], d: F, across: f32, inverse: f32, volume: f32) {
+    let Some(row) = row.first_chunk_mut::<EDGE>() else {
+        return;
+    };
+    let one = d.splat(1.0);
+    let q = ((d * d + across) * inverse).sqrt();
+    let t = (one - q * 0.5).at_least(0.0);
+    let square = t * t;
+    let w = square * square * (q * 2.0 + 1.0) * volume;
+    *row = (w.of_array(*row) + w).to_array();
+}
+
+/// The sum of one block.
+struct Block<'a> {
+    raster: &'a Raster,
+    sorted: &'a Sorted,
+    index: usize,
+    out: &'a mut [f32],
+}
+
+impl Job for Block<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        self.raster.sum(lanes, self.sorted, self.index, self.out);
     }
 }

@@ -9,6 +9,7 @@ mod overlay;
 mod shade;
 mod studio;
 pub mod trace;
+mod walk;
 
 use rayon::prelude::*;
 

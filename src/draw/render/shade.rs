@@ -136,10 +136,13 @@ impl Shader<'_> {
         let wrap = if is_milk { 0.35 } else { 0.1 };
         let facing = ((normal.dot(&self.studio.key) + wrap) / (1.0 + wrap)).max(0.0);
         let start = hit.at + normal * (4.0 * self.tracer.offset());
-        let lit = match self.tracer.hit(&start, &self.studio.lamp(sample), false) {
-            Some(_) if is_milk => 0.25,
-            Some(_) => 0.0,
-            None => 1.0,
+        // What faces away from the lamp has none of its light in any case.
+        let lamp = self.studio.lamp(sample);
+        let is_dark = facing > 0.0 && self.tracer.is_hit(&start, &lamp);
+        let lit = match is_dark {
+            true if is_milk => 0.25,
+            true => 0.0,
+            false => 1.0,
         };
         let open = self.openness(&hit.at, &normal);
         let ambient = 0.36 + 0.10 * normal.z;
@@ -147,9 +150,9 @@ impl Shader<'_> {
         let cos = (-along.dot(&normal)).clamp(0.0, 1.0);
         let part = 0.02 + 0.98 * (1.0 - cos).powi(5);
         let mirrored = reflect(along, &normal);
-        let seen = match self.tracer.hit(&start, &mirrored, false) {
-            Some(_) => diffuse,
-            None => {
+        let seen = match self.tracer.is_hit(&start, &mirrored) {
+            true => diffuse,
+            false => {
                 let away = Ray {
                     from: start,
                     along: mirrored,

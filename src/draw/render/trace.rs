@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::draw::surface::{BLOCK, Field, LEVEL};
+use super::walk::{Blocks, Walk};
+use crate::draw::surface::{Field, LEVEL};
 
 /// A vector of a picture.
 pub type V = Vector3<f32>;
@@ -20,6 +21,13 @@ pub struct Hit {
     pub is_side: bool,
 }
 
+/// Where a ray crosses the surface: at a distance on a side of the box, or between two distances,
+/// each with its phi.
+enum Found {
+    Side(f32),
+    Between([(f32, f32); 2]),
+}
+
 /// A field with what rays need of it. A field of revolution fills a cylinder about its axis.
 pub struct Tracer<'a> {
     field: &'a Field,
@@ -28,6 +36,9 @@ pub struct Tracer<'a> {
     inverse: V,
     /// Length of a step, m.
     step: f32,
+    blocks: Blocks,
+    /// The last cell along each axis.
+    last: [i32; 3],
 }
 
 impl<'a> Tracer<'a> {
@@ -38,12 +49,15 @@ impl<'a> Tracer<'a> {
             (low.x, low.y) = (x - high.x, y - high.x);
             (high.x, high.y) = (x + high.x, y + high.x);
         }
+        let step = 0.6 * field.step.min();
         Tracer {
             field,
             low,
             high,
             inverse: field.step.map(|s| 1.0 / s),
-            step: 0.6 * field.step.min(),
+            step,
+            blocks: Blocks::new(field, step),
+            last: field.count.map(|count| count.saturating_sub(2) as i32),
         }
     }
 
@@ -75,18 +89,20 @@ impl<'a> Tracer<'a> {
         if let Some(off) = self.off_axis(p) {
             return self.field.at(off.norm(), p.z, &self.inverse).0;
         }
-        let count = self.field.count;
         let mut cell = [0; 3];
         let mut part = [0.0; 3];
         for a in 0..3 {
+            // Signed numbers of 32 bits become numbers and come from them with the least work.
             let place = ((p[a] - self.low[a]) * self.inverse[a]).max(0.0);
-            cell[a] = (place as usize).min(count[a].saturating_sub(2));
-            part[a] = (place - cell[a] as f32).min(1.0);
+            let at = (place as i32).min(self.last[a]);
+            cell[a] = at as usize;
+            part[a] = (place - at as f32).min(1.0);
         }
+        let count = self.field.count;
         let (row, layer) = (count[2], count[1] * count[2]);
         let start = self.field.index(cell);
-        let corner = self.field.values[start..].split_at(layer);
-        let (near, far) = (corner.0, corner.1);
+        let near = &self.field.values[start..][..row + 2];
+        let far = &self.field.values[start + layer..][..row + 2];
         let line = |values: &[f32], at: usize| values[at] + part[2] * (values[at + 1] - values[at]);
         let face = |values: &[f32]| {
             let (a, b) = (line(values, 0), line(values, row));
@@ -219,21 +235,36 @@ impl<'a> Tracer<'a> {
 
     /// The first point at which a ray enters the liquid, or, from inside, leaves it.
     pub fn hit(&self, from: &V, along: &V, is_inside: bool) -> Option<Hit> {
+        let found = self.find(from, along, is_inside)?;
+        Some(match found {
+            Found::Side(t) => self.side(from, along, t),
+            Found::Between(ends) => self.root(from, along, ends),
+        })
+    }
+
+    /// Whether a ray from outside meets the liquid.
+    pub fn is_hit(&self, from: &V, along: &V) -> bool {
+        self.find(from, along, false).is_some()
+    }
+
+    fn find(&self, from: &V, along: &V, is_inside: bool) -> Option<Found> {
         let inverse = along.map(|c| 1.0 / c);
         let [near, far] = self.range(from, &inverse)?;
         if self.field.axis.is_some() {
-            return self.hit_turned(from, along, [near, far], is_inside);
+            return self.find_turned(from, along, [near, far], is_inside);
         }
         let on_this_side = |value: f32| (value > LEVEL) == is_inside;
         let start = near.max(self.offset());
         if !is_inside && near > 0.0 && !on_this_side(self.value(&(from + near * along))) {
-            return Some(self.side(from, along, near));
+            return Some(Found::Side(near));
         }
         let (mut before, mut last) = (start, self.value(&(from + start * along)));
         let mut is_off = !on_this_side(last);
         let mut t = start;
+        let mut walk = Walk::new(from, along, &inverse);
         while t < far {
-            let (end, bounds) = self.block(from, along, &inverse, t);
+            let (end, block) = self.blocks.at(&mut walk, t);
+            let bounds = self.field.bounds[block];
             let end = end.min(far);
             let is_plain = if is_inside {
                 bounds[0] > LEVEL
@@ -252,23 +283,23 @@ impl<'a> Tracer<'a> {
                 if is_off && (on_this_side(value) || t - start < 1.5 * self.step) {
                     is_off = !on_this_side(value);
                 } else if !on_this_side(value) {
-                    return Some(self.root(from, along, [(before, last), (t, value)]));
+                    return Some(Found::Between([(before, last), (t, value)]));
                 }
                 (before, last) = (t, value);
             }
             t += 1e-4 * self.step;
         }
-        is_inside.then(|| self.side(from, along, far))
+        is_inside.then_some(Found::Side(far))
     }
 
     /// The same in a field of revolution, where a ray goes as far as no surface is near.
-    fn hit_turned(
+    fn find_turned(
         &self,
         from: &V,
         along: &V,
         [near, far]: [f32; 2],
         is_inside: bool,
-    ) -> Option<Hit> {
+    ) -> Option<Found> {
         let on_this_side = |value: f32| (value > LEVEL) == is_inside;
         let look = |t: f32| {
             let p = from + t * along;
@@ -276,7 +307,7 @@ impl<'a> Tracer<'a> {
             self.field.at(r, p.z, &self.inverse)
         };
         if !is_inside && near > 0.0 && !on_this_side(look(near).0) {
-            return Some(self.side(from, along, near));
+            return Some(Found::Side(near));
         }
         let start = near.max(self.offset());
         let (mut t, (mut last, mut free)) = (start, look(start));
@@ -289,29 +320,11 @@ impl<'a> Tracer<'a> {
             if is_off && (on_this_side(value) || t - start < 1.5 * self.step) {
                 is_off = !on_this_side(value);
             } else if !on_this_side(value) {
-                return Some(self.root(from, along, [(before, last), (t, value)]));
+                return Some(Found::Between([(before, last), (t, value)]));
             }
             (last, free) = (value, next);
         }
-        is_inside.then(|| self.side(from, along, far))
-    }
-
-    /// End of a ray in the block at `t`, and the bounds of that block.
-    fn block(&self, from: &V, along: &V, inverse: &V, t: f32) -> (f32, [f32; 2]) {
-        let p = from + (t + 1e-3 * self.step) * along;
-        let blocks = self.field.blocks();
-        let (mut index, mut end) = (0, f32::MAX);
-        for a in 0..3 {
-            let size = BLOCK as f32 * self.field.step[a];
-            let place = (((p[a] - self.low[a]) / size).max(0.0) as usize).min(blocks[a] - 1);
-            let side = place + usize::from(along[a] > 0.0);
-            let exit = (self.low[a] + side as f32 * size - from[a]) * inverse[a];
-            if exit > t {
-                end = end.min(exit);
-            }
-            index = index * blocks[a] + place;
-        }
-        (end.max(t + 1e-3 * self.step), self.field.bounds[index])
+        is_inside.then_some(Found::Side(far))
     }
 
     fn root(&self, from: &V, along: &V, [mut a, mut b]: [(f32, f32); 2]) -> Hit {

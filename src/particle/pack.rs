@@ -249,11 +249,12 @@ impl<'a, K: Kernel> Packing<'a, K> {
                 spread: Some(spread),
             };
             self.tell(watch, progress)?;
-            let closest = quality::closest(crowd);
-            if spread <= pack.tolerance && closest >= PAIRED {
+            // All ranks know the spread, so that all of them ask for the distance or none.
+            if spread <= pack.tolerance && quality::closest(crowd) >= PAIRED {
                 return Ok((done, sweeps));
             }
             if done >= pack.iterations || spread.is_nan() {
+                let closest = quality::closest(crowd);
                 return Err(PackError::NotReached {
                     body: self.name(),
                     spread,

@@ -88,6 +88,14 @@ fn cut_volume(region: &Region) -> f64 {
     whole * found.max(1.0) / count as f64
 }
 
+/// The cell of a box that a cell is or repeats; most are of the box, which needs no division.
+fn turned(cell: i64, count: i64) -> usize {
+    match (0..count).contains(&cell) {
+        true => cell as usize,
+        false => cell.rem_euclid(count) as usize,
+    }
+}
+
 /// A few cell coordinates along an axis with squared distances to them.
 #[derive(Default)]
 struct Slabs {
@@ -298,7 +306,7 @@ impl<'a> Disks<'a> {
         }
         let u = (x - self.low[k]) / self.edge[k];
         let own = u.floor() as i64;
-        slabs.push(own.rem_euclid(count) as usize, 0.0);
+        slabs.push(turned(own, count), 0.0);
         let periodic = self.period[k].is_some();
         for step in 1..count {
             let below = (u - (own - step + 1) as f64) * self.edge[k];
@@ -313,7 +321,7 @@ impl<'a> Disks<'a> {
                     } else {
                         gap
                     };
-                    slabs.push(cell.rem_euclid(count) as usize, gap * gap);
+                    slabs.push(turned(cell, count), gap * gap);
                 }
             }
             if below.min(above) >= within {
@@ -327,7 +335,8 @@ impl<'a> Disks<'a> {
         let mut sum = 0.0;
         for k in 0..3 {
             let mut d = a[k] - b[k];
-            if let Some(period) = self.period[k] {
+            // Within less than half a period nothing is taken away.
+            if let Some(period) = self.period[k].filter(|period| d.abs() > 0.49 * period) {
                 d -= period * (d / period).round();
             }
             sum += d * d;
@@ -360,13 +369,15 @@ impl<'a> Disks<'a> {
     }
 
     fn index(&self, cell: [i64; 3]) -> usize {
-        let c = [0, 1, 2].map(|k| cell[k].rem_euclid(self.count[k] as i64) as usize);
+        let c = [0, 1, 2].map(|k| turned(cell[k], self.count[k] as i64));
         (c[2] * self.count[1] + c[1]) * self.count[0] + c[0]
     }
 
     fn wrap(&self, mut x: [f64; 3]) -> [f64; 3] {
         for k in 0..3 {
-            if let Some(period) = self.period[k] {
+            // In the box there is nothing to take away.
+            let is_outside = |period: &f64| !(0.0..0.99 * period).contains(&(x[k] - self.low[k]));
+            if let Some(period) = self.period[k].filter(is_outside) {
                 x[k] -= period * ((x[k] - self.low[k]) / period).floor();
             }
         }

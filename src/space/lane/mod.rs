@@ -358,24 +358,6 @@ fn with_features<L: Lanes>(lanes: L, job: impl Job) {
     job.run(lanes)
 }
 
-/// Does what `f` does, compiled for the widest instructions that the processor has: plain loops, of
-/// which the compiler does several turns at a time, with the same bits.
-#[inline(always)]
-pub fn vectorised<R>(f: impl FnOnce() -> R) -> R {
-    #[cfg(target_arch = "x86_64")]
-    if wide() {
-        // SAFETY: `wide` has found AVX2.
-        return unsafe { with_avx2(f) };
-    }
-    f()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn with_avx2<R>(f: impl FnOnce() -> R) -> R {
-    f()
-}
-
 /// Whether the path of AVX2 + FMA, or of NEON, may run; `CORONET_LANES=portable` forces the twin.
 pub fn wide() -> bool {
     use std::sync::OnceLock;

@@ -122,7 +122,7 @@ impl Communicator for Late {
 struct Cost {
     /// Particle-steps a second by the clock, of each advance.
     rates: Vec<f64>,
-    /// Bytes, those of them that go beside work, and messages of a step, the most that a rank sends.
+    /// Bytes, those of them that go beside work, and messages of a step, the most of a rank.
     bytes: f64,
     beside: f64,
     messages: f64,
@@ -169,6 +169,28 @@ fn weak(side: usize, preset: &str, costs: &[(f64, Cost)]) {
     }
 }
 
+/// So many ranks that know each other; `late`: as [`cost`] has it.
+fn counting(size: usize, late: Option<bool>) -> Vec<Arc<Counting>> {
+    let since = Instant::now();
+    let counting = |own: Arc<local::Local>| {
+        let own: Arc<dyn Communicator> = match late {
+            None => own,
+            Some(overlaps) => Arc::new(Late {
+                own,
+                since,
+                overlaps,
+            }),
+        };
+        Arc::new(Counting {
+            own,
+            bytes: AtomicU64::new(0),
+            beside: AtomicU64::new(0),
+            messages: AtomicU64::new(0),
+        })
+    };
+    local::ranks(size).into_iter().map(counting).collect()
+}
+
 /// Steps of the periodic box on so many ranks with so many threads each; `late`: messages are, and
 /// work goes on meanwhile or not.
 fn cost(
@@ -177,26 +199,7 @@ fn cost(
     [size, threads]: [usize; 2],
     (advances, late): (usize, Option<bool>),
 ) -> Cost {
-    let since = Instant::now();
-    let ranks: Vec<Arc<Counting>> = local::ranks(size)
-        .into_iter()
-        .map(|own| {
-            let own: Arc<dyn Communicator> = match late {
-                None => own,
-                Some(overlaps) => Arc::new(Late {
-                    own,
-                    since,
-                    overlaps,
-                }),
-            };
-            Arc::new(Counting {
-                own,
-                bytes: AtomicU64::new(0),
-                beside: AtomicU64::new(0),
-                messages: AtomicU64::new(0),
-            })
-        })
-        .collect();
+    let ranks = counting(size, late);
     let all = &ranks;
     let most = |of: fn(&Counting) -> &AtomicU64| {
         let counts = all.iter().map(|rank| of(rank).swap(0, Relaxed));

@@ -81,7 +81,7 @@ const CHECKPOINTS: f64 = 5.0;
 
 /// Bytes that rank 0 needs beside for each particle of all at the start and while it gathers a
 /// frame; of a wall particle.
-const WHOLE: f64 = 350.0;
+const WHOLE: f64 = 120.0;
 const WALL_MEMORY: f64 = 300.0;
 
 /// Number of particles of the whole scene.

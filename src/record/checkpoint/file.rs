@@ -94,47 +94,7 @@ pub fn write(
     let mut header = checkpoint.header(blank.collect());
     let length = encode(&header, path)?.len();
     file.write_all(&vec![0; PREAMBLE + length]).map_err(&io)?;
-    // As many arrays at a time as there are threads, and few of long ones: only their compressed
-    // bytes take memory, of the first nothing.
-    let threads = rayon::current_num_threads().max(1);
-    let few = more.map_or(threads, |more| (TOGETHER / more.count().max(1)).max(1));
-    let batch = threads.min(few);
-    let arrays = checkpoint.arrays.chunks(batch).enumerate();
-    for ((k, arrays), sections) in arrays.zip(header.sections.chunks_mut(batch)) {
-        let made: Result<Vec<_>, _> = sections
-            .iter()
-            .map(|s| Packer::new(s.element, s.count as usize, level))
-            .collect();
-        let mut packers = made.map_err(FileError::new(path, "compress"))?;
-        let mut add = |packers: &mut [Packer], arrays: &[(String, Array)]| {
-            let pairs = packers.par_iter_mut().zip(arrays);
-            let added: Result<(), _> = pairs
-                .map(|(packer, (_, array))| packer.add(array))
-                .collect();
-            added.map_err(FileError::new(path, "compress"))?;
-            let ready = packers[0].ready();
-            sections[0].compressed += ready.len() as u64;
-            file.write_all(&ready).map_err(&io)
-        };
-        let mut added = add(&mut packers, arrays);
-        let columns = k * batch..k * batch + arrays.len();
-        if let Some(more) = more {
-            more.each(&columns, &mut |part| {
-                if added.is_ok() {
-                    let part = Checkpoint::from(part).arrays;
-                    added = add(&mut packers, &part[columns.clone()]);
-                }
-            });
-        }
-        added?;
-        let packed: Vec<_> = packers.into_par_iter().map(Packer::finish).collect();
-        for (packed, section) in packed.into_iter().zip(sections) {
-            let packed = packed.map_err(FileError::new(path, "compress"))?;
-            section.compressed += packed.bytes.len() as u64;
-            section.digest = packed.digest.0;
-            file.write_all(&packed.bytes).map_err(&io)?;
-        }
-    }
+    write_sections(checkpoint, more, &mut file, &mut header, (path, level))?;
     let bytes = encode(&header, path)?;
     // Only a readable checkpoint is written.
     let packed: u64 = header
@@ -153,6 +113,59 @@ pub fn write(
     file.write_all(&start).map_err(&io)?;
     file.commit()?;
     Ok(content_digest(&header))
+}
+
+/// Writes the arrays one after the other, and completes their sections.
+fn write_sections(
+    checkpoint: &Checkpoint,
+    more: Option<&dyn Shares>,
+    file: &mut AtomicFile,
+    header: &mut Header,
+    (path, level): (&Path, i32),
+) -> Result<(), CheckpointError> {
+    let [io, compress] = ["write", "compress"].map(|what| FileError::new(path, what));
+    // As many arrays at a time as there are threads, and few of long ones: only their compressed
+    // bytes take memory, of the first nothing.
+    let threads = rayon::current_num_threads().max(1);
+    let few = more.map_or(threads, |more| (TOGETHER / more.count().max(1)).max(1));
+    let batch = threads.min(few);
+    let arrays = checkpoint.arrays.chunks(batch).enumerate();
+    for ((k, arrays), sections) in arrays.zip(header.sections.chunks_mut(batch)) {
+        let made: Result<Vec<_>, _> = sections
+            .iter()
+            .map(|s| Packer::new(s.element, s.count as usize, level))
+            .collect();
+        let mut packers = made.map_err(&compress)?;
+        let mut add = |packers: &mut [Packer], arrays: &[(String, Array)]| {
+            let pairs = packers.par_iter_mut().zip(arrays);
+            let added: Result<(), _> = pairs
+                .map(|(packer, (_, array))| packer.add(array))
+                .collect();
+            added.map_err(&compress)?;
+            let ready = packers[0].ready();
+            sections[0].compressed += ready.len() as u64;
+            file.write_all(&ready).map_err(&io)
+        };
+        let mut added = add(&mut packers, arrays);
+        let columns = k * batch..k * batch + arrays.len();
+        if let Some(more) = more {
+            more.each(&columns, &mut |part| {
+                if added.is_ok() {
+                    let part = Checkpoint::from(part).arrays;
+                    added = add(&mut packers, &part[columns.clone()]);
+                }
+            });
+        }
+        added?;
+        let packed: Vec<_> = packers.into_par_iter().map(Packer::finish).collect();
+        for (packed, section) in packed.into_iter().zip(sections) {
+            let packed = packed.map_err(&compress)?;
+            section.compressed += packed.bytes.len() as u64;
+            section.digest = packed.digest.0;
+            file.write_all(&packed.bytes).map_err(&io)?;
+        }
+    }
+    Ok(())
 }
 
 /// Reads and verifies a whole checkpoint.

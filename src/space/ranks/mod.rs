@@ -265,8 +265,8 @@ pub fn collect<T: Serialize + DeserializeOwned>(
     Some(whole)
 }
 
-/// Gives all ranks what the rank `from` has, which alone has a value. Those that have it pass it on,
-/// twice as many each time.
+/// Gives all ranks what the rank `from` has, which alone has a value. Those that have it pass it
+/// on, twice as many each time.
 pub fn broadcast<T: Serialize + DeserializeOwned>(
     with: &dyn Communicator,
     from: usize,

@@ -40,6 +40,7 @@ exec ip netns exec "$name" unshare --uts sh -c 'hostname "$1"; shift; exec sh -c
 
     def __enter__(self):
         first, second = HOSTS
+        self.remove()
         for name in HOSTS:
             ip("netns", "add", name)
         ip("link", "add", "wire", "netns", first, "type", "veth", "peer", "name", "wire", "netns", second)
@@ -50,7 +51,12 @@ exec ip netns exec "$name" unshare --uts sh -c 'hostname "$1"; shift; exec sh -c
         return self
 
     def __exit__(self, *_):
-        for name in HOSTS:
+        self.remove()
+
+    def remove(self):
+        """Those that there are: a test that was killed leaves them."""
+        there = [line.split()[0] for line in ip("netns", "list").splitlines()]
+        for name in set(HOSTS).intersection(there):
             self.kill(name)
             ip("netns", "delete", name)
 

@@ -24,16 +24,6 @@ struct Counting {
     messages: AtomicU64,
 }
 
-impl Counting {
-    /// Counts messages; their bytes.
-    fn count(&self, to: &[(usize, Vec<u8>)]) -> u64 {
-        let bytes = to.iter().map(|(_, bytes)| bytes.len() as u64).sum();
-        self.bytes.fetch_add(bytes, Relaxed);
-        self.messages.fetch_add(to.len() as u64, Relaxed);
-        bytes
-    }
-}
-
 impl Communicator for Counting {
     fn rank(&self) -> usize {
         self.own.rank()
@@ -41,17 +31,19 @@ impl Communicator for Counting {
     fn size(&self) -> usize {
         self.own.size()
     }
-    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
-        self.count(to);
-        self.own.exchange(to, from)
-    }
     fn exchange_while(
         &self,
         to: &[(usize, Vec<u8>)],
-        from: &[(usize, usize)],
+        from: &[(usize, Option<usize>)],
         meanwhile: &mut dyn FnMut(),
     ) -> Vec<Vec<u8>> {
-        self.beside.fetch_add(self.count(to), Relaxed);
+        let bytes = to.iter().map(|(_, bytes)| bytes.len() as u64).sum();
+        self.bytes.fetch_add(bytes, Relaxed);
+        self.messages.fetch_add(to.len() as u64, Relaxed);
+        // Ghosts are of a known length.
+        if from.iter().any(|(_, size)| size.is_some()) {
+            self.beside.fetch_add(bytes, Relaxed);
+        }
         self.own.exchange_while(to, from, meanwhile)
     }
 }
@@ -95,20 +87,20 @@ impl Communicator for Late {
     fn size(&self) -> usize {
         self.own.size()
     }
-    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
-        self.arrived(self.own.exchange(&self.stamped(to), from))
-    }
     fn exchange_while(
         &self,
         to: &[(usize, Vec<u8>)],
-        from: &[(usize, usize)],
+        from: &[(usize, Option<usize>)],
         meanwhile: &mut dyn FnMut(),
     ) -> Vec<Vec<u8>> {
         if !self.overlaps {
             meanwhile();
         }
         let to = self.stamped(to);
-        let from: Vec<_> = from.iter().map(|(rank, size)| (*rank, size + 8)).collect();
+        let from = from
+            .iter()
+            .map(|(rank, size)| (*rank, size.map(|size| size + 8)));
+        let from: Vec<_> = from.collect();
         let all = self.own.exchange_while(&to, &from, &mut || {
             if self.overlaps {
                 meanwhile();

@@ -10,7 +10,7 @@ use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
 use crate::space::mirror::{Mirror, Planes, Points};
 use crate::space::parallel::{each_mut, three};
-use crate::space::ranks::halo::Halo;
+use crate::space::ranks::halo::{Halo, complete};
 use crate::space::ranks::span::Span;
 use crate::space::ranks::{Communicator, Ranks, collect};
 use crate::space::row::{Rows, Search, Source};
@@ -129,13 +129,8 @@ impl Crowd {
 
     /// Ghosts and images get what they are copies of.
     fn copy(&mut self) {
-        if let Some(ranks) = &self.ranks {
-            self.halo
-                .fill_records(ranks, &mut self.records, false, |_| ());
-        }
-        if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records);
-        }
+        let others = (self.ranks.as_ref(), &self.halo);
+        complete(&mut self.records, others, self.mirror.as_ref(), |_| ());
     }
 
     /// Pair sums of all liquid particles over liquid and wall, separations in units of `h`.

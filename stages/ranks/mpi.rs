@@ -53,67 +53,48 @@ impl Communicator for World {
         self.size
     }
 
-    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
-        let world = SimpleCommunicator::world();
-        let pieces = |bytes: &Vec<u8>| bytes.len() / PIECE + 1;
-        let count = to.iter().map(|(_, bytes)| pieces(bytes)).sum();
-        multiple_scope(count, |scope, sending| {
-            for (rank, bytes) in to {
-                let other = world.process_at_rank(*rank as i32);
-                for k in 0..pieces(bytes) {
-                    let piece = &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)];
-                    sending.add(other.immediate_send(scope, piece));
-                }
-            }
-            let receive = |&rank: &usize| {
-                let other = world.process_at_rank(rank as i32);
-                let mut all = other.receive_vec::<u8>().0;
-                let mut last = all.len();
-                while last == PIECE {
-                    let more = other.receive_vec::<u8>().0;
-                    last = more.len();
-                    all.extend(more);
-                }
-                all
-            };
-            let received = from.iter().map(receive).collect();
-            sending.wait_all(&mut Vec::new());
-            received
-        })
-    }
-
     fn exchange_while(
         &self,
         to: &[(usize, Vec<u8>)],
-        from: &[(usize, usize)],
+        from: &[(usize, Option<usize>)],
         meanwhile: &mut dyn FnMut(),
     ) -> Vec<Vec<u8>> {
         let world = SimpleCommunicator::world();
         let at = |rank: usize| world.process_at_rank(rank as i32);
-        let mut received: Vec<Vec<u8>> = from.iter().map(|(_, size)| vec![0; *size]).collect();
         let pieces = |size: usize| size / PIECE + 1;
-        let coming = from.iter().map(|(_, size)| pieces(*size)).sum();
+        let of_length = |(_, size): &(usize, Option<usize>)| vec![0; size.unwrap_or(0)];
+        let mut received: Vec<Vec<u8>> = from.iter().map(of_length).collect();
+        let coming = from.iter().filter_map(|(_, size)| size.map(pieces)).sum();
         let going = to.iter().map(|(_, bytes)| pieces(bytes.len())).sum();
-        multiple_scope(coming, |scope, receiving| {
-            for ((rank, _), bytes) in from.iter().zip(&mut received) {
-                let mut left = &mut bytes[..];
-                for _ in 0..pieces(left.len()) {
-                    let (piece, rest) = left.split_at_mut(left.len().min(PIECE));
-                    receiving.add(at(*rank).immediate_receive_into(scope, piece));
-                    left = rest;
+        multiple_scope(going, |sends, sending| {
+            multiple_scope(coming, |receives, receiving| {
+                for ((rank, size), bytes) in from.iter().zip(&mut received) {
+                    let mut left = &mut bytes[..];
+                    for _ in 0..size.map_or(0, pieces) {
+                        let (piece, rest) = left.split_at_mut(left.len().min(PIECE));
+                        receiving.add(at(*rank).immediate_receive_into(receives, piece));
+                        left = rest;
+                    }
                 }
-            }
-            multiple_scope(going, |scope, sending| {
                 for (rank, bytes) in to {
                     for k in 0..pieces(bytes.len()) {
                         let piece = &bytes[k * PIECE..bytes.len().min((k + 1) * PIECE)];
-                        sending.add(at(*rank).immediate_send(scope, piece));
+                        sending.add(at(*rank).immediate_send(sends, piece));
                     }
                 }
                 meanwhile();
                 receiving.wait_all(&mut Vec::new());
-                sending.wait_all(&mut Vec::new());
             });
+            let unknown = from.iter().zip(&mut received);
+            for ((rank, _), bytes) in unknown.filter(|((_, size), _)| size.is_none()) {
+                let mut last = PIECE;
+                while last == PIECE {
+                    let more = at(*rank).receive_vec::<u8>().0;
+                    last = more.len();
+                    bytes.extend(more);
+                }
+            }
+            sending.wait_all(&mut Vec::new());
         });
         received
     }

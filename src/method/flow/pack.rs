@@ -5,6 +5,7 @@ use crate::particle::{Particles, Wall};
 use crate::space::grid::Grid;
 use crate::space::lane::{Record, WIDTH};
 use crate::space::parallel::{Parts, each_mut, each_part};
+use crate::space::ranks::halo::complete;
 use crate::space::room::resize;
 use crate::space::sweep::{Payload, words_of};
 use std::ops::Range;
@@ -29,14 +30,10 @@ impl Flow {
         liquid(0..inner.start, own);
         liquid(inner.end..n, own);
         write(&self.grid, &w.position, (0..m, rest), |i| wall(w, i));
-        if let Some(ranks) = &self.ranks {
-            let write = |records: &mut [Record]| liquid(inner.clone(), records);
-            self.halo
-                .fill_records(ranks, &mut self.records, false, write);
-        }
-        if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records);
-        }
+        let others = (self.ranks.as_ref(), &self.halo);
+        complete(&mut self.records, others, self.mirror.as_ref(), |records| {
+            liquid(inner.clone(), records);
+        });
     }
 
     /// [`Flow::pack`] when nothing has moved since.
@@ -58,14 +55,10 @@ impl Flow {
         liquid(inner.end..n, own);
         let of_wall = &mut others[..w.position[0].len()];
         each_mut(of_wall, |i, record| record.carry(words_of(wall(w, i))));
-        if let Some(ranks) = &self.ranks {
-            let write = |records: &mut [Record]| liquid(inner.clone(), records);
-            self.halo
-                .fill_records(ranks, &mut self.records, false, write);
-        }
-        if let Some(mirror) = &self.mirror {
-            mirror.copy(&mut self.records);
-        }
+        let others = (self.ranks.as_ref(), &self.halo);
+        complete(&mut self.records, others, self.mirror.as_ref(), |records| {
+            liquid(inner.clone(), records);
+        });
     }
 
     /// Rewrites the payloads of the wall records.

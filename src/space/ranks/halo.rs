@@ -6,6 +6,7 @@
 use super::Ranks;
 use crate::space::grid::Grid;
 use crate::space::lane::Record;
+use crate::space::mirror::Mirror;
 use crate::space::row::Source;
 use crate::space::sort::Cells;
 use crate::space::sweep::Records;
@@ -114,6 +115,22 @@ fn points(grid: &Grid, start: &[u32], slabs: &[usize]) -> Vec<Range<usize>> {
         }
     }
     found
+}
+
+/// Ghosts, then images, get what they are copies of, where there are any; `meanwhile` writes
+/// records of [`Halo::inner`].
+pub fn complete(
+    records: &mut Records,
+    (ranks, halo): (Option<&Ranks>, &Halo),
+    mirror: Option<&Mirror>,
+    meanwhile: impl FnMut(&mut [Record]),
+) {
+    if let Some(ranks) = ranks {
+        halo.fill_records(ranks, records, false, meanwhile);
+    }
+    if let Some(mirror) = mirror {
+        mirror.copy(records);
+    }
 }
 
 impl Halo {
@@ -293,9 +310,9 @@ impl Halo {
         // All values are of one length.
         let length = |&(rank, count): &(usize, usize)| {
             let [none, one] = [0, 1].map(|k| super::encoded(&values(&self.from[rank], k)).len());
-            (rank, none + count * (one - none))
+            (rank, Some(none + count * (one - none)))
         };
-        let wanted: Vec<(usize, usize)> = filled(&self.from).iter().map(length).collect();
+        let wanted: Vec<(usize, Option<usize>)> = filled(&self.from).iter().map(length).collect();
         let work = &mut || meanwhile(points);
         let all = ranks.with.exchange_while(&sent, &wanted, work);
         for (bytes, (rank, _)) in all.iter().zip(&wanted) {

@@ -37,18 +37,10 @@ impl Communicator for Timed {
         self.with.size()
     }
 
-    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
-        let start = Instant::now();
-        let received = self.with.exchange(to, from);
-        let waited = start.elapsed().as_nanos() as u64;
-        self.waited.fetch_add(waited, Ordering::Relaxed);
-        received
-    }
-
     fn exchange_while(
         &self,
         to: &[(usize, Vec<u8>)],
-        from: &[(usize, usize)],
+        from: &[(usize, Option<usize>)],
         meanwhile: &mut dyn FnMut(),
     ) -> Vec<Vec<u8>> {
         let (start, mut busy) = (Instant::now(), Duration::ZERO);

@@ -28,21 +28,6 @@ pub fn ranks(size: usize) -> Vec<Arc<Local>> {
         .collect()
 }
 
-impl Local {
-    fn send(&self, to: &[(usize, Vec<u8>)]) {
-        for (rank, bytes) in to {
-            let sent = self.to[*rank].send(bytes.clone());
-            sent.expect("the other rank runs");
-        }
-    }
-
-    fn receive(&self, rank: usize) -> Vec<u8> {
-        let from = self.from[rank].lock();
-        let from = from.expect("no other thread of this rank");
-        from.recv().expect("the other rank runs")
-    }
-}
-
 impl Communicator for Local {
     fn rank(&self) -> usize {
         self.rank
@@ -52,19 +37,24 @@ impl Communicator for Local {
         self.to.len()
     }
 
-    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
-        self.send(to);
-        from.iter().map(|&rank| self.receive(rank)).collect()
-    }
-
     fn exchange_while(
         &self,
         to: &[(usize, Vec<u8>)],
-        from: &[(usize, usize)],
+        from: &[(usize, Option<usize>)],
         meanwhile: &mut dyn FnMut(),
     ) -> Vec<Vec<u8>> {
-        self.send(to);
+        for (rank, bytes) in to {
+            self.to[*rank]
+                .send(bytes.clone())
+                .expect("the other rank runs");
+        }
         meanwhile();
-        from.iter().map(|(rank, _)| self.receive(*rank)).collect()
+        let receive = |&(rank, _): &(usize, _)| {
+            let from = self.from[rank]
+                .lock()
+                .expect("no other thread of this rank");
+            from.recv().expect("the other rank runs")
+        };
+        from.iter().map(receive).collect()
     }
 }

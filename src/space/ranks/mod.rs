@@ -29,19 +29,18 @@ pub trait Communicator: Send + Sync {
     /// How many ranks there are.
     fn size(&self) -> usize;
     /// Sends bytes to other ranks, and returns what the ranks `from` have sent to this one, in
-    /// this order. No rank twice, and not this one.
-    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>>;
-    /// The same where the lengths of what comes are known, bytes; `meanwhile` is work of this rank
-    /// that needs nothing of it.
+    /// this order. No rank twice, and not this one. Meanwhile this rank does other work, which
+    /// needs nothing of it; only what is of a known length, bytes, is received beside it.
     fn exchange_while(
         &self,
         to: &[(usize, Vec<u8>)],
-        from: &[(usize, usize)],
+        from: &[(usize, Option<usize>)],
         meanwhile: &mut dyn FnMut(),
-    ) -> Vec<Vec<u8>> {
-        meanwhile();
-        let others: Vec<usize> = from.iter().map(|(rank, _)| *rank).collect();
-        self.exchange(to, &others)
+    ) -> Vec<Vec<u8>>;
+    /// The same without other work.
+    fn exchange(&self, to: &[(usize, Vec<u8>)], from: &[usize]) -> Vec<Vec<u8>> {
+        let from: Vec<_> = from.iter().map(|&rank| (rank, None)).collect();
+        self.exchange_while(to, &from, &mut || ())
     }
 }
 

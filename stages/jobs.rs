@@ -62,8 +62,8 @@ pub mod version {
                 }
             }
             // 3 and 4 were trials (docs/lab.md).
-            Method::Isph(_) => parts.push(part("isph", 2)),
-            Method::Mps(_) => parts.push(part("mps", 2)),
+            Method::Isph(_) => parts.push(part("isph", 5)),
+            Method::Mps(_) => parts.push(part("mps", 3)),
         }
         if let Some(wetting) = problem.effects.wetting {
             parts.push(part("wetting", 2));

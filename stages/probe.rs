@@ -9,7 +9,9 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Mutex, OnceLock};
 
-use coronet::method::{self, Phase, initial};
+use coronet::measure::gauge::Gauge;
+use coronet::measure::whole::Unfold;
+use coronet::method::{self, Phase, Solver, initial};
 use coronet::particle::pack::pack;
 use coronet::pipeline::{Work, machine};
 use coronet::scene::{Arrangement, Relax, Scene, Shape, file};
@@ -141,7 +143,16 @@ fn slower(scene: &Scene, phase: Phase) -> Option<f64> {
     alone.ok()?.install(|| timed(scene, phase))
 }
 
-fn timed(scene: &Scene, phase: Phase) -> Option<f64> {
+/// Names of the measures of a scene, from the first frame of its copy; `None` without one.
+pub fn columns(scene: &Scene) -> Option<Vec<String>> {
+    let scene = coarse(scene)?;
+    let frame = start(&scene, Phase::Impact)?.frame();
+    let row = Gauge::new(&scene.whole()).measure(&Unfold::new(&scene).whole(&frame));
+    Some(row.into_iter().map(|(name, _)| name).collect())
+}
+
+/// A solver at the beginning of a phase of a scene.
+fn start(scene: &Scene, phase: Phase) -> Option<Box<dyn Solver>> {
     let body = |body| {
         let packed = pack(&scene.pack_input(body), &mut |_| ControlFlow::Continue(()));
         packed.ok().map(|packed| packed.0)
@@ -151,7 +162,11 @@ fn timed(scene: &Scene, phase: Phase) -> Option<f64> {
         Phase::Impact => initial(&scene.impact_input(), &bodies),
         Phase::Relax { .. } => method::resting(scene, bodies.first()?),
     };
-    let mut solver = method::build(scene, state, phase, None).ok()?;
+    method::build(scene, state, phase, None).ok()
+}
+
+fn timed(scene: &Scene, phase: Phase) -> Option<f64> {
+    let mut solver = start(scene, phase)?;
     // The first one allocates memory.
     solver.advance(&mut |_| ()).ok()?;
     let (first, start) = (solver.step_count(), machine::cpu_seconds());

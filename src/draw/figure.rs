@@ -203,6 +203,7 @@ impl Figures<'_> {
             ("shifting", taken("shifting_work_J")),
             ("removal", taken("removal_work_J")),
             ("walls", taken("wall_work_J")),
+            ("pressure", taken("pressure_work_J")),
             ("unexplained", taken("energy_unexplained_J")),
         ];
         self.energies("Energy budget", "energy taken since the start", &parts)

@@ -33,8 +33,9 @@ pub const FIGURES: [(&str, &str); 10] = [
     ),
     (
         "energy_unexplained",
-        "largest unexplained gain of energy, over the initial energy: kinetic, surface and the \
-         fall of potential energy, at least M g s0; not of a tension without an energy",
+        "largest unexplained gain of energy, what the pressure of ISPH and MPS has given \
+         included, over the initial energy: kinetic, surface and the fall of potential energy, at \
+         least M g s0; not of a tension without an energy",
     ),
     (
         "energy_unexplained_end",
@@ -218,7 +219,13 @@ fn unexplained(measures: &Series, least: f64) -> [f64; 2] {
     if whole <= 0.0 {
         return [f64::NAN; 2];
     }
-    let most = unexplained.iter().copied().fold(0.0, f64::max);
+    // A pressure that should do no work gives energy only at the cost of what it took.
+    let pressed = measures.column("pressure_work_J").unwrap_or(&[]);
+    let pressed = pressed.iter().map(|work| work.max(0.0));
+    let gains = unexplained
+        .iter()
+        .zip(pressed.chain(std::iter::repeat(0.0)));
+    let most = gains.map(|(gain, given)| gain + given).fold(0.0, f64::max);
     [most, last(measures, "energy_unexplained_J").abs()].map(|e| e / whole)
 }
 

@@ -26,12 +26,16 @@ pub struct Ledger {
     /// Powers that are held, W: of diffusion, of contact lines, and the rate of the energy of the
     /// surface.
     pub diffusive: f64,
+    /// From the start of a step to the instant of the energy of the surface, s.
+    ahead: f64,
     /// Power of contact lines, W.
     pub lines: f64,
     /// Rate of the energy of the surface, W.
     pub rising: f64,
-    /// Work of friction in the last step of a projection, J.
-    pub rubbed: f64,
+    /// Of the pressure of a projection, which should do none; `None`: it stores energy.
+    pub pressure: Option<f64>,
+    /// Work of pressure and of friction in the last step of a projection, J.
+    pub corrected: [f64; 2],
     /// Whether particles were removed at the start of this step.
     pub removes: bool,
     /// Energy of the surface at the end of the step before, J.
@@ -46,6 +50,7 @@ impl Scalars for Ledger {
         see("shifting_work_J", &mut self.shifting);
         see("removal_work_J", &mut self.removal);
         see("wall_work_J", &mut self.walls);
+        see("pressure_work_J", &mut self.pressure);
         see("diffusion_power_W", &mut self.diffusive);
     }
 }
@@ -61,26 +66,35 @@ impl Ledger {
             ("removal_work_J", self.removal),
             ("wall_work_J", self.walls),
         ];
-        surface.into_iter().chain(works)
+        let pressure = self.pressure.map(|work| ("pressure_work_J", work));
+        surface.into_iter().chain(works).chain(pressure)
     }
 
-    /// Books a step of `dt` s: what is held over it, the surface at its end, known in its middle,
-    /// and what the surface lost with particles that were removed at its start.
+    /// Books a step of `dt` s: what is held over it, the surface at its end, and what the surface
+    /// lost with particles that were removed at its start.
     pub fn step(&mut self, dt: f64) {
         let [power, rate] = self.viscous;
         self.viscosity += dt * (power + 0.5 * dt * rate);
         self.walls += dt * self.lines;
-        let Some(middle) = self.surface else {
+        let Some(seen) = self.surface else {
             return;
         };
         if let (Some(before), true) = (self.before, self.removes) {
-            self.removal += middle - 0.5 * dt * self.rising - before;
+            self.removal += seen - self.ahead * self.rising - before;
         }
-        self.surface = Some(middle + 0.5 * dt * self.rising);
+        self.surface = Some(seen + (dt - self.ahead) * self.rising);
     }
 
-    /// Takes what effects add in the middle of a step.
-    pub fn see(&mut self, account: Account) {
+    /// Books the last correction of a projection.
+    pub fn correct(&mut self) {
+        let [pressed, rubbed] = self.corrected;
+        self.pressure = self.pressure.map(|work| work + pressed);
+        self.walls += rubbed;
+    }
+
+    /// Takes what effects add `ahead` s after the start of a step.
+    pub fn see(&mut self, account: Account, ahead: f64) {
+        self.ahead = ahead;
         self.before = self.surface.replace(account.energy);
         (self.lines, self.rising) = (account.lines, account.rate);
     }

@@ -82,7 +82,8 @@ pub struct Liquid {
     positions: [Vec<f64>; 3],
     /// Parts of sums.
     pub parts: Vec<[f64; 1]>,
-    pairs: Vec<[f64; 2]>,
+    /// The same of two.
+    pub pairs: Vec<[f64; 2]>,
 }
 
 impl Liquid {
@@ -261,7 +262,7 @@ impl Liquid {
         let (particles, friction) = (&self.flow.particles, &mut self.friction);
         let effects = &mut self.effects;
         if let Some(account) = effects.update(&surface, is_surface, particles, friction) {
-            self.ledger.see(account);
+            self.ledger.see(account, ahead);
         }
         self.effects.add(into);
         if ahead > 0.0 {

@@ -27,7 +27,7 @@ use crate::study::points::{Study, load};
 use crate::study::promise::Verdict;
 use crate::study::target::Target;
 use crate::study::trial::{Outcome, Place, Trial};
-use crate::study::{copies, doubt, figures, finding, verdict};
+use crate::study::{columns, copies, doubt, figures, finding, verdict};
 use crate::watch::duration;
 
 /// The table, one row for each point.
@@ -53,6 +53,7 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     if let Some(number) = arguments.batch.point {
         return batch::point::run(&trials, number, arguments, &out);
     }
+    columns::check(&study, &trials, &arguments.study)?;
     if let (On::Local, Some(option)) = (arguments.batch.on, arguments.batch.of_jobs()) {
         bail!(Usage(format!("{option} needs --on slurm or --on hq")));
     }
@@ -195,7 +196,6 @@ fn tell_figures(
     let folder = arguments.study.parent().unwrap_or(Path::new("."));
     let measured = figures::from_contact(trials, outcomes)?;
     let found = figures::measure(study, &measured, folder)?;
-    let missing = figures::missing(study, &measured);
     let drawn = figures::plots(study, trials, &measured, folder)?;
     make(out, arguments)?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
@@ -226,7 +226,7 @@ fn tell_figures(
             json!({ "table": text(&table), "page": text(&read), "points": trials.len(),
                     "failed": doubt::objects(trials, outcomes), "plots": plots })
         );
-        return missing.and(some_ended(outcomes));
+        return some_ended(outcomes);
     }
     out!("{}", page.trim_end());
     out!("table    {}", table.display());
@@ -234,7 +234,7 @@ fn tell_figures(
     for plot in plots {
         out!("plot     {}", plot.display());
     }
-    missing.and(some_ended(outcomes))
+    some_ended(outcomes)
 }
 
 fn text(path: &Path) -> String {

@@ -20,6 +20,7 @@ use crate::command::study::{STOPPING, run};
 use crate::fault::Usage;
 use crate::print::{out, quoted};
 use crate::signals;
+use crate::study::columns;
 use crate::study::cost::Cost;
 use crate::study::finding::{groups, named, samples};
 use crate::study::points::load;
@@ -47,6 +48,7 @@ pub fn tune(arguments: &TuneArguments) -> Result<()> {
         ))
         .into());
     };
+    columns::check(&study, &trials, &arguments.study)?;
     if let Some(path) = &arguments.output {
         init::check_new(path)?;
     }

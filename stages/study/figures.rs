@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::draw::readable::Readable;
 use coronet::measure::series::{Reference, Series};
@@ -143,25 +143,6 @@ pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option
             Ok(Some(Measured { series, contact }))
         })
         .collect()
-}
-
-/// An error about the first column that no point measures; its figures are blank.
-///
-/// # Errors
-/// That one.
-pub fn missing(study: &Study, measured: &[Option<Measured>]) -> Result<()> {
-    let known = || measured.iter().flatten().map(|point| &point.series);
-    for column in study.columns() {
-        if let Some(first) = known().next()
-            && !known().any(|measures| measures.column(column).is_some())
-        {
-            let names = first.names.join(", ");
-            bail!(Usage(format!(
-                "no point measures `{column}`; columns are {names}"
-            )));
-        }
-    }
-    Ok(())
 }
 
 /// The figures of each point, NaN where it has none; `folder`: of the study file.

@@ -1,5 +1,6 @@
 //! Studies: tables of runs over one store, with figures, promises and plots.
 
+pub mod columns;
 pub mod copies;
 pub mod cost;
 pub mod doubt;

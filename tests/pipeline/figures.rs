@@ -79,8 +79,11 @@ fn column(table: &str, name: &str) -> Vec<Option<f64>> {
 
 #[test]
 fn figures_are_those_of_the_measures() {
-    let program = program(STUDY);
+    let of_isph = "[[figure]]\nname = \"iterations\"\ncolumn = \"pressure_iterations\"\n";
+    let program = program(&(STUDY.to_string() + of_isph));
     let said = program.call(&["study", "study.toml"]).well();
+    let warning = "warning: wcsph, 71 does not measure `pressure_iterations`";
+    assert!(said.err.contains(warning), "{}", said.err);
     assert!(
         said.out.contains("| method | seed | fastest | when |"),
         "{}",
@@ -118,6 +121,7 @@ fn figures_are_those_of_the_measures() {
         let told = found("mass at 0.3 ms over that of a table")[point].unwrap();
         assert!((told / mass - 1.0).abs() < 1e-9, "{told} {mass}");
         assert_eq!(found("never")[point], None);
+        assert_eq!(found("iterations")[point].is_some(), point >= 2);
     }
     let page = read("study/figures.md").unwrap();
     assert_eq!(page.matches("| - |").count(), 4, "{page}");
@@ -179,6 +183,11 @@ fn mistakes_in_figures_are_named() {
             "at = \"0.3 ms\"\nto = \"1 ms\"",
             "without from and to",
         ),
+        (
+            "fastest\"\ncolumn = \"speed_max",
+            "fastest\"\ncolumn = \"speed_mux",
+            "no point measures `speed_mux_m_s`; columns are time_s, ",
+        ),
     ];
     for (old, new, word) in before {
         let study = STUDY.replace(old, new);
@@ -189,31 +198,6 @@ fn mistakes_in_figures_are_named() {
             .badly(2, &["study.toml", word]);
         assert!(!program.path("artifacts").exists());
     }
-}
-
-#[test]
-fn a_column_that_no_point_measures_is_told_and_leaves_the_other_figures() {
-    let study = STUDY.replace(
-        "fastest\"\ncolumn = \"speed_max",
-        "fastest\"\ncolumn = \"speed_mux",
-    );
-    let study = study.replace("\"wcsph\", \"isph\"", "\"wcsph\"");
-    let program = program(&study.replace("[71, 72]", "[71]"));
-    let warning = "warning: wcsph, 71 does not measure `speed_mux_m_s`";
-    let error = "no point measures `speed_mux_m_s`; columns are time_s, ";
-    program
-        .call(&["study", "study.toml"])
-        .badly(2, &[warning, error]);
-    // The other figures are kept.
-    let table = fs::read_to_string(program.path("artifacts/latest/study/figures.csv")).unwrap();
-    let (head, row) = table.split_once('\n').unwrap();
-    let cell = |name: &str| {
-        let place = head.split(',').position(|head| head == name).unwrap();
-        row.trim_end().split(',').nth(place).unwrap().to_string()
-    };
-    assert_eq!(cell("fastest"), "");
-    let other = cell("mass at 0.3 ms over that of a table");
-    assert!(!other.is_empty(), "{table}");
 }
 
 #[test]

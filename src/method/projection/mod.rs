@@ -252,6 +252,7 @@ impl<S: Scheme> Projection<S> {
             adaption: Adaption::of(state),
         };
         solver.peak = solver.peak();
+        solver.liquid.ledger.pressure.get_or_insert(0.0);
         solver.find_surface_energy();
         solver
     }

@@ -62,7 +62,7 @@ impl<S: Scheme> Projection<S> {
         self.check(dt)?;
         self.liquid.ledger.step(dt);
         self.liquid.end_step();
-        self.liquid.ledger.walls += self.liquid.ledger.rubbed;
+        self.liquid.ledger.correct();
         if self.liquid.case.shifts(self.settings.shifting) {
             let before = self.stored();
             self.shift(dt);
@@ -315,23 +315,25 @@ impl<S: Scheme> Projection<S> {
         let (push, before, friction) = (&self.own.push, &self.before, &self.liquid.friction);
         let p = &mut self.liquid.flow.particles;
         let weights = &p.weight;
-        let [work] = sum_mut(
-            &mut self.liquid.parts,
+        let [pressed, rubbed] = sum_mut(
+            &mut self.liquid.pairs,
             span,
             (three(&mut p.position, n), three(&mut p.velocity, n)),
             |i, (x, mut v)| {
+                let mut pressed = 0.0;
                 for a in 0..3 {
                     let v = &mut *v[a];
                     let old = before[1][a][i];
                     let ahead = *v + theta * dt * push[i][a] as f64;
                     *v = damp * (old + (ahead - old) / theta);
+                    pressed += 0.5 * dt * (old + *v) * push[i][a] as f64;
                 }
-                let mut work = 0.0;
+                let mut rubbed = 0.0;
                 if !friction.is_empty() {
                     let [x, y, z] = v.each_mut().map(|v| &mut **v);
                     let free = [*x, *y, *z];
                     [*x, *y, *z] = friction[i].slowed(free, dt);
-                    work = weight_of(weights, i) * frame::gained(free, [*x, *y, *z]);
+                    rubbed = frame::gained(free, [*x, *y, *z]);
                 }
                 for a in 0..3 {
                     let v = &mut *v[a];
@@ -342,10 +344,10 @@ impl<S: Scheme> Projection<S> {
                     };
                     *x[a] = before[0][a][i] + dt * mean;
                 }
-                [work]
+                [pressed, rubbed].map(|work| weight_of(weights, i) * work)
             },
         );
-        self.liquid.ledger.rubbed = p.mass * work;
+        self.liquid.ledger.corrected = [p.mass * pressed, p.mass * rubbed];
         self.fold_axis();
         self.liquid.now.max_speed = self.liquid.max_speed();
     }

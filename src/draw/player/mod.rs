@@ -154,7 +154,7 @@ impl Player {
 
     fn outline(&self, frame: &Frame) -> Option<Shot> {
         let field = Field::turned_with(&self.part, frame, &[], NODES)?;
-        let (contour, tracer) = (field.contour(LEVEL), Tracer::new(&field));
+        let (contour, tracer) = (field.contour(LEVEL), Tracer::without_rays(&field));
         let [x, y] = field.axis?;
         let normal = |[r, z]: &[f32; 2]| {
             let at = V::new(x + r, y, *z);

@@ -46,13 +46,20 @@ impl Lit {
             let at = [i, j].map(|n| n as f32 + 0.5);
             let target = [0, 1].map(|a| start[a] + at[a] * cell[a]);
             let from = V::new(target[0], target[1], floor) + key * (1.5 * reach + radius);
+            if !is_clear {
+                // Where light meets what is opaque is no matter.
+                if tracer.is_hit(&from, &-key) {
+                    found.push((target, -energy));
+                }
+                return;
+            }
             let Some(hit) = tracer.hit(&from, &-key, false) else {
                 return;
             };
             let is_under = tracer.is_within(&V::new(target[0], target[1], low.z));
-            let is_beside = is_clear && is_block && !is_under;
+            let is_beside = is_block && !is_under;
             found.push((target, -energy * if is_beside { SHADE } else { 1.0 }));
-            if is_clear && !hit.is_side {
+            if !hit.is_side {
                 let arrival = optics::arrival(tracer, -key, hit, floor);
                 found.extend(arrival.map(|(at, light)| ([at.x, at.y], light * energy)));
             }

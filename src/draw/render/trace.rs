@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::walk::{Blocks, Walk};
+use super::walk::{Blocks, Ray, Walk};
 use crate::draw::surface::{Field, LEVEL};
 
 /// A vector of a picture.
@@ -36,7 +36,8 @@ pub struct Tracer<'a> {
     inverse: V,
     /// Length of a step, m.
     step: f32,
-    blocks: Blocks,
+    /// Of a field in three dimensions; without them no ray meets it.
+    blocks: Option<Blocks>,
     /// The last cell along each axis.
     last: [i32; 3],
 }
@@ -44,6 +45,14 @@ pub struct Tracer<'a> {
 impl<'a> Tracer<'a> {
     /// Of a field in three dimensions, or of one of revolution.
     pub fn new(field: &'a Field) -> Tracer<'a> {
+        let mut tracer = Tracer::without_rays(field);
+        let is_solid = field.axis.is_none();
+        tracer.blocks = is_solid.then(|| Blocks::new(field, tracer.step));
+        tracer
+    }
+
+    /// The same for normals and colours alone.
+    pub fn without_rays(field: &'a Field) -> Tracer<'a> {
         let (mut low, mut high) = (field.low, field.high());
         if let Some([x, y]) = field.axis {
             (low.x, low.y) = (x - high.x, y - high.x);
@@ -56,7 +65,7 @@ impl<'a> Tracer<'a> {
             high,
             inverse: field.step.map(|s| 1.0 / s),
             step,
-            blocks: Blocks::new(field, step),
+            blocks: None,
             last: field.count.map(|count| count.saturating_sub(2) as i32),
         }
     }
@@ -83,12 +92,9 @@ impl<'a> Tracer<'a> {
         Some(V::new(p.x - x, p.y - y, 0.0))
     }
 
-    /// phi between nodes; at the sides if outside.
-    #[inline]
-    pub fn value(&self, p: &V) -> f32 {
-        if let Some(off) = self.off_axis(p) {
-            return self.field.at(off.norm(), p.z, &self.inverse).0;
-        }
+    /// The cell of a point, and its place in it: of one outside those at the sides.
+    #[inline(always)]
+    fn cell(&self, p: &V) -> ([usize; 3], [f32; 3]) {
         let mut cell = [0; 3];
         let mut part = [0.0; 3];
         for a in 0..3 {
@@ -98,6 +104,16 @@ impl<'a> Tracer<'a> {
             cell[a] = at as usize;
             part[a] = (place - at as f32).min(1.0);
         }
+        (cell, part)
+    }
+
+    /// phi between nodes; at the sides if outside.
+    #[inline]
+    pub fn value(&self, p: &V) -> f32 {
+        if let Some(off) = self.off_axis(p) {
+            return self.field.at(off.norm(), p.z, &self.inverse).0;
+        }
+        let (cell, part) = self.cell(p);
         let count = self.field.count;
         let (row, layer) = (count[2], count[1] * count[2]);
         let start = self.field.index(cell);
@@ -253,39 +269,42 @@ impl<'a> Tracer<'a> {
         if self.field.axis.is_some() {
             return self.find_turned(from, along, [near, far], is_inside);
         }
+        let blocks = self.blocks.as_ref()?;
         let on_this_side = |value: f32| (value > LEVEL) == is_inside;
         let start = near.max(self.offset());
         if !is_inside && near > 0.0 && !on_this_side(self.value(&(from + near * along))) {
             return Some(Found::Side(near));
         }
-        let (mut before, mut last) = (start, self.value(&(from + start * along)));
-        let mut is_off = !on_this_side(last);
+        let look = |t: f32| self.value(&(from + t * along));
+        let (mut before, mut last) = (start, Some(look(start)));
+        let mut is_off = !last.is_some_and(on_this_side);
         let mut t = start;
-        let mut walk = Walk::new(from, along, &inverse);
+        let (ray, mut walk) = (Ray::new(from, along, &inverse), Walk::new());
         while t < far {
-            let (end, block) = self.blocks.at(&mut walk, t);
-            let bounds = self.field.bounds[block];
+            let (end, block, next) = blocks.at(&ray, walk, t);
+            walk = next;
             let end = end.min(far);
-            let is_plain = if is_inside {
-                bounds[0] > LEVEL
-            } else {
-                bounds[1] <= LEVEL
-            };
-            if is_plain {
-                (before, last, is_off) = (t, if is_inside { 1.0 } else { 0.0 }, false);
+            if blocks.is_plain(block, is_inside) {
+                (before, last, is_off) = (t, Some(if is_inside { 1.0 } else { 0.0 }), false);
                 t = end;
                 continue;
             }
             while t < end {
                 t = (t + self.step).min(end);
-                let value = self.value(&(from + t * along));
+                let (cell, _) = self.cell(&(from + t * along));
+                if blocks.is_sure(cell, is_inside) {
+                    (before, last, is_off) = (t, None, false);
+                    continue;
+                }
+                let value = look(t);
                 // A ray that starts just beyond the surface is on its side a step later.
                 if is_off && (on_this_side(value) || t - start < 1.5 * self.step) {
                     is_off = !on_this_side(value);
                 } else if !on_this_side(value) {
+                    let last = last.unwrap_or_else(|| look(before));
                     return Some(Found::Between([(before, last), (t, value)]));
                 }
-                (before, last) = (t, value);
+                (before, last) = (t, Some(value));
             }
             t += 1e-4 * self.step;
         }

@@ -27,7 +27,6 @@ impl Field {
             sharpness: 0.0,
             thin: THIN,
         });
-        field.bound();
         Some(field)
     }
 

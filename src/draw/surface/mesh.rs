@@ -23,7 +23,7 @@ const SECTORS: usize = 96;
 impl Field {
     /// The surface at `time` s as triangles; with colours if the field has them.
     pub fn mesh(&self, time: f64) -> Mesh {
-        let tracer = Tracer::new(self);
+        let tracer = Tracer::without_rays(self);
         let (points, triangles) = match self.axis {
             Some(axis) => self.turned(axis),
             None => self.net(&tracer),

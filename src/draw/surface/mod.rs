@@ -18,10 +18,8 @@ mod revolved;
 mod smooth;
 mod sum;
 
-use nalgebra::Vector3;
-use rayon::prelude::*;
-
 pub use self::contour::Contour;
+use nalgebra::Vector3;
 
 use self::blob::{EXTENT, REACH, blobs};
 use self::points::Points;
@@ -52,8 +50,6 @@ pub struct Field {
     pub values: Vec<f32>,
     /// Means of the colours of particles, likewise; empty if not required.
     pub colours: Vec<[f32; 3]>,
-    /// Smallest and largest phi in each block of cells.
-    pub(crate) bounds: Vec<[f32; 2]>,
     /// What a ray may go from each node without meeting the surface, m; of revolution only.
     free: Vec<f32>,
 }
@@ -105,7 +101,6 @@ impl Field {
         let blobs = blobs(&points, &scene.domain, &frame.position, spacing, is_flat);
         field.sum(&blobs, &points.source, colours);
         field.smooth(0.0);
-        field.bound();
         Some(field)
     }
 
@@ -119,7 +114,6 @@ impl Field {
             spacing: 1e-3,
             values: vec![0.0; 8],
             colours: Vec::new(),
-            bounds: vec![[0.0; 2]],
             free: Vec::new(),
         }
     }
@@ -154,7 +148,6 @@ impl Field {
                 spacing: scene.spacing as f32,
                 values: vec![0.0; count.iter().product()],
                 colours: Vec::new(),
-                bounds: Vec::new(),
                 free: Vec::new(),
             });
         }
@@ -181,15 +174,10 @@ impl Field {
         self.count.map(|n| (n - 1).div_ceil(BLOCK).max(1))
     }
 
-    fn bound(&mut self) {
-        let blocks = self.blocks();
-        let all = (0..blocks.iter().product::<usize>()).into_par_iter();
-        self.bounds = all.map(|index| self.bound_of(index)).collect();
-    }
-
-    fn bound_of(&self, index: usize) -> [f32; 2] {
+    /// Smallest and largest phi in a block of cells.
+    pub(crate) fn bounds(&self, block: usize) -> [f32; 2] {
         let [_, by, bz] = self.blocks();
-        let block = [index / (by * bz), index / bz % by, index % bz];
+        let block = [block / (by * bz), block / bz % by, block % bz];
         let [x, y, z] =
             [0, 1, 2].map(|a| block[a] * BLOCK..(block[a] * BLOCK + BLOCK + 1).min(self.count[a]));
         let mut bounds = [f32::MAX, f32::MIN];

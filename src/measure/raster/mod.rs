@@ -294,30 +294,36 @@ impl Raster {
         let first = [0, 1, 2].map(|a| self.coordinate(a, b[a] * self.edge[a]) as f32);
         let inverse = 1.0 / (h * h) as f32;
         let [ex, ey, ez] = self.edge;
-        let width = (ex - 1) as f32 * step[0];
+        let [width, depth] = [0, 1].map(|a| (self.edge[a] - 1) as f32 * step[a]);
         let one = lanes.splat(1.0);
-        let places = one.of_array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]) * step[0];
+        let count = one.of_array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let (columns, rows) = (count * step[0], count * step[1]);
+        let rows_there = (1 << ey) - 1;
         for bin in sorted.around(b, flat) {
             for p in &sorted.position[sorted.range(bin)] {
-                let d = [0, 1, 2].map(|a| first[a] - p[a]);
-                if d[0] > support || d[0] + width < -support {
+                let mut d = [0, 1, 2].map(|a| first[a] - p[a]);
+                d[1] = if flat { 0.0 } else { d[1] };
+                let is_far = |d: f32, size: f32| d > support || d + size < -support;
+                if is_far(d[0], width) || is_far(d[1], depth) {
                     continue;
                 }
                 // Rows farther than this have exactly nothing of it, in spite of rounding.
                 let beside = d[0].max(-width - d[0]).max(0.0);
                 let most = (1.001 * support * support - beside * beside).min(support * support);
+                let (x, y) = (columns + d[0], rows + d[1]);
+                let (limit, y) = (one.splat(most), y * y);
+                let squares = y.to_array();
                 for k in 0..ez {
                     let dz = d[2] + k as f32 * step[2];
                     if dz.abs() >= support || dz * dz >= most {
                         continue;
                     }
-                    for j in 0..ey {
-                        let dy = if flat { 0.0 } else { d[1] + j as f32 * step[1] };
-                        let across = dz * dz + dy * dy;
-                        if across < most {
-                            let row = &mut out[(k * ey + j) * ex..];
-                            add_row(row, places + d[0], across, inverse, p[3]);
-                        }
+                    // They are next to each other.
+                    let near = (y + dz * dz).less_mask(limit) & rows_there;
+                    let start = near.trailing_zeros() as usize;
+                    for j in start..start + near.count_ones() as usize {
+                        let row = &mut out[(k * ey + j) * ex..];
+                        add_row(row, x, dz * dz + squares[j % WIDTH], inverse, p[3]);
                     }
                 }
             }

@@ -1,5 +1,7 @@
 //! The sum of all blobs at the nodes: slabs in parallel, rows of nodes eight at a time.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::Field;
@@ -11,6 +13,8 @@ const SLAB: usize = 8;
 /// Square of the distance, in smoothing lengths, from which a kernel is exactly 0 in spite of
 /// rounding.
 const BEYOND: f32 = 4.01;
+/// Such a square where there is no node.
+const FAR: f32 = 1e6;
 
 /// Sums at the nodes of a slab, each with eight numbers more than there are nodes.
 #[derive(Default)]
@@ -18,6 +22,8 @@ struct Sums {
     value: Vec<f32>,
     /// Of values times red, green and blue; empty if not required.
     colour: [Vec<f32>; 3],
+    /// Of a round blob: [`Slab::add_round`].
+    along: Vec<f32>,
 }
 
 impl Sums {
@@ -41,7 +47,7 @@ struct Slab<'a> {
     source: &'a [u32],
     colours: &'a [[f32; 3]],
     /// Its layers.
-    layers: std::ops::Range<usize>,
+    layers: Range<usize>,
     sums: &'a mut Sums,
 }
 
@@ -89,7 +95,7 @@ impl Field {
     }
 
     /// Nodes along an axis that a blob reaches.
-    pub(super) fn range(&self, blob: &Blob, axis: usize) -> std::ops::Range<usize> {
+    pub(super) fn range(&self, blob: &Blob, axis: usize) -> Range<usize> {
         if self.count[axis] == 1 {
             return 0..1;
         }
@@ -111,7 +117,9 @@ impl Job for Slab<'_> {
             match blob.turns {
                 0 => self.add(lanes, blob, colour),
                 _ => {
-                    let Sums { value, colour: own } = &mut *self.sums;
+                    let Sums {
+                        value, colour: own, ..
+                    } = &mut *self.sums;
                     let colour = colour.map(|colour| (colour, own));
                     self.field.turn(blob, &self.layers, value, colour);
                 }
@@ -129,39 +137,82 @@ impl Slab<'_> {
         let layers = self.layers.clone();
         let x = x.start.max(layers.start)..x.end.min(layers.end);
         let turn = &blob.inverse;
-        let along = turn.column(2) * field.step[2];
-        let c = along.norm_squared();
         let is_round = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)]
             .iter()
             .all(|place| turn[*place] == 0.0);
-        let start = field.node([0, 0, z.start]) - blob.centre;
-        let up = turn[(2, 2)] * start.z;
-        let (up, turned) = (up * up, 2.0 * (up * along.z));
+        if is_round {
+            return self.add_round(lanes, blob, colour, [x, y, z]);
+        }
+        let along = turn.column(2) * field.step[2];
+        let c = along.norm_squared();
+        let inverse = 1.0 / c;
+        for i in x {
+            for j in y.clone() {
+                let base = turn * (field.node([i, j, z.start]) - blob.centre);
+                let (a, b) = (base.norm_squared(), 2.0 * base.dot(&along));
+                let Some(reached) = reached([a, b, c], inverse, z.len()) else {
+                    continue;
+                };
+                let row = self.row(i, j) + z.start;
+                self.add_row(lanes, row, reached, [blob.strength, a, b, c], colour);
+            }
+        }
+    }
+
+    /// The same without products that are 0: the same bits come from less work.
+    #[inline(always)]
+    fn add_round<L: Lanes>(
+        &mut self,
+        lanes: L,
+        blob: &Blob,
+        colour: Option<[f32; 3]>,
+        [x, y, z]: [Range<usize>; 3],
+    ) {
+        let (field, turn) = (self.field, &blob.inverse);
+        let low = field.node([0, 0, z.start]) - blob.centre;
+        let (up, along) = (turn[(2, 2)] * low.z, turn[(2, 2)] * field.step[2]);
+        let (b, c) = (2.0 * (up * along), along * along);
+        let inverse = 1.0 / c;
+        // What all rows have in common, and nothing for the nodes behind them.
+        self.sums.along.clear();
+        let all = (0..z.len()).map(|k| k as f32 * (b + k as f32 * c));
+        self.sums.along.extend(all.chain([FAR; WIDTH]));
         for i in x {
             let aside = turn[(0, 0)] * (field.node([i, 0, 0]).x - blob.centre.x);
             for j in y.clone() {
-                // Without products that are 0 the same bits come from less work.
-                let (a, b) = if is_round {
-                    let deep = turn[(1, 1)] * (field.node([0, j, 0]).y - blob.centre.y);
-                    (aside * aside + deep * deep + up, turned)
-                } else {
-                    let base = turn * (field.node([i, j, z.start]) - blob.centre);
-                    (base.norm_squared(), 2.0 * base.dot(&along))
-                };
-                // What the blob does not reach gets exactly nothing of it.
-                let square = 0.25 * b * b - c * (a - BEYOND);
-                if square < 0.0 {
+                let deep = turn[(1, 1)] * (field.node([0, j, 0]).y - blob.centre.y);
+                let a = aside * aside + deep * deep + up * up;
+                let Some(reached) = reached([a, b, c], inverse, z.len()) else {
                     continue;
+                };
+                let row = self.row(i, j) + z.start;
+                let mut first = reached.start;
+                while first < reached.end {
+                    if let Some(eight) = self.sums.along[first..].first_chunk::<WIDTH>() {
+                        let square = lanes.splat(0.0).of_array(*eight) + a;
+                        self.put(row + first, weight(square, blob.strength), colour);
+                    }
+                    first += WIDTH;
                 }
-                let mut reached = 0..z.len();
-                if z.len() > WIDTH {
-                    let (middle, half) = (-0.5 * b / c, square.sqrt() / c);
-                    let low = (middle - half).max(0.0) as i32 as usize;
-                    let high = (middle + half).max(0.0) as i32 as usize;
-                    reached = low.min(z.len())..(high + 2).min(z.len());
-                }
-                let row = ((i - layers.start) * field.count[1] + j) * field.count[2] + z.start;
-                self.add_row(lanes, row, reached, [blob.strength, a, b, c], colour);
+            }
+        }
+    }
+
+    /// Place of a row of nodes.
+    #[inline(always)]
+    fn row(&self, i: usize, j: usize) -> usize {
+        let count = self.field.count;
+        ((i - self.layers.start) * count[1] + j) * count[2]
+    }
+
+    /// Adds to eight nodes.
+    #[inline(always)]
+    fn put<F: Real>(&mut self, place: usize, w: F, colour: Option<[f32; 3]>) {
+        let sums = &mut *self.sums;
+        add_to(&mut sums.value[place..], w);
+        if let Some(colour) = colour {
+            for (sums, part) in sums.colour.iter_mut().zip(colour) {
+                add_to(&mut sums[place..], w * part);
             }
         }
     }
@@ -172,7 +223,7 @@ impl Slab<'_> {
         &mut self,
         lanes: L,
         row: usize,
-        reached: std::ops::Range<usize>,
+        reached: Range<usize>,
         [strength, a, b, c]: [f32; 4],
         colour: Option<[f32; 3]>,
     ) {
@@ -183,22 +234,38 @@ impl Slab<'_> {
         let mut first = reached.start;
         while first < reached.end {
             let k = count + first as f32;
-            let q = ((k * (b + k * c)) + a).at_least(0.0).sqrt();
-            let t = (one - q * 0.5).at_least(0.0);
-            let square = t * t;
-            let w = one.splat(strength) * square * square * (q * 2.0 + 1.0);
             // Nothing for the nodes behind the row.
-            let w = w.if_less(k, end);
-            let sums = &mut *self.sums;
-            add_to(&mut sums.value[row + first..], w);
-            if let Some(colour) = colour {
-                for (sums, part) in sums.colour.iter_mut().zip(colour) {
-                    add_to(&mut sums[row + first..], w * part);
-                }
-            }
+            let w = weight((k * (b + k * c)) + a, strength).if_less(k, end);
+            self.put(row + first, w, colour);
             first += WIDTH;
         }
     }
+}
+
+/// Of a row of so many nodes those at which [`kernel`] may be more than 0. `inverse`: of c.
+#[inline(always)]
+fn reached([a, b, c]: [f32; 3], inverse: f32, count: usize) -> Option<Range<usize>> {
+    let square = 0.25 * b * b - c * (a - BEYOND);
+    if square < 0.0 {
+        return None;
+    }
+    if count <= 2 * WIDTH {
+        return Some(0..count);
+    }
+    let (middle, half) = (-0.5 * b * inverse, square.sqrt() * inverse);
+    let low = (middle - half).max(0.0) as i32 as usize;
+    let high = (middle + half).max(0.0) as i32 as usize;
+    Some(low.min(count)..(high + 2).min(count))
+}
+
+/// [`kernel`] of the square of q.
+#[inline(always)]
+fn weight<F: Real>(square: F, strength: f32) -> F {
+    let q = square.at_least(0.0).sqrt();
+    let one = q.splat(1.0);
+    let t = (one - q * 0.5).at_least(0.0);
+    let square = t * t;
+    one.splat(strength) * square * square * (q * 2.0 + 1.0)
 }
 
 /// Adds to the first eight numbers.

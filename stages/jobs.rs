@@ -94,7 +94,11 @@ pub mod version {
     pub fn tension(problem: &Problem) -> Vec<Setting> {
         match problem.effects.tension.map(|tension| tension.form) {
             Some(TensionForm::NormalisedColour) => vec![part("normalised-colour", 1)],
-            Some(TensionForm::SurfaceEnergy) => vec![part("surface-energy", 1)],
+            // 2: all the liquid counts.
+            Some(TensionForm::SurfaceEnergy) => match problem.dimension {
+                Dimension::Two => vec![part("surface-energy", 2)],
+                Dimension::Three => vec![part("surface-energy", 1)],
+            },
             _ => Vec::new(),
         }
     }

@@ -120,6 +120,11 @@ impl Scene {
     /// Energy and its rate, and per particle place, velocity and force, of where they are `ahead`
     /// later.
     fn look(&self, ahead: f64) -> (Account, Vec<[[f64; 3]; 3]>) {
+        self.look_at(true, ahead)
+    }
+
+    /// The same, with all particles or none at the surface.
+    fn look_at(&self, is_surface: bool, ahead: f64) -> (Account, Vec<[[f64; 3]; 3]>) {
         let moved = |(at, v): &Point| ([0, 1, 2].map(|a| at[a] + ahead * v[a]), *v);
         let points: Vec<Point> = self.points.iter().map(moved).collect();
         let cloud = Cloud::of(self.dimension, self.cells, self.sides, LENGTH, &points);
@@ -145,7 +150,7 @@ impl Scene {
             tension.energy.shore = Some(Shore::new(cosine, domain, self.dimension, S0));
         }
         let (flow, sources) = (&cloud.flow, cloud.flow.sources());
-        tension.update(&surface_of(flow, &sources), |_| true);
+        tension.update(&surface_of(flow, &sources), |_| is_surface);
         let mut a = vec![[0.0; 3]; flow.liquid()];
         tension.add(&mut a);
         let (p, mass) = (&flow.particles, flow.particles.mass);
@@ -191,6 +196,37 @@ fn the_work_of_the_force_is_what_the_energy_falls_by() {
         );
         assert!(error.abs() < 2e-3, "{name}: {error:.1e}");
     }
+}
+
+#[test]
+fn in_two_dimensions_voids_and_particles_at_one_place_count() {
+    let cells = [24.0, 0.0, 24.0];
+    let beside = |x: [f64; 3]| length([x[0] - 12.0, 0.0, x[2] - 12.0]) > 1.6;
+    let mut scene = Scene {
+        dimension: Dimension::Two,
+        cells,
+        sides: CHANNEL,
+        points: points(Dimension::Two, cells, beside),
+        cosine: None,
+    };
+    let energy = |scene: &Scene, is_surface| scene.look_at(is_surface, 0.0).0.energy;
+    let (marked, unmarked) = (energy(&scene, true), energy(&scene, false));
+    println!("a void: {:.2} sigma s0", unmarked / (SIGMA * S0));
+    assert!(unmarked > SIGMA * S0);
+    assert_eq!(marked, unmarked);
+    // A second particle as near to another as numbers can tell, and at its place.
+    let (place, velocity) = scene.points[0];
+    let mut of_pair = [1e-4, 0.0].map(|apart| {
+        scene
+            .points
+            .push(([place[0] + apart, 0.0, place[2]], velocity));
+        let energy = energy(&scene, true);
+        scene.points.pop();
+        energy
+    });
+    of_pair.sort_by(f64::total_cmp);
+    let [low, high] = of_pair;
+    assert!(high - low < 1e-4 * SIGMA * S0, "{of_pair:?}");
 }
 
 #[test]

@@ -10,14 +10,14 @@ use std::path::Path;
 const WATER: &str = "[effects.tension]\ncoefficient = '72.8 mN/m'\n";
 
 /// A drop of water of 2 mm that meets a wall, or a pool, at 3 m/s; `more`: effects and bodies.
-fn splash(more: &str) -> Scene {
+fn splash(method: &str, more: &str) -> Scene {
     let text = format!(
         "dimension = 2\n[box]\nsize = ['16 mm', '6 mm']\nx = 'periodic'\nz = ['wall', 'open']\n\
          [liquid]\ndensity = '998 kg/m^3'\n[effects.gravity]\nacceleration = '9.81 m/s^2'\n\
          [effects.viscosity]\ndynamic = '1 mPa s'\n{more}\
          [pack]\nspacing = '0.1 mm'\narrangement = 'lattice'\n\
          [impact]\nend = '1 s'\n[frames]\ninterval = '1 s'\n\
-         [method]\nname = 'wcsph'\n"
+         [method]\nname = '{method}'\n"
     );
     let loaded = file::read(&text, Path::new("splash.toml"), &[]);
     loaded
@@ -73,7 +73,7 @@ fn a_splash_takes_no_energy_from_nowhere() {
     ];
     for (name, more) in cases {
         println!("{name}:");
-        let (last, most) = run(&splash(&more), 3e-3);
+        let (last, most) = run(&splash("wcsph", &more), 3e-3);
         assert!(most < 0.006, "{name}: {most}");
         for part in ["viscosity", "diffusion"] {
             assert!(last[&format!("{part}_work_J")] < 0.0, "{name}: {part}");
@@ -81,5 +81,22 @@ fn a_splash_takes_no_energy_from_nowhere() {
         assert!(last["wall_work_J"] != 0.0, "{name}");
         let shifts = last["shifting_work_J"] != 0.0;
         assert_eq!(shifts, name == "pool without tension");
+    }
+}
+
+#[test]
+fn what_the_pressure_of_a_projection_takes_is_known() {
+    let wall = format!("{WATER}[effects.wetting]\nangle = '60 deg'\n{DROP}");
+    let cases = [
+        ("pool", format!("{WATER}{POOL}")),
+        ("wall of 60 degrees", wall),
+    ];
+    for method in ["isph", "mps"] {
+        for (name, more) in &cases {
+            println!("{method}, {name}:");
+            let (last, most) = run(&splash(method, more), 3e-3);
+            assert!(most < 0.005, "{method}, {name}: {most}");
+            assert!(last["pressure_work_J"] < 0.0, "{method}, {name}");
+        }
     }
 }

@@ -13,7 +13,7 @@
 //! each other and their normals cancel: sheets of 1, 2, 3, 4 and 6 layers have 1.05, 0.96, 0.85,
 //! 0.92 and 0.98 of two surfaces (a test has them); without it 0.43, 0.55, 0.75, 0.91 and 0.98, and
 //! a column of five spacings became a pipe.
-//! Inside the liquid e is zero, whatever the disorder. The coefficients make E of a flat surface
+//! Inside the liquid e is zero but beside voids. The coefficients make E of a flat surface
 //! sigma times its area (quadrature over a continuous liquid) and leave the layer at the surface
 //! almost without a load: a half-space is in equilibrium with pressures between -0.4 and 0.7
 //! sigma / H in it, where c^2 alone needs 3.7, and a pair attraction 4.7. A load presses the layer
@@ -105,10 +105,11 @@ pub fn density(dimension: usize, phi: f64, n: [f64; 3]) -> Density {
     }
 }
 
-/// e at the sums of [`Look`], which become H n and phi; `unit`: [`Tension::unit`].
-fn complete<K: Kernel>(dimension: usize, unit: f64, s: &mut [f32; 4]) -> Density {
+/// e at the sums of [`Look`], which become H n and phi; `own`: W at the particle where they lack
+/// that, `unit`: [`Tension::unit`].
+fn complete(dimension: usize, unit: f64, own: f64, s: &mut [f32; 4]) -> Density {
     *s = s.map(|s| (unit * s as f64) as f32);
-    s[3] += (unit * K::w(0.0)) as f32;
+    s[3] += (unit * own) as f32;
     density(dimension, s[3] as f64, [0, 1, 2].map(|a| s[a] as f64))
 }
 
@@ -121,15 +122,21 @@ pub fn look<F: Real>([w, slope]: [F; 2], d: [F; 3], sum: &mut [F; 4]) {
     sum[3] += w;
 }
 
-/// SUM slope d and SUM w of the others.
-struct Look<K>(PhantomData<K>);
+/// SUM slope d and SUM w, of what is `APART` or of all: of two particles at one place each counts.
+struct Look<K, const APART: bool>(PhantomData<K>);
 
-impl<K: Kernel> Pass<4> for Look<K> {
+impl<K: Kernel, const APART: bool> Pass<4> for Look<K, APART> {
     type Payload = ();
     type Out = [f32; 4];
     #[inline(always)]
     fn weigh<F: Real>(&self, q2: F) -> [F; 2] {
-        K::both_lanes(q2)
+        match APART {
+            true => K::both_lanes(q2),
+            false => {
+                let q = q2.sqrt();
+                [K::w_lanes(q), K::slope_lanes(q)]
+            }
+        }
     }
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, ()>, sum: &mut [F; 4]) {
@@ -232,7 +239,7 @@ impl Tension {
     ) {
         self.band.grow(flow.grid, DEEP * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.near);
-        self.take_all_rings(flow);
+        self.take_all(flow);
         self.spans[0] = flow.list(self.near.len());
         if let Some(mut wetting) = self.wetting.take() {
             self.find_lines::<K>(flow, is_surface, &mut wetting);
@@ -242,10 +249,8 @@ impl Tension {
         let mut sums = std::mem::take(&mut self.energy.sums);
         sums.resize(self.near.len(), [0.0; 4]);
         match flow.weights {
-            None => {
-                let targets = (&self.near[..], &self.spans[0], &Look::<K>(PhantomData));
-                self.runs(flow, &[], targets, &mut sums);
-            }
+            None if self.dimension == 2 => self.look::<K, false>(flow, &mut sums),
+            None => self.look::<K, true>(flow, &mut sums),
             Some(weights) => self.look_at_rings(flow, weights, K::w(0.0), &mut sums),
         }
         self.derive::<K>(flow, &mut sums);
@@ -254,7 +259,7 @@ impl Tension {
 
         self.band.grow(flow.grid, 2.0 * self.length + flow.slack);
         self.band.members(flow.grid, flow.liquid, &mut self.reached);
-        self.take_all_rings(flow);
+        self.take_all(flow);
         self.spans[1] = flow.list(self.reached.len());
         let unit = self.strength * self.coefficient / self.length / self.density;
         let pass = Pull::<K> {
@@ -279,6 +284,18 @@ impl Tension {
         self.force = force;
     }
 
+    /// Whether e is found of all the liquid, which costs little in two dimensions, and not of a
+    /// band beside surfaces alone. Where a flow stretches the liquid particles stand in columns;
+    /// voids between these would get their energy from nowhere when they enter the band.
+    pub(super) fn counts_all(&self, flow: &Surface) -> bool {
+        flow.weights.is_some() || self.dimension == 2
+    }
+
+    fn look<K: Kernel, const APART: bool>(&mut self, flow: &Surface, sums: &mut [[f32; 4]]) {
+        let pass = Look::<K, APART>(PhantomData);
+        self.runs(flow, &[], (&self.near[..], &self.spans[0], &pass), sums);
+    }
+
     /// What turns SUM w into phi and SUM slope d into H n.
     fn unit<K: Kernel>(&self, flow: &Surface) -> f64 {
         let d = self.dimension;
@@ -298,13 +315,18 @@ impl Tension {
         shore.meet(flow);
         match flow.weights {
             None => {
-                self.band.members_of(flow.grid, wall.start, &mut shore.near);
                 let own = flow.own_walls();
-                shore.near.retain(|&j| own.contains(&(j as usize)));
+                if self.counts_all(flow) {
+                    shore.near.clear();
+                    shore.near.extend(own.map(|j| j as u32));
+                } else {
+                    self.band.members_of(flow.grid, wall.start, &mut shore.near);
+                    shore.near.retain(|&j| own.contains(&(j as usize)));
+                }
                 shore.span = flow.list(shore.near.len());
                 shore.sums.resize(shore.near.len(), [0.0; 4]);
                 let field = flow.about(flow.wall, flow.of_liquid(), &[], self.length);
-                let pass = Look::<K>(PhantomData);
+                let pass = Look::<K, true>(PhantomData);
                 sweep::runs_shared(field, &shore.span, &shore.near, &pass, &mut shore.sums);
                 shore.see(flow);
                 shore.add_walls::<K>(flow.wall, self.length);
@@ -313,7 +335,7 @@ impl Tension {
         }
         if shore.dry_energy.len() != shore.dry.len() {
             let of = |dry: &[f32; 4]| {
-                complete::<K>(self.dimension, unit, &mut dry.clone()).energy as f32
+                complete(self.dimension, unit, K::w(0.0), &mut dry.clone()).energy as f32
             };
             shore.dry_energy = shore.dry.iter().map(of).collect();
         }
@@ -323,7 +345,7 @@ impl Tension {
         };
         for (&j, s) in shore.near.iter().zip(&mut shore.sums) {
             let i = n + j as usize;
-            let e = complete::<K>(self.dimension, unit, s);
+            let e = complete(self.dimension, unit, K::w(0.0), s);
             self.energy.slope[i] = (cosine * e.slope) as f32;
             (0..3).for_each(|a| self.payload[a][i] = (cosine * e.gradient[a]) as f32);
         }
@@ -336,6 +358,10 @@ impl Tension {
     fn derive<K: Kernel>(&mut self, flow: &Surface, sums: &mut [[f32; 4]]) {
         let (d, n) = (self.dimension, flow.at[0].len());
         let unit = self.unit::<K>(flow);
+        let own = match flow.weights.is_none() && d == 2 {
+            true => 0.0,
+            false => K::w(0.0),
+        };
         self.energy.slope.clear();
         self.energy.slope.resize(n, 0.0);
         let (near, derived) = (&self.near, &mut self.energy.derived);
@@ -343,7 +369,7 @@ impl Tension {
         each_mut(
             (&mut sums[..near.len()], &mut derived[..]),
             |_, (sums, out)| {
-                let e = complete::<K>(d, unit, sums);
+                let e = complete(d, unit, own, sums);
                 let [x, y, z] = e.gradient;
                 *out = [e.slope, x, y, z].map(|x| x as f32);
             },

@@ -173,10 +173,11 @@ impl Tension {
         masses
     }
 
-    /// Rings have few neighbours and unequal areas, so that (1) differs from zero inside the liquid
-    /// too. All of it counts: a band that rings enter and leave would feed energy in.
-    pub(super) fn take_all_rings(&mut self, flow: &Surface) {
-        if flow.weights.is_some() {
+    /// Takes all the liquid where it counts. Rings have few neighbours and unequal areas, so that
+    /// (1) differs from zero inside the liquid too: a band that they enter and leave would feed
+    /// energy in.
+    pub(super) fn take_all(&mut self, flow: &Surface) {
+        if self.counts_all(flow) {
             for list in [&mut self.near, &mut self.reached] {
                 list.clear();
                 list.extend(0..flow.density.len() as u32);

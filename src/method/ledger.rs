@@ -26,12 +26,12 @@ pub struct Ledger {
     /// Powers that are held, W: of diffusion, of contact lines, and the rate of the energy of the
     /// surface.
     pub diffusive: f64,
-    /// From the start of a step to the instant of the energy of the surface, s.
-    ahead: f64,
     /// Power of contact lines, W.
     pub lines: f64,
     /// Rate of the energy of the surface, W.
     pub rising: f64,
+    /// From the start of a step to the instant of the energy of the surface, s.
+    ahead: f64,
     /// Of the pressure of a projection, which should do none; `None`: it stores energy.
     pub pressure: Option<f64>,
     /// Work of pressure and of friction in the last step of a projection, J.

@@ -53,7 +53,10 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     if let Some(number) = arguments.batch.point {
         return batch::point::run(&trials, number, arguments, &out);
     }
-    columns::check(&study, &trials, &arguments.study)?;
+    // Points under way can be looked at and stopped, whatever the file asks for by now.
+    if !arguments.batch.look && !arguments.batch.cancel {
+        columns::check(&study, &trials, &arguments.study)?;
+    }
     if let (On::Local, Some(option)) = (arguments.batch.on, arguments.batch.of_jobs()) {
         bail!(Usage(format!("{option} needs --on slurm or --on hq")));
     }

@@ -27,8 +27,11 @@ pub fn check(study: &Study, trials: &[Trial], path: &Path) -> Result<()> {
             return Ok(());
         };
         needed.retain(|column| !columns.iter().any(|name| name == column));
-        let new = columns.into_iter().filter(|name| !known.contains(name));
-        known.extend(new.collect::<Vec<_>>());
+        for name in columns {
+            if !known.contains(&name) {
+                known.push(name);
+            }
+        }
     }
     let Some(column) = needed.first() else {
         return Ok(());

@@ -122,7 +122,8 @@ pub fn look<F: Real>([w, slope]: [F; 2], d: [F; 3], sum: &mut [F; 4]) {
     sum[3] += w;
 }
 
-/// SUM slope d and SUM w, of what is `APART` or of all: of two particles at one place each counts.
+/// SUM slope d and SUM w: of particles `APART` from the target, or of all, the target among them,
+/// so that two particles at one place see each other.
 struct Look<K, const APART: bool>(PhantomData<K>);
 
 impl<K: Kernel, const APART: bool> Pass<4> for Look<K, APART> {

@@ -238,9 +238,8 @@ impl Tension {
         flow: &Surface,
         is_surface: impl Fn(usize) -> bool + Sync,
     ) {
-        self.band.grow(flow.grid, DEEP * self.length + flow.slack);
-        self.band.members(flow.grid, flow.liquid, &mut self.near);
-        self.take_all(flow);
+        let near = std::mem::take(&mut self.near);
+        self.near = self.within(flow, DEEP * self.length, near);
         self.spans[0] = flow.list(self.near.len());
         if let Some(mut wetting) = self.wetting.take() {
             self.find_lines::<K>(flow, is_surface, &mut wetting);
@@ -258,9 +257,8 @@ impl Tension {
         self.energy.sums = sums;
         self.wet_shore::<K>(flow);
 
-        self.band.grow(flow.grid, 2.0 * self.length + flow.slack);
-        self.band.members(flow.grid, flow.liquid, &mut self.reached);
-        self.take_all(flow);
+        let reached = std::mem::take(&mut self.reached);
+        self.reached = self.within(flow, 2.0 * self.length, reached);
         self.spans[1] = flow.list(self.reached.len());
         let unit = self.strength * self.coefficient / self.length / self.density;
         let pass = Pull::<K> {
@@ -287,9 +285,23 @@ impl Tension {
 
     /// Whether e is found of all the liquid, which costs little in two dimensions, and not of a
     /// band beside surfaces alone. Where a flow stretches the liquid particles stand in columns;
-    /// voids between these would get their energy from nowhere when they enter the band.
-    pub(super) fn counts_all(&self, flow: &Surface) -> bool {
+    /// voids between these would get their energy from nowhere when they enter the band. Rings
+    /// have few neighbours and unequal areas, so that e differs from zero inside the liquid too.
+    fn counts_all(&self, flow: &Surface) -> bool {
         flow.weights.is_some() || self.dimension == 2
+    }
+
+    /// The particles within `reach` m more of the band, which grows by that, or all where all
+    /// count; in the memory of `list`.
+    fn within(&mut self, flow: &Surface, reach: f64, mut list: Vec<u32>) -> Vec<u32> {
+        if self.counts_all(flow) {
+            list.clear();
+            list.extend(0..flow.density.len() as u32);
+        } else {
+            self.band.grow(flow.grid, reach + flow.slack);
+            self.band.members(flow.grid, flow.liquid, &mut list);
+        }
+        list
     }
 
     fn look<K: Kernel, const APART: bool>(&mut self, flow: &Surface, sums: &mut [[f32; 4]]) {
@@ -359,10 +371,8 @@ impl Tension {
     fn derive<K: Kernel>(&mut self, flow: &Surface, sums: &mut [[f32; 4]]) {
         let (d, n) = (self.dimension, flow.at[0].len());
         let unit = self.unit::<K>(flow);
-        let own = match flow.weights.is_none() && d == 2 {
-            true => 0.0,
-            false => K::w(0.0),
-        };
+        // In two dimensions the target is among all.
+        let own = if d == 2 { 0.0 } else { K::w(0.0) };
         self.energy.slope.clear();
         self.energy.slope.resize(n, 0.0);
         let (near, derived) = (&self.near, &mut self.energy.derived);

@@ -173,18 +173,6 @@ impl Tension {
         masses
     }
 
-    /// Takes all the liquid where it counts. Rings have few neighbours and unequal areas, so that
-    /// (1) differs from zero inside the liquid too: a band that they enter and leave would feed
-    /// energy in.
-    pub(super) fn take_all(&mut self, flow: &Surface) {
-        if self.counts_all(flow) {
-            for list in [&mut self.near, &mut self.reached] {
-                list.clear();
-                list.extend(0..flow.density.len() as u32);
-            }
-        }
-    }
-
     fn radii<'a>(&self, flow: &'a Surface) -> Radii<'a> {
         Radii {
             liquid: &flow.position[0],

@@ -36,11 +36,13 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 24;
     /// Of the evaluation.
-    pub const POST: u32 = 22;
+    pub const POST: u32 = 23;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {
         let mut parts = tension(problem);
+        // Of how the work of a step is booked. 1: with the velocities at both its ends.
+        parts.push(part("budget", 1));
         match &problem.method {
             Method::Wcsph(settings) => {
                 parts.push(part("wcsph", 1));
@@ -77,6 +79,9 @@ pub mod version {
         if problem.has_wall() {
             parts.push(walls());
         }
+        if problem.domain.wall_velocity.as_flattened().as_flattened() != [0.0; 18] {
+            parts.push(part("sliding-walls", 1));
+        }
         parts
     }
 
@@ -95,10 +100,13 @@ pub mod version {
         match problem.effects.tension.map(|tension| tension.form) {
             Some(TensionForm::NormalisedColour) => vec![part("normalised-colour", 1)],
             // 2: all the liquid counts.
-            Some(TensionForm::SurfaceEnergy) => match problem.dimension {
-                Dimension::Two => vec![part("surface-energy", 2)],
-                Dimension::Three => vec![part("surface-energy", 1)],
-            },
+            Some(TensionForm::SurfaceEnergy) => {
+                let version = match problem.dimension {
+                    Dimension::Two => 2,
+                    Dimension::Three => 1,
+                };
+                vec![part("surface-energy", version)]
+            }
             _ => Vec::new(),
         }
     }

@@ -172,17 +172,15 @@ pub fn folder_named(store: &Store, text: &str) -> Result<Option<PathBuf>> {
     Ok(exists(&folder.join(MANIFEST))?.then_some(folder))
 }
 
-/// What a user means: a path that exists, or the folder of a name under `latest/`.
+/// What a user means: the folder of a name under `latest/`, or a path that exists.
 ///
 /// # Errors
 /// If there is neither.
 pub fn meant(store: &Store, path: &Path) -> Result<PathBuf> {
-    if exists(path)? {
-        return Ok(path.to_path_buf());
-    }
     let text = path.to_string_lossy();
     match folder_named(store, &text)? {
         Some(folder) => Ok(folder),
+        None if exists(path)? => Ok(path.to_path_buf()),
         None => Err(unknown(store, &text)),
     }
 }

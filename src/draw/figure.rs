@@ -1,7 +1,7 @@
 //! The plots of a scene, with the reference curves in them.
 
 use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
-use crate::measure::kind::Kind;
+use crate::measure::kind::{Kind, contact_within};
 use crate::measure::series::{Reference, Series};
 use crate::measure::summary;
 use crate::scene::Scene;
@@ -92,16 +92,11 @@ impl Figures<'_> {
         ]
     }
 
-    fn is_from_contact(&self) -> bool {
-        matches!(self.kind, Kind::Pool(_) | Kind::Wall(_))
-    }
-
     /// Label of the time axis.
     pub fn time_label(&self) -> &'static str {
-        if self.is_from_contact() {
-            "time after contact (ms)"
-        } else {
-            "time (ms)"
+        match contact_within(self.scene) {
+            Some(_) => "time after contact (ms)",
+            None => "time (ms)",
         }
     }
 

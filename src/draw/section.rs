@@ -6,6 +6,10 @@ use crate::scene::{Dimension, Scene};
 
 /// Thickness of the slice, m (at least one spacing).
 const THICKNESS: f64 = 1e-3;
+/// Most pixels of a section downward, and fewest across.
+const HIGHEST: f64 = 1400.0;
+const NARROWEST: f64 = 200.0;
+
 /// Width of sections and views, pixels, even; smaller for coarse scenes.
 pub fn width(scene: &Scene) -> usize {
     let particles = scene.domain.size[0] / scene.spacing;
@@ -62,15 +66,15 @@ impl Section {
         heights.get(place).map_or(0.0, |z| f64::from(*z))
     }
 
-    /// Draws the slice from the floor to `top`, m, over the whole width of the box.
+    /// Draws the slice from the floor to `top`, m, over the whole width of the box, which is at the
+    /// left of a picture that must be wider.
     pub fn draw(&self, scene: &Scene, top: f64) -> Canvas {
         let size = scene.domain.size;
-        let width = width(scene);
-        let scale = width as f64 / size[0];
-        let floor = 8.0;
-        let spacing = scene.spacing;
-        let height = (top + 3.0 * spacing) * scale + floor;
-        let height = height.clamp(120.0, 1400.0).round() as usize;
+        let (floor, spacing) = (8.0, scene.spacing);
+        let top = top + 3.0 * spacing;
+        let scale = (width(scene) as f64 / size[0]).min((HIGHEST - floor) / top);
+        let width = (scale * size[0]).round().max(NARROWEST) as usize;
+        let height = (top * scale + floor).max(120.0).round() as usize;
         let mut canvas = Canvas::new(width, height, WHITE);
         let base = height as f64 - floor;
         let radius = (0.55 * spacing * scale) as f32;

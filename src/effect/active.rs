@@ -15,6 +15,8 @@ pub struct ActiveEffects {
     pub others: Vec<Box<dyn Effect>>,
     /// By its own type: shifting needs its normals.
     pub tension: Option<Tension>,
+    /// How often particles had been sorted at the last update.
+    pub sorted: u64,
 }
 
 /// The uniform accelerations of a moment, m/s^2; `None` for none.
@@ -93,6 +95,7 @@ impl ActiveEffects {
         friction: &mut Vec<Hold>,
     ) -> Option<Account> {
         let mut sum: Option<Account> = None;
+        self.sorted = liquid.sorted;
         for effect in self.each_mut() {
             effect.update(liquid, is_surface);
             effect.friction(liquid, &particles.velocity, friction);
@@ -106,6 +109,11 @@ impl ActiveEffects {
             }));
         }
         sum
+    }
+
+    /// The sum of [`Effect::lines`]; `None` if particles were sorted since the last update.
+    pub fn lines(&mut self, particles: &Particles, sorted: u64) -> Option<f64> {
+        (self.sorted == sorted).then(|| self.each_mut().map(|one| one.lines(particles)).sum())
     }
 
     /// [`Effect::add`] of all.

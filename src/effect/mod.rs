@@ -45,6 +45,11 @@ pub trait Effect: Send + Sync {
         None
     }
 
+    /// [`Account::lines`] at the velocities of `particles`, which are in the same order.
+    fn lines(&mut self, _particles: &Particles) -> f64 {
+        0.0
+    }
+
     /// A number that a restart needs, with its name in checkpoints.
     fn kept(&self) -> Option<(&'static str, f64)> {
         None

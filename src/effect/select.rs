@@ -85,7 +85,11 @@ pub fn active(effects: &Effects, tension: Option<Tension>) -> ActiveEffects {
             frequency: vibration.frequency,
         }));
     }
-    ActiveEffects { others, tension }
+    ActiveEffects {
+        others,
+        tension,
+        ..ActiveEffects::default()
+    }
 }
 
 /// The tension that the scene requires, with strength `alpha`. `h` in m, `density` in kg/m^3.

@@ -81,6 +81,14 @@ pub fn without_mark(content: &[u8]) -> &[u8] {
     content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(content)
 }
 
+/// A table of the columns of `content`, a CSV file that may have comments.
+pub fn table(content: &[u8]) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(without_mark(content))
+}
+
 /// As [`read`], but the last component of `path` must not be a symbolic link.
 ///
 /// # Errors

@@ -174,7 +174,7 @@ impl Gauge {
                     diameter: 0.0,
                 };
                 row.put_some("surface_level_m", pool::far_level(region, &middle));
-                row.put("pressure_max_Pa", pressure_max(frame));
+                row.put_some("pressure_max_Pa", pressure_max(frame));
             }
             Kind::Shape => self.measure_shape(piece, row),
             Kind::Bulk => {}
@@ -206,6 +206,7 @@ impl Gauge {
         );
         if let (Some(_), [drop]) = (scene.effects.tension, scene.bodies.as_slice()) {
             let radius = drop.shape.equivalent_radius(&scene.domain, scene.dimension);
+            let shape = shape.filter(|_| has_pressure(frame));
             let pressure = shape.and_then(|s| s.core_pressure(frame, radius));
             row.put_some("core_pressure_Pa", pressure);
         }
@@ -258,8 +259,16 @@ fn speed_max(frame: &Frame) -> f64 {
     .sqrt()
 }
 
-fn pressure_max(frame: &Frame) -> f64 {
-    f64::from(frame.pressure.iter().copied().fold(0.0, f32::max))
+fn pressure_max(frame: &Frame) -> Option<f64> {
+    let most = frame.pressure.iter().copied().fold(0.0, f32::max);
+    has_pressure(frame).then_some(f64::from(most))
+}
+
+/// Whether pressures are known: those of a projection not before its first step.
+fn has_pressure(frame: &Frame) -> bool {
+    let scalar = |wanted: &str| frame.scalars.iter().find(|(name, _)| name == wanted);
+    let is_projected = scalar("pressure_iterations").is_some();
+    !is_projected || scalar("steps").is_none_or(|(_, steps)| *steps > 0.0)
 }
 
 fn highest(frame: &Frame) -> f64 {

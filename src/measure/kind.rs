@@ -93,14 +93,18 @@ pub(super) fn other_drops(scene: &Scene, measured: &Axis) -> Vec<Axis> {
     all.filter(|axis| axis.at != measured.at).collect()
 }
 
-/// [`contact`], 0 if it never happens, or after the end. Plots count from it, and references with
+/// [`contact_within`], 0 if there is none. Plots count from it, and references with
 /// [`Clock::Contact`](crate::scene::Clock::Contact).
 pub fn contact_time(scene: &Scene) -> f64 {
-    let within = contact(scene).filter(|time| *time <= scene.impact.end);
-    within.unwrap_or(0.0)
+    contact_within(scene).unwrap_or(0.0)
 }
 
-/// Time at which the freely falling drop meets pool or wall, s from the start of the run: by the
+/// [`contact`], if it is before the end of the run.
+pub fn contact_within(scene: &Scene) -> Option<f64> {
+    contact(scene).filter(|time| *time <= scene.impact.end)
+}
+
+/// Time at which the freely falling drop meets pool, wall or resting drop, s from the start: by the
 /// law of free fall, not by the particles, so that it is the same for all methods and spacings. 0
 /// if they touch from the start, `None` if nothing falls on anything.
 pub fn contact(scene: &Scene) -> Option<f64> {
@@ -123,9 +127,40 @@ fn arrival(scene: &Scene, body: &Body) -> Option<f64> {
     (mean > 0.0).then(|| 2.0 * height / mean)
 }
 
-/// Height of the lowest point of a body above the pool or the floor, m.
+/// How far a body is above what is below it, m: the pool or the floor, or another body that rests
+/// there.
 fn drop_height(scene: &Scene, body: &Body) -> f64 {
-    body.shape.bounds(&scene.domain, scene.dimension).0[2] - scene.pool_depth().unwrap_or(0.0)
+    let ground = scene.pool_depth().unwrap_or(0.0);
+    let low = |body: &Body| body.shape.bounds(&scene.domain, scene.dimension).0[2] - ground;
+    let rests = |other: &&Body| {
+        other.name != body.name
+            && !matches!(other.shape, Geometry::Layer { .. })
+            && matches!(other.motion, Motion::Uniform(v) if v == [0.0; 3])
+            && low(other) < 0.5 * scene.spacing
+    };
+    let resting = scene.bodies.iter().filter(rests);
+    let gaps = resting.filter_map(|other| gap(scene, body, other));
+    gaps.fold(low(body), f64::min)
+}
+
+/// How far a body can fall before it meets another, m; `None` if it falls past or is below. Round
+/// bodies that are no spheres, and blocks, count as their boxes.
+fn gap(scene: &Scene, body: &Body, other: &Body) -> Option<f64> {
+    let sphere = |body: &Body| match body.shape {
+        Geometry::Sphere { centre, radius } => Some((centre, radius)),
+        _ => None,
+    };
+    let gap = if let (Some((c, r)), Some((o, s))) = (sphere(body), sphere(other)) {
+        let beside = (c[0] - o[0]).hypot(c[1] - o[1]);
+        let square = (r + s).powi(2) - beside.powi(2);
+        (square > 0.0).then(|| c[2] - o[2] - square.sqrt())
+    } else {
+        let bounds = |body: &Body| body.shape.bounds(&scene.domain, scene.dimension);
+        let ((low, high), (base, top)) = (bounds(body), bounds(other));
+        let meets = (0..2).all(|a| low[a] <= top[a] && base[a] <= high[a]);
+        meets.then(|| low[2] - top[2])
+    };
+    gap.filter(|gap| *gap > -0.5 * scene.spacing)
 }
 
 /// Whether a single drop falls on a dry wall: it moves towards it, or starts above it under

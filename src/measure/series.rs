@@ -245,10 +245,7 @@ impl Series {
             path: path.to_owned(),
             source,
         };
-        let mut file = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(file::without_mark(content));
+        let mut file = file::table(content);
         let names: Vec<String> = file
             .headers()
             .map_err(fail)?

@@ -99,7 +99,7 @@ impl Liquid {
         let kept: Vec<u32> = kept.chain(n..self.len() as u32).collect();
         self.flow.particles.visit(&mut Retain(&kept));
         own.visit(&mut Retain(&kept));
-        self.ledger.removes = true;
+        self.ledger.displaces = true;
     }
 
     /// Area of ring `i`, in cells.

@@ -158,14 +158,17 @@ pub fn gained(before: [f64; 3], after: [f64; 3]) -> f64 {
     0.5 * (0..3).map(along).sum::<f64>()
 }
 
-/// Power of accelerations, W, and its rate from what they do to velocities, W/s.
+/// Power of accelerations beyond a `uniform` one, W, and its rate from what they do to velocities,
+/// W/s.
 pub fn power(
     (p, span): (&Particles, Span),
     acceleration: &[[f32; 3]],
+    uniform: [f64; 3],
     parts: &mut Vec<[f64; 2]>,
 ) -> [f64; 2] {
     let of = |i: usize| {
-        let pairs = [0, 1, 2].map(|a| [p.velocity[a][i], acceleration[i][a] as f64]);
+        let beyond = |a: usize| (acceleration[i][a] - uniform[a] as f32) as f64;
+        let pairs = [0, 1, 2].map(|a| [p.velocity[a][i], beyond(a)]);
         let sums = |f: fn(&[f64; 2]) -> f64| p.weight(i) * pairs.iter().map(f).sum::<f64>();
         [sums(|[v, a]| v * a), sums(|[_, a]| a * a)]
     };

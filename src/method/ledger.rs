@@ -36,8 +36,8 @@ pub struct Ledger {
     pub pressure: Option<f64>,
     /// Work of pressure and of friction in the last step of a projection, J.
     pub corrected: [f64; 2],
-    /// Whether particles were removed at the start of this step.
-    pub removes: bool,
+    /// Whether particles were removed, or put back out of a wall, at the start of this step.
+    pub displaces: bool,
     /// Energy of the surface at the end of the step before, J.
     before: Option<f64>,
 }
@@ -70,8 +70,8 @@ impl Ledger {
         surface.into_iter().chain(works).chain(pressure)
     }
 
-    /// Books a step of `dt` s: what is held over it, the surface at its end, and what the surface
-    /// lost with particles that were removed at its start.
+    /// Books a step of `dt` s: what is held over it, the surface at its end, and how particles that
+    /// were removed or put back at its start changed it.
     pub fn step(&mut self, dt: f64) {
         let [power, rate] = self.viscous;
         self.viscosity += dt * (power + 0.5 * dt * rate);
@@ -79,10 +79,21 @@ impl Ledger {
         let Some(seen) = self.surface else {
             return;
         };
-        if let (Some(before), true) = (self.before, self.removes) {
+        if let (Some(before), true) = (self.before, self.displaces) {
             self.removal += seen - self.ahead * self.rising - before;
         }
         self.surface = Some(seen + (dt - self.ahead) * self.rising);
+    }
+
+    /// Books the end of a step of `dt` s with the powers that held forces have then, W, for
+    /// particles move by the mean of the velocities at its ends: of viscosity, of effects, and, if
+    /// it is known, of contact lines.
+    pub fn end(&mut self, dt: f64, viscous: f64, pull: f64, lines: Option<f64>) {
+        let ([before, change], lines) = (self.viscous, lines.unwrap_or(self.lines));
+        self.viscosity += 0.5 * dt * (viscous - before - dt * change);
+        self.walls += 0.5 * dt * (lines - self.lines);
+        let more = 0.5 * dt * (lines - pull - self.rising);
+        self.surface = self.surface.map(|energy| energy + more);
     }
 
     /// Books the last correction of a projection.
@@ -93,7 +104,10 @@ impl Ledger {
     }
 
     /// Takes what effects add `ahead` s after the start of a step.
-    pub fn see(&mut self, account: Account, ahead: f64) {
+    pub fn see(&mut self, account: Option<Account>, ahead: f64) {
+        let Some(account) = account else {
+            return;
+        };
         self.ahead = ahead;
         self.before = self.surface.replace(account.energy);
         (self.lines, self.rising) = (account.lines, account.rate);

@@ -17,7 +17,7 @@ use crate::particle::column::{
 };
 use crate::particle::{Frame, State, weight_of};
 use crate::space::grid::Scale;
-use crate::space::parallel::{max, sum_in, sum_mut, three};
+use crate::space::parallel::{max, sum_mut, three};
 use crate::space::sweep::{self, Pass};
 
 /// A particle with a kernel sum below this that crosses a periodic side is mist: it has no more
@@ -77,7 +77,7 @@ pub struct Liquid {
     /// Whether single particles that cross a periodic side are removed.
     pub removes_mist: bool,
     /// Energy of the body force that is driven at the start of a step, J.
-    driven: f64,
+    pub(super) driven: f64,
     mist: Vec<bool>,
     positions: [Vec<f64>; 3],
     /// Parts of sums.
@@ -210,7 +210,7 @@ impl Liquid {
         own.visit(&mut Reflect(&self.flow.reflected));
         self.friction.clear();
         let (gone, before) = (self.flow.gone(kept.as_deref()), self.flow.total_mass());
-        self.ledger.removes = gone > 0;
+        self.ledger.displaces = self.flow.any(self.flow.held_back || gone > 0);
         if let Some(kept) = kept {
             self.flow.particles.visit(&mut Retain(&kept));
             own.visit(&mut Retain(&kept));
@@ -261,9 +261,8 @@ impl Liquid {
         self.friction.clear();
         let (particles, friction) = (&self.flow.particles, &mut self.friction);
         let effects = &mut self.effects;
-        if let Some(account) = effects.update(&surface, is_surface, particles, friction) {
-            self.ledger.see(account, ahead);
-        }
+        let account = effects.update(&surface, is_surface, particles, friction);
+        self.ledger.see(account, ahead);
         self.effects.add(into);
         if ahead > 0.0 {
             self.flow.look_back(&mut now);
@@ -291,48 +290,6 @@ impl Liquid {
             },
         );
         self.ledger.walls += p.mass * work;
-    }
-
-    /// Energy of motion, of height, and of compression, J; `compression`, J/kg, at a density.
-    pub fn stored(&mut self, compression: impl Fn(f64) -> f64 + Sync) -> f64 {
-        let p = &self.flow.particles;
-        let (own, span) = (|i: usize| compression(p.density[i]), self.flow.span());
-        frame::stored((p, span), self.body_force.constant, own, &mut self.parts)
-    }
-
-    /// Kinetic and potential energy, J, momentum, kg m/s.
-    pub fn budget(&self) -> [f64; 5] {
-        frame::budget(&self.flow, self.body_force.constant)
-    }
-
-    /// Takes the accelerations `held`, m/s^2, of viscosity.
-    pub fn see_viscosity(&mut self, held: &[[f32; 3]]) {
-        let (p, span) = (&self.flow.particles, self.flow.span());
-        self.ledger.viscous = frame::power((p, span), held, &mut self.pairs);
-    }
-
-    /// A step begins: positions are those from which a driven body force does work until
-    /// [`Liquid::end_step`].
-    pub fn begin_step(&mut self) {
-        self.driven = self.driven_energy();
-    }
-
-    /// Books the work of a driven body force: that of the same force as a constant.
-    pub fn end_step(&mut self) {
-        self.ledger.walls += self.driven_energy() - self.driven;
-    }
-
-    /// SUM m a . x of a driven body force, J; zero without.
-    fn driven_energy(&mut self) -> f64 {
-        let Some(driven) = self.body_force.driven else {
-            return 0.0;
-        };
-        let p = &self.flow.particles;
-        let [sum] = sum_in(&mut self.parts, self.flow.span(), |i| {
-            let along: f64 = (0..3).map(|a| driven[a] * p.position[a][i]).sum();
-            [p.weight(i) * along]
-        });
-        p.mass * sum
     }
 
     /// A state with the particles and what the liquid needs; the method adds its own scalars.

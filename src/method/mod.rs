@@ -1,6 +1,7 @@
 //! One solver a file.
 
 pub mod adapt;
+mod budget;
 pub mod calibrate;
 pub mod completed;
 pub mod flow;

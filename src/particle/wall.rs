@@ -159,17 +159,19 @@ fn layers_of(
             let mut ix = range[0][0];
             while ix < range[0][1] {
                 let index = [ix, iy, iz];
-                match owner(domain.boundary, index, count) {
-                    Some(_) if !is_wanted(lattice.middle(0, ix)) => {}
-                    Some((axis, side)) => {
+                match owners(domain.boundary, index, count) {
+                    [None, ..] if ix == 0 => {
+                        // The box itself is empty: continue at the far side.
+                        ix = count[0] - 1;
+                    }
+                    [None, ..] => {}
+                    _ if !is_wanted(lattice.middle(0, ix)) => {}
+                    owners => {
                         for k in 0..3 {
                             wall.position[k].push(lattice.middle(k, index[k]));
-                            wall.velocity[k].push(domain.wall_velocity[axis][side][k]);
+                            wall.velocity[k].push(velocity(domain, owners, k));
                         }
                     }
-                    // The box itself is empty: continue at the far side.
-                    None if ix == 0 => ix = count[0] - 1,
-                    None => {}
                 }
                 ix += 1;
             }
@@ -180,20 +182,29 @@ fn layers_of(
 
 /// Whether the lattice cell `index` lies behind a wall, at any depth.
 pub fn is_wall(boundary: [[Side; 2]; 3], index: [i64; 3], count: [i64; 3]) -> bool {
-    owner(boundary, index, count).is_some()
+    owners(boundary, index, count)[0].is_some()
 }
 
-/// The wall to which the lattice cell `index` belongs: the one with the least depth, in a tie z
-/// before x before y; `None` for a cell behind no wall.
-fn owner(boundary: [[Side; 2]; 3], index: [i64; 3], count: [i64; 3]) -> Option<(usize, usize)> {
-    let mut nearest: Option<(i64, usize, usize)> = None;
-    for k in [2, 0, 1] {
-        for (side, depth) in [-index[k], index[k] - count[k] + 1].into_iter().enumerate() {
-            let behind = depth > 0 && boundary[k][side] == Side::Wall;
-            if behind && nearest.is_none_or(|(least, ..)| depth < least) {
-                nearest = Some((depth, k, side));
-            }
-        }
-    }
-    nearest.map(|(_, axis, side)| (axis, side))
+/// The walls, axis and side, behind which the lattice cell `index` lies: the one with the least
+/// depth first, in a tie z before x before y.
+fn owners(
+    boundary: [[Side; 2]; 3],
+    index: [i64; 3],
+    count: [i64; 3],
+) -> [Option<(usize, usize)>; 3] {
+    let mut owners = [2, 0, 1].map(|k| {
+        let depths = [-index[k], index[k] - count[k] + 1];
+        let side = (0..2).find(|&side| depths[side] > 0 && boundary[k][side] == Side::Wall);
+        side.map(|side| (depths[side], k, side))
+    });
+    owners.sort_by_key(|owner| owner.map_or(i64::MAX, |(depth, ..)| depth));
+    owners.map(|owner| owner.map(|(_, axis, side)| (axis, side)))
+}
+
+/// Velocity of a cell behind these walls along an axis, m/s: of the first that can slide along it.
+/// So a wall that slides goes on into the corners at its ends, and nothing there is pressed.
+fn velocity(domain: &Domain, owners: [Option<(usize, usize)>; 3], along: usize) -> f64 {
+    let mut sliding = owners.into_iter().flatten();
+    let first = sliding.find(|(axis, _)| *axis != along);
+    first.map_or(0.0, |(axis, side)| domain.wall_velocity[axis][side][along])
 }

@@ -62,6 +62,9 @@ impl From<LogError> for ContentError {
 /// See [`ContentError`].
 pub fn content(path: &Path) -> Result<Digest, ContentError> {
     file::refuse_link(path)?;
+    if path.is_dir() {
+        return Err(ContentError::Damaged("it is a folder".into()));
+    }
     match path.extension().and_then(|extension| extension.to_str()) {
         Some(CHECKPOINT) => Ok(checkpoint::read(path)?.digest()),
         Some(LOG) => Ok(log::content_digest(path)?),

@@ -78,6 +78,9 @@ pub fn pipelines(store: &Store) -> Result<Vec<String>, FileError> {
         let path = folder.join(MANIFEST);
         match path.symlink_metadata() {
             Ok(_) => names.push(name_of(&folder, &latest)?),
+            Err(error) if error.kind() == io::ErrorKind::NotFound && has_results(&folder)? => {
+                names.push(name_of(&folder, &latest)?);
+            }
             // Of a study, or of names of several parts.
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 for entry in entries(&folder)? {
@@ -92,6 +95,12 @@ pub fn pipelines(store: &Store) -> Result<Vec<String>, FileError> {
     Ok(names)
 }
 
+/// Whether a folder has links to results.
+fn has_results(folder: &Path) -> Result<bool, FileError> {
+    let leads = |entry: &fs::DirEntry| fs::read_link(entry.path()).is_ok_and(|to| is_key(&to));
+    Ok(folder.is_dir() && entries(folder)?.iter().any(leads))
+}
+
 /// Name of the pipeline with this folder.
 fn name_of(folder: &Path, latest: &Path) -> Result<String, FileError> {
     let name = folder.strip_prefix(latest).unwrap_or(folder).to_str();
@@ -104,9 +113,14 @@ fn name_of(folder: &Path, latest: &Path) -> Result<String, FileError> {
 /// # Errors
 /// If it cannot be read, was damaged, or names something outside the store.
 pub fn read(store: &Store, pipeline: &str) -> Result<Option<Manifest>, ManifestError> {
-    let path = folder(store, pipeline).join(MANIFEST);
+    let folder = folder(store, pipeline);
+    let path = folder.join(MANIFEST);
     store.refuse_links(&path)?;
     let bytes = match file::read_no_link(&path, LONGEST) {
+        Err(error) if error.is_not_found() && has_results(&folder)? => {
+            let what = "it is missing; `coronet run` writes it again".to_string();
+            return Err(ManifestError::Invalid { path, what });
+        }
         Err(error) if error.is_not_found() => return Ok(None),
         other => other?,
     };

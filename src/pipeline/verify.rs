@@ -206,7 +206,15 @@ fn examine_names(store: &Store) -> Finding {
     for name in names {
         let path = latest::folder(store, &name).join(MANIFEST);
         match latest::read(store, &name) {
-            Ok(_) => {}
+            Ok(manifest) => {
+                for entry in manifest.unwrap_or_default().results {
+                    let result = store.root().join(&entry.folder);
+                    if !result.is_dir() {
+                        let what = format!("the result in {} is gone", result.display());
+                        add(latest::folder(store, &name).join(&entry.name), what, true);
+                    }
+                }
+            }
             Err(ManifestError::Invalid { what, .. }) => add(path, what, true),
             Err(ManifestError::File(error)) => add(path, error.to_string(), false),
         }

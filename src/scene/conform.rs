@@ -12,6 +12,9 @@ use super::schema::{self, NAME};
 use super::spelling::{ALIKE, beside, is_printable, nearest, printable};
 use super::tree::{Table, Tree, Value, dotted, kind, number};
 
+/// From here on not every whole number is a 64-bit float, as which it is shown.
+const EXACT: f64 = 9007199254740992.0;
+
 /// All mistakes of the whole file.
 pub fn check(tree: &Tree<'_>, schema: &Schema) -> Mistakes {
     let mut check = Check {
@@ -250,11 +253,8 @@ impl Check<'_> {
     fn count(&mut self, value: &Value<'_>, key: &str, schema: &Schema) {
         let least = schema["minimum"].as_f64().unwrap_or(0.0);
         let most = schema["maximum"].as_f64().unwrap_or(f64::INFINITY);
-        let most = most.min(i64::MAX as f64);
-        let wanted = match most < i64::MAX as f64 {
-            true => format!("a whole number from {least} to {most}"),
-            false => format!("a whole number from {least} to {}", i64::MAX),
-        };
+        let most = most.min(EXACT);
+        let wanted = format!("a whole number from {least} to {most}");
         match value.get_ref() {
             DeValue::Integer(_) => {
                 let given = number(value.get_ref());

@@ -165,6 +165,7 @@ impl Scene {
         for axis in 0..2 {
             solid.domain.size[axis] = 2.0 * radius;
             solid.domain.boundary[axis] = [side; 2];
+            solid.domain.wall_velocity[axis] = [self.domain.wall_velocity[0][1]; 2];
         }
         solid
     }
@@ -280,6 +281,11 @@ fn angular(scene: &Problem) -> Option<(String, String)> {
         let remedy = "make `box.x` and `box.y` \"wall\", which is a cylinder then, or \"open\"";
         return Some((what, remedy.into()));
     }
+    if domain.wall_velocity[0] != domain.wall_velocity[1] {
+        let what = "the walls in x and y slide differently".to_string();
+        let remedy = "give all four of `box.wall_velocity` the same";
+        return Some((what, remedy.into()));
+    }
     scene.bodies.iter().find_map(|body| match &body.shape {
         Shape::Ellipsoid { semi_axes: a, .. } if a[0] != a[1] => {
             let what = format!("the semi-axes of body `{}` differ in x and y", body.name);
@@ -294,12 +300,18 @@ fn angular(scene: &Problem) -> Option<(String, String)> {
 }
 
 /// What is not symmetric about the middle of an axis, and a remedy.
-fn lopsided(scene: &Problem, axis: usize) -> Option<(String, String)> {
+pub(super) fn lopsided(scene: &Problem, axis: usize) -> Option<(String, String)> {
     let (domain, name) = (&scene.domain, AXES[axis]);
     let [low, high] = domain.boundary[axis];
     if low != high || low == Side::Mirror {
         let remedy = format!("write \"periodic\", \"wall\" or \"open\" for `box.{name}`");
         return Some((format!("the sides in {name} differ or are mirrors"), remedy));
+    }
+    let [low, high] = domain.wall_velocity[axis];
+    if low != high {
+        let what = format!("the walls in {name} slide differently");
+        let remedy = format!("give {name}_low and {name}_high of `box.wall_velocity` the same");
+        return Some((what, remedy));
     }
     if let Some((what, remedy)) = crosswise(scene, axis) {
         return Some((what, remedy));

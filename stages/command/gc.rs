@@ -59,10 +59,13 @@ fn forgotten(store: &Store, names: &[String]) -> Result<Vec<String>> {
     let known = latest::pipelines(store)?;
     let mut all = Vec::new();
     for name in names {
-        let of_study = known.iter().filter(|known| {
-            let part = known.strip_prefix(name.as_str());
-            part.is_some_and(|part| part.starts_with('/'))
-        });
+        let is_point = |rest: &str| {
+            let number = rest.strip_prefix('-').unwrap_or_default();
+            rest.starts_with('/') || number.parse::<u32>().is_ok()
+        };
+        let of_study = known
+            .iter()
+            .filter(|known| known.strip_prefix(name.as_str()).is_some_and(is_point));
         let points: Vec<String> = of_study.cloned().collect();
         match known.contains(name) || points.is_empty() {
             true => all.push(name.clone()),

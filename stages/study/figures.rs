@@ -5,9 +5,11 @@ use std::path::Path;
 use anyhow::Result;
 use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::draw::readable::Readable;
+use coronet::measure::kind::contact_within;
 use coronet::measure::series::{Reference, Series};
 use coronet::measure::summary::digits;
 use coronet::record::export::cell;
+use coronet::scene::Dimension;
 
 use crate::fault::Usage;
 use crate::study::cost::Cost;
@@ -21,6 +23,10 @@ pub struct Measured {
     series: Series,
     /// Time of contact, s from the start.
     contact: f64,
+    /// Whether there is one.
+    meets: bool,
+    /// Whether energies and masses are by the metre of depth.
+    is_plane: bool,
 }
 
 /// The table of a reference with its times from a contact at `contact` s.
@@ -138,9 +144,15 @@ pub fn from_contact(trials: &[Trial], outcomes: &[Outcome]) -> Result<Vec<Option
             let Some(measures) = outcome.measures() else {
                 return Ok(None);
             };
-            let contact = trial.contact()?;
-            let series = from(measures, contact);
-            Ok(Some(Measured { series, contact }))
+            let scene = trial.scene()?;
+            let contact = contact_within(&scene);
+            let domain = &scene.domain;
+            Ok(Some(Measured {
+                series: from(measures, contact.unwrap_or(0.0)),
+                contact: contact.unwrap_or(0.0),
+                meets: contact.is_some(),
+                is_plane: scene.dimension == Dimension::Two && !domain.is_axial(),
+            }))
         })
         .collect()
 }
@@ -161,7 +173,10 @@ pub fn measure(
             Some(path) => Some(Reference::read(&folder.join(path), figure.clock)?),
         };
         for (row, point) in rows.iter_mut().zip(measured) {
-            let Some(Measured { series, contact }) = point else {
+            let Some(Measured {
+                series, contact, ..
+            }) = point
+            else {
                 row.push(f64::NAN);
                 continue;
             };
@@ -249,6 +264,11 @@ pub fn plots(
     folder: &Path,
 ) -> Result<Vec<Plot>> {
     let mut plots = Vec::new();
+    let any = |is: fn(&Measured) -> bool| measured.iter().flatten().any(is);
+    let x = match any(|point| point.meets) {
+        true => "time after contact (ms)",
+        false => "time (ms)",
+    };
     for curves in &study.curves {
         let axis = study
             .axis
@@ -259,14 +279,11 @@ pub fn plots(
             Some(path) => Some(Reference::read(&folder.join(path), curves.clock)?),
         };
         let shown = Readable::of(&curves.column, most(measured, &curves.column));
-        let mut labels: Vec<Option<&String>> = Vec::new();
-        for trial in trials {
-            let label = axis.map(|axis| &trial.labels[axis]);
-            if !labels.contains(&label) {
-                labels.push(label);
-            }
-        }
-        for label in labels {
+        let shown = match any(|point| point.is_plane) {
+            true => shown.in_two(),
+            false => shown,
+        };
+        for label in labels_on(axis, trials) {
             let own = trials.iter().zip(measured);
             let own = own.filter(|(trial, _)| axis.map(|axis| &trial.labels[axis]) == label);
             let references = references(reference.as_ref(), own.clone().map(|(_, point)| point));
@@ -274,7 +291,11 @@ pub fn plots(
                 let others = trial.labels.iter().enumerate();
                 let others = others.filter(|(k, _)| Some(*k) != axis);
                 let name: Vec<&str> = others.map(|(_, label)| label.as_str()).collect();
-                Some((name.join(", "), &measures.as_ref()?.series))
+                let name = match name.is_empty() {
+                    true => trial.labels.join(", "),
+                    false => name.join(", "),
+                };
+                Some((name, &measures.as_ref()?.series))
             });
             let drawn = known.enumerate().map(|(k, (name, measures))| Curve {
                 label: name,
@@ -293,7 +314,7 @@ pub fn plots(
                     Some(label) => format!("{} {label}", shown.words),
                     None => shown.words.clone(),
                 },
-                x: "time after contact (ms)".to_string(),
+                x: x.to_string(),
                 y: shown.label(),
                 curves: drawn.chain(beside).collect(),
                 from_zero: true,
@@ -301,6 +322,18 @@ pub fn plots(
         }
     }
     Ok(plots)
+}
+
+/// The labels of the points on an axis, each once; one without a label if there is no axis.
+fn labels_on(axis: Option<usize>, trials: &[Trial]) -> Vec<Option<&String>> {
+    let mut labels = Vec::new();
+    for trial in trials {
+        let label = axis.map(|axis| &trial.labels[axis]);
+        if !labels.contains(&label) {
+            labels.push(label);
+        }
+    }
+    labels
 }
 
 /// The reference beside some points: once for each time of contact if it counts from the start.

@@ -154,11 +154,21 @@ fn key_of(set: &str) -> &str {
     set.split('=').next().unwrap_or_default().trim()
 }
 
+/// Whether one of two keys is the other, or holds it.
+fn meet(a: &str, b: &str) -> bool {
+    let (short, long) = if a.len() < b.len() { (a, b) } else { (b, a) };
+    let rest = long.strip_prefix(short);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+}
+
 impl Axis {
-    /// Whether it changes this key.
-    fn changes(&self, key: &str) -> bool {
-        let mut sets = self.points.iter().flat_map(|point| &point.set);
-        self.key.as_deref() == Some(key) || sets.any(|set| key_of(set) == key)
+    /// The keys that it changes.
+    fn keys(&self) -> impl Iterator<Item = &str> {
+        let sets = self.points.iter().flat_map(|point| &point.set);
+        self.key
+            .as_deref()
+            .into_iter()
+            .chain(sets.map(|set| key_of(set)))
     }
 }
 
@@ -166,17 +176,14 @@ impl Study {
     /// Of two axes that change the same key one would lie about its points.
     fn check_axes(&self) -> Result<(), String> {
         for (k, axis) in self.axis.iter().enumerate() {
-            let sets = axis.points.iter().flat_map(|point| &point.set);
-            let mut keys = axis
-                .key
-                .as_deref()
-                .into_iter()
-                .chain(sets.map(|set| key_of(set)));
-            let other = |key: &&str| self.axis[..k].iter().any(|other| other.changes(key));
-            if let Some(key) = keys.find(other) {
+            let before = || self.axis[..k].iter().flat_map(Axis::keys);
+            let mut pairs = axis
+                .keys()
+                .flat_map(|key| before().map(move |other| (key, other)));
+            if let Some((key, other)) = pairs.find(|(key, other)| meet(key, other)) {
                 let name = &axis.name;
                 return Err(format!(
-                    "axis `{name}` changes `{key}` as another one does; join the two to one"
+                    "axis `{name}` changes `{key}`, and another axis `{other}`; join the two to one"
                 ));
             }
         }

@@ -213,6 +213,9 @@ impl Target {
         let finest = (0..trials.len())
             .filter(|k| known(*k).is_some())
             .min_by(|a, b| trials[*a].spacing.total_cmp(&trials[*b].spacing));
+        if let Some(finest) = finest.filter(|_| self.finest) {
+            warn_of_others(trials, &trials[finest]);
+        }
         let mut reference = match &self.reference {
             Some(path) => Reference::read(&folder.join(path), self.clock)?,
             None => Reference {
@@ -257,5 +260,16 @@ impl Target {
             }
         });
         Ok(found.collect())
+    }
+}
+
+/// Tells that other points are as fine as the one against which all are compared.
+fn warn_of_others(trials: &[Trial], finest: &Trial) {
+    let as_fine = trials
+        .iter()
+        .filter(|trial| trial.spacing == finest.spacing);
+    let (count, title) = (as_fine.count(), &finest.title);
+    if count > 1 {
+        note!("warning: {count} points are the finest; all errors are against the first, {title}");
     }
 }

@@ -253,6 +253,8 @@ fn columns_have_units_for_readers() {
         ("contact_angle_deg", 60.0, "contact angle", "°", 1.0),
         ("spread_factor", 3.0, "spread factor", "", 1.0),
         ("time_step_s", 2e-5, "time step", "µs", 1e6),
+        ("momentum_z_kg_m_s", 1e-3, "momentum z", "mg m/s", 1e6),
+        ("wall_force_z_N", 2e-3, "wall force z", "mN", 1e3),
     ] {
         let found = Readable::of(column, most);
         let expected = (words, unit, factor);
@@ -267,4 +269,7 @@ fn columns_have_units_for_readers() {
         "crater depth (mm)"
     );
     assert_eq!(Readable::of("aspect_ratio", 1.0).label(), "aspect ratio");
+    let in_two = |column| Readable::of(column, 1.0).in_two().label();
+    assert_eq!(in_two("kinetic_energy_J"), "kinetic energy (J/m)");
+    assert_eq!(in_two("speed_max_m_s"), "speed max (m/s)");
 }

@@ -69,6 +69,10 @@ fn splash(r: f64, z: f64) -> Option<u8> {
 
 /// The mesh, which must be closed and of the volume of the rings.
 fn closed(scene: &Scene, frame: &Frame, within: f64) -> Mesh {
+    // As a kernel sum that lacks neighbours: it is not that of the liquid.
+    let mut frame = frame.clone();
+    frame.density.iter_mut().for_each(|density| *density *= 0.9);
+    let frame = &frame;
     let artist = artist(scene, frame, style(Material::Body));
     let mesh = artist.mesh(frame).unwrap();
     let mut edges: HashMap<[u32; 2], i32> = HashMap::new();

@@ -234,6 +234,22 @@ fn the_scene_decides_what_is_measured() {
         centre[2] -= 0.313e-3 + 1e-9;
     }
     assert_eq!(contact(&lying), Some(0.0));
+    // A drop that falls on one that lies there meets that, not what is below.
+    let mut stacked = without_pool(Dimension::Three, 0.5);
+    let mut lying = stacked.bodies[0].clone();
+    lying.name = "lying".into();
+    lying.motion = Motion::Uniform([0.0; 3]);
+    let at = |z: f64, body: &mut Body| {
+        if let Shape::Sphere { centre, radius } = &mut body.shape {
+            (centre[2], *radius) = (z, 2e-3);
+        }
+    };
+    at(2e-3, &mut lying);
+    at(6.3e-3, &mut stacked.bodies[0]);
+    stacked.bodies.push(lying);
+    let time = contact(&stacked).unwrap();
+    let gap = 3.13 * time + 0.5 * 9.81 * time * time;
+    assert!((gap / 0.3e-3 - 1.0).abs() < 1e-9, "{time}");
     let mut rest = pool.clone();
     rest.bodies.pop();
     assert!(matches!(Kind::new(&rest), Kind::Level));
@@ -366,4 +382,18 @@ fn liquid_off_the_main_body_counts_where_there_is_one() {
         row.iter().all(|(name, _)| name != "detached_part"),
         "{row:?}"
     );
+}
+
+/// Before its first step a projection has no pressure: a blank is no zero in a mean.
+#[test]
+fn a_projection_has_no_pressure_at_the_start() {
+    let mut scene = without_pool(Dimension::Two, 0.4);
+    (scene.domain.boundary[2][0], scene.effects.gravity) = (Side::Open, None);
+    scene.effects.tension = Some(crate::pack_scene::tension(0.067));
+    let mut frame = lattice(&scene, |x, _, z| (x - 12.0).hypot(z - 12.0) < 4.0);
+    frame.scalars = vec![("steps".into(), 0.0), ("pressure_iterations".into(), 0.0)];
+    let mut gauge = Gauge::new(&scene);
+    assert!(value(&gauge.measure(&frame), "core_pressure_Pa").is_nan());
+    frame.scalars[0].1 = 1.0;
+    assert!(value(&gauge.measure(&frame), "core_pressure_Pa").is_finite());
 }

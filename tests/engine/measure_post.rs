@@ -46,6 +46,7 @@ fn frames(scene: &Scene) -> Vec<Frame> {
 fn scene(dimension: Dimension, folder: &Path) -> Scene {
     let mut scene = pool_scene(dimension, 0.5);
     scene.frames.interval = 1e-3;
+    scene.impact.end = 10e-3;
     scene.post.panels = vec![4e-3, 0.0, 0.5];
     scene.post.fields = vec![4.4e-3];
     let mut text = String::from("time_s,crater_depth_m\n");
@@ -84,7 +85,7 @@ fn a_run_becomes_a_table_plots_pictures_and_a_page() {
         let report = post.finish(&provenance).unwrap();
         assert_eq!(
             report.missed,
-            ["No panel at 500.0 ms: the run ends before."]
+            ["No panel at 500.0 ms: the last frame is at 10.0 ms."]
         );
         for file in &report.files {
             assert!(out.join(file).metadata().unwrap().len() > 100, "{file:?}");
@@ -170,6 +171,9 @@ fn drop_and_pool_have_their_colours_in_section_and_view() {
         frame.body[i] = u8::from(frame.position[2][i] > 10e-3);
     }
     let section = Section::new(&scene, &frame, 12e-3, "t = 1.0 ms".into());
+    // However high the liquid is, all of it is in the picture.
+    let high = section.draw(&scene, 20.0 * section.top());
+    assert!(has(&high, is_orange) > 0);
     assert!(
         (section.top() - 13.75e-3).abs() < 0.3e-3,
         "{}",

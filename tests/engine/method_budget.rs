@@ -100,3 +100,19 @@ fn what_the_pressure_of_a_projection_takes_is_known() {
         }
     }
 }
+
+/// Steps are long here, and every one removes particles.
+#[test]
+fn what_leaves_the_box_takes_its_energy_with_it() {
+    let rising = "[body.drop]\ndisc = { diameter = '2 mm', centre = ['8 mm', '4.5 mm'] }\n\
+                  velocity = [0, '0.5 m/s']\n";
+    for method in ["wcsph", "isph", "mps"] {
+        println!("{method}:");
+        let mut scene = splash(method, &format!("{WATER}{rising}"));
+        scene.effects.gravity = None;
+        let (last, most) = run(&scene, 5e-3);
+        assert!(last["removal_work_J"] < -1e-4, "{method}");
+        // With the velocities at the start of a step alone: 0.004, 0.009 and 0.002.
+        assert!(most < 0.0015, "{method}: {most}");
+    }
+}

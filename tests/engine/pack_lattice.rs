@@ -123,3 +123,19 @@ fn floor_goes_on_beyond_an_open_side() {
     // box.
     assert_eq!(wall.position[0].len(), 3 * 16 + 3 * 9);
 }
+
+/// A wall that slides goes on into the corners: if it ended there, what is behind the next wall
+/// would be pressed or torn without end.
+#[test]
+fn sliding_walls_do_not_end_at_corners() {
+    let mut scene = scene(Dimension::Two, [10.0, 0.0, 6.0], Shape::Layer { depth: S0 });
+    scene.domain.boundary = [[Side::Wall; 2], [Side::Periodic; 2], [Side::Wall; 2]];
+    scene.domain.wall_velocity[0][1] = [0.0, 0.0, 2.0];
+    scene.domain.wall_velocity[2][0] = [1.0, 0.0, 0.0];
+    let shell = wall::build_layers(&scene.domain, scene.dimension, scene.spacing, 3);
+    for i in 0..shell.position[0].len() {
+        let [x, z] = [0, 2].map(|k| shell.position[k][i] / S0);
+        assert_eq!(shell.velocity[0][i], if z < 0.0 { 1.0 } else { 0.0 });
+        assert_eq!(shell.velocity[2][i], if x > 10.0 { 2.0 } else { 0.0 });
+    }
+}

@@ -110,6 +110,16 @@ const NONSENSE: &[(&[&str], &str, &str)] = &[
     ),
     (&["box.x='mirror'"], "box.x", "box.symmetry"),
     (
+        &["body.drop.velocity=[1, 0, -1]"],
+        "post.fields",
+        "moves along x",
+    ),
+    (
+        &["effects.viscosity.dynamic='100 Pa s'"],
+        "effects.viscosity.dynamic",
+        "before it touches",
+    ),
+    (
         &["body.drop.velocity='4e8 m/s'"],
         "body.drop.velocity",
         "compressible",
@@ -148,7 +158,7 @@ fn what_may_be_meant_is_not_warned_of() {
             "effects.wetting.angle='90 deg'",
         ],
         // Sideways, but it falls on the pool in the end.
-        &["body.drop.velocity=[1, 0, -1]"],
+        &["body.drop.velocity=[1, 0, -1]", "post.fields=[]"],
         // Thrown up a little, it falls back.
         &["body.drop.velocity=[0, 0, 0.02]", "impact.end='30 ms'"],
         &["body.drop.velocity=[0, 0, 0]"],
@@ -161,6 +171,7 @@ fn what_may_be_meant_is_not_warned_of() {
         &[
             "box.x='wall'",
             "effects={ gravity = { acceleration = 9.81, direction = [1, 0, -3] } }",
+            "post.fields=[]",
         ],
         // A drop that drifts in an endless space.
         &[

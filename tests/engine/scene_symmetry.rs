@@ -90,7 +90,8 @@ fn the_same_part_has_the_same_keys_however_it_is_written() {
 fn what_is_not_symmetric_is_refused_with_a_remedy() {
     let offset = "body.drop.sphere.offset=['1 mm', '0 mm']";
     let slides = "box.wall_velocity.z_low=['1 m/s', 0, 0]";
-    let cases: [(&[&str], &str); 7] = [
+    let rises = "box.wall_velocity={ x_low=[0, 0, 1], x_high=[0, 0, 1] }";
+    let cases: [(&[&str], &str); 9] = [
         (
             &["box.symmetry='quarter'", offset],
             "`drop` is not in the middle",
@@ -118,6 +119,18 @@ fn what_is_not_symmetric_is_refused_with_a_remedy() {
                 slides,
             ],
             "has a mirror",
+        ),
+        (
+            &[
+                "box.symmetry='half'",
+                "box.x='wall'",
+                "box.wall_velocity.x_low=[0, 0, 1]",
+            ],
+            "the walls in x slide differently",
+        ),
+        (
+            &["box.symmetry='axis'", "box.x='wall'", "box.y='wall'", rises],
+            "the walls in x and y slide differently",
         ),
         (&["box.z='mirror'"], "is not known"),
     ];

@@ -15,6 +15,7 @@ mod inspect;
 mod keys;
 mod laboratory;
 mod library;
+mod names;
 mod program;
 mod promise;
 #[cfg(unix)]

@@ -292,3 +292,21 @@ fn files_of_a_user_stay_as_they_are() {
     ];
     program.call(&tune).badly(2, &["study.toml exists already"]);
 }
+
+/// The later axis would overwrite what the label of the other says.
+#[test]
+fn an_axis_of_a_table_and_one_of_its_keys_are_refused() {
+    let program = program();
+    let table = "{ label = \"5\", set = ['effects.gravity={ acceleration = \"5 m/s^2\" }'] }";
+    let axes = format!(
+        "[[axis]]\nname = \"pull\"\nkey = \"effects.gravity.acceleration\"\nvalues = [1, 9]\n\n\
+         [[axis]]\nname = \"table\"\npoints = [{table}]\n\n[error]"
+    );
+    fs::write(program.path("study.toml"), STUDY.replace("[error]", &axes)).unwrap();
+    let words = [
+        "`effects.gravity`",
+        "`effects.gravity.acceleration`",
+        "join",
+    ];
+    program.call(&["study", "study.toml"]).badly(2, &words);
+}

@@ -245,3 +245,23 @@ fn a_plan_forecasts_ranks() {
         .call(&[&much[..], &["--ranks", "1000"]].concat())
         .well();
 }
+
+#[test]
+fn a_reference_that_counts_from_a_contact_waits_for_one() {
+    let table = "\"time_after_contact_s\",\"crater_depth_m\"\n0.001,0.0003\n0.003,0.0007\n";
+    let program = Program::with("own.csv", table);
+    let early = [
+        "run",
+        "tiny.toml",
+        "--json",
+        "--set",
+        OWN,
+        "--set",
+        "impact.end=0.3 ms",
+    ];
+    let told = notes(&program.call(&early).well().objects()).join(" ");
+    assert!(told.contains("Nothing of the reference own"), "{told}");
+    let whole = ["run", "tiny.toml", "--json", "--set", OWN];
+    let told = notes(&program.call(&whole).well().objects()).join(" ");
+    assert!(!told.contains("Nothing of the reference own"), "{told}");
+}

@@ -19,7 +19,7 @@ use super::report::Report;
 use super::section::{self, Section};
 use crate::measure::answer;
 use crate::measure::gauge::{Gauge, Start};
-use crate::measure::kind::{Kind, contact, contact_time};
+use crate::measure::kind::{Kind, contact, contact_within};
 use crate::measure::loss;
 use crate::measure::norm::{Norm, compare};
 use crate::measure::pool::Axis;
@@ -28,7 +28,7 @@ use crate::measure::summary;
 use crate::measure::whole::Unfold;
 use crate::particle::Frame;
 use crate::scene::sanity::Warning;
-use crate::scene::{Dimension, Scene, numbers};
+use crate::scene::{Clock, Dimension, Scene, numbers};
 
 /// An evaluation that failed.
 #[derive(Debug, thiserror::Error)]
@@ -94,6 +94,8 @@ pub struct Post {
     /// Time of the last frame, s.
     last: Option<f64>,
     references: Vec<(String, Reference)>,
+    /// Labels of those that count from a contact that there is not.
+    unmet: Vec<String>,
     axis: Axis,
     /// Time of contact, s.
     shift: f64,
@@ -138,6 +140,12 @@ impl Post {
             },
         };
         let interval = scene.frames.interval;
+        let contact = contact_within(scene);
+        let is_unmet =
+            |reference: &Reference| contact.is_none() && reference.clock == Clock::Contact;
+        let (unmet, references) = references
+            .into_iter()
+            .partition::<Vec<_>, _>(|(_, reference)| is_unmet(reference));
         Post {
             scene: scene.clone(),
             unfold: Unfold::new(&part),
@@ -146,8 +154,9 @@ impl Post {
             series: Series::default(),
             last: None,
             references,
+            unmet: unmet.into_iter().map(|(label, _)| label).collect(),
             axis,
-            shift: contact_time(scene),
+            shift: contact.unwrap_or(0.0),
             panels: Instants::new(&scene.post.panels, interval),
             fields: Instants::new(&scene.post.fields, interval),
             player: Player::new(&part),

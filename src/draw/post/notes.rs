@@ -53,9 +53,10 @@ impl Post {
 
     /// Requested instants after the last frame, and references of which nothing is measured.
     pub(super) fn missed(&self) -> Vec<String> {
+        let end = self.series.time().last().copied().unwrap_or(0.0);
         let sentence = |what: &str, time: f64| {
-            let time = moment(time, self.scene.impact.end, 1);
-            format!("No {what} at {time}: the run ends before.")
+            let [time, end] = [time, end].map(|time| moment(time, self.scene.impact.end, 1));
+            format!("No {what} at {time}: the last frame is at {end}.")
         };
         let of = |what, instants: &Instants| -> Vec<String> {
             let left = instants.left.iter().rev();
@@ -73,7 +74,6 @@ impl Post {
                 )
             })
         });
-        let end = self.series.time().last().copied().unwrap_or(0.0);
         let late = self.references.iter().filter_map(|(label, reference)| {
             let shift = reference.shift(self.shift);
             let times = reference.table.time();
@@ -92,6 +92,11 @@ impl Post {
             })
         });
         let mut missed = [of("panel", &self.panels), of("field", &self.fields)].concat();
+        missed.extend(self.unmet.iter().map(|label| {
+            format!(
+                "Nothing of the reference {label}: its times count from a contact; there is none."
+            )
+        }));
         missed.extend(strange);
         missed.extend(late);
         missed

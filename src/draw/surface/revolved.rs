@@ -51,7 +51,7 @@ impl Rings {
             let i = *source as usize;
             // The image of a ring has the area of its section.
             let wider = p.x / frame.position[0][i];
-            let own = frame.mass[i] / frame.density[i] / spacing.powi(3);
+            let own = frame.mass[i] / part.density as f32 / spacing.powi(3);
             if wider.is_finite() { own * wider } else { own }
         };
         Rings {
@@ -120,7 +120,7 @@ impl Field {
         let source: Vec<u32> = rings.at.iter().map(|(_, source)| *source).collect();
         field.sum(&rings.blobs(field.spacing), &source, colours);
         field.smooth(SHARPNESS);
-        field.keep_volume(volume(frame));
+        field.keep_volume(mass(frame) / part.density);
         field.free = field.distances();
         Some(field)
     }
@@ -262,9 +262,8 @@ fn turns(blob: &Blob, r: f32) -> usize {
     }
 }
 
-/// Volume of the liquid, m^3.
-fn volume(frame: &Frame) -> f64 {
-    let rings = frame.mass.iter().zip(&frame.density);
-    let volumes = rings.map(|(mass, density)| f64::from(mass / density));
-    volumes.filter(|volume| volume.is_finite()).sum()
+/// Mass of the liquid, kg.
+fn mass(frame: &Frame) -> f64 {
+    let rings = frame.mass.iter().map(|mass| f64::from(*mass));
+    rings.filter(|mass| mass.is_finite()).sum()
 }

@@ -30,6 +30,10 @@ impl Effect for Tension {
         has_energy.then(|| Tension::account(self, particles))
     }
 
+    fn lines(&mut self, particles: &Particles) -> f64 {
+        self.power_of_lines(particles)
+    }
+
     fn kept(&self) -> Option<(&'static str, f64)> {
         self.pulls().then_some(("tension_strength", self.strength))
     }

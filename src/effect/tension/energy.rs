@@ -32,12 +32,10 @@
 use super::Tension;
 use super::pass::Pull;
 use super::shore::Shore;
-use crate::effect::Account;
 use crate::effect::surface::Surface;
 use crate::kernel::Kernel;
-use crate::particle::{Particles, weight_of};
 use crate::space::lane::Real;
-use crate::space::parallel::{each_mut, sum_in};
+use crate::space::parallel::each_mut;
 use crate::space::sweep::{self, Pair, Pass};
 use std::marker::PhantomData;
 
@@ -153,7 +151,7 @@ impl<K: Kernel, const APART: bool> Pass<4> for Look<K, APART> {
 #[derive(Default)]
 pub struct Energy {
     /// Per particle near the surface: H n, then phi.
-    sums: Vec<[f32; 4]>,
+    pub(super) sums: Vec<[f32; 4]>,
     /// e' and g / H of each of them.
     derived: Vec<[f32; 4]>,
     /// e' per particle, wall particle and image.
@@ -162,7 +160,7 @@ pub struct Energy {
     pub(super) masses: Vec<f32>,
     /// [`CARRIED`].
     pub carried: f64,
-    parts: Vec<[f64; 1]>,
+    pub(super) parts: Vec<[f64; 1]>,
     /// Of walls with a contact angle.
     pub shore: Option<Shore>,
 }
@@ -177,61 +175,6 @@ impl Energy {
 }
 
 impl Tension {
-    /// Of the last update, at the present velocities. Walls count with what they have beyond dry
-    /// ones; where the angle of a line decides, E has the mean one.
-    pub fn account(&mut self, particles: &Particles) -> Account {
-        let mut parts = std::mem::take(&mut self.energy.parts);
-        let unit = self.strength * self.coefficient / self.length * particles.mass / self.density;
-        let sums = &self.energy.sums;
-        let of = |s: &[f32; 4]| {
-            let n = [0, 1, 2].map(|a| s[a] as f64);
-            density(self.dimension, s[3] as f64, n).energy
-        };
-        let near = &self.near;
-        let [of_near, of_reached] = &self.spans;
-        let [own] = sum_in(&mut parts, of_near.clone(), |k| {
-            [particles.weight(near[k] as usize) * of(&sums[k])]
-        });
-        let walls = match &self.energy.shore {
-            None => 0.0,
-            Some(shore) => {
-                let dry = |j: usize| shore.dry_energy[j] as f64;
-                let [near] = sum_in(&mut parts, shore.span.clone(), |k| {
-                    let j = shore.near[k] as usize;
-                    [weight_of(&shore.weights, j) * (of(&shore.sums[k]) - dry(j))]
-                });
-                let [under] = sum_in(&mut parts, shore.walls.clone(), |j| {
-                    [if shore.under[j] { dry(j) } else { 0.0 }]
-                });
-                self.energy.carried * shore.cosine * (near - under)
-            }
-        };
-        let (reached, force) = (&self.reached, &self.force);
-        let work = |k: usize, force: [f32; 3]| {
-            let i = reached[k] as usize;
-            let part = |a: usize| particles.velocity[a][i] * force[a] as f64;
-            [particles.weight(i) * (0..3).map(part).sum::<f64>()]
-        };
-        let [power] = sum_in(&mut parts, of_reached.clone(), |k| work(k, force[k]));
-        let shore = self
-            .energy
-            .shore
-            .as_ref()
-            .filter(|_| self.wetting.is_some());
-        let lines = shore.map_or(0.0, |shore| {
-            let ([wet, line], mean) = (&shore.pulls, shore.cosine as f32);
-            let beyond = |k: usize| [0, 1, 2].map(|a| line[k][a] - mean * wet[k][a]);
-            let [power] = sum_in(&mut parts, of_reached.clone(), |k| work(k, beyond(k)));
-            particles.mass * power
-        });
-        self.energy.parts = parts;
-        Account {
-            energy: unit * (own + walls),
-            rate: lines - particles.mass * power,
-            lines,
-        }
-    }
-
     /// The force (2); the band holds the marked cells of the surface.
     pub(super) fn pull_by_energy<K: Kernel>(
         &mut self,

@@ -37,6 +37,7 @@
 //! The derivative of an energy: [`energy`].
 //! Tests: tests/engine/effect_tension.rs, tests/validation/drop.rs.
 
+mod account;
 mod colour;
 mod contract;
 pub mod counted;

@@ -119,6 +119,8 @@ pub struct Flow {
     longest: f64,
     /// How often rows were found.
     pub sorted: u64,
+    /// Whether the last [`Flow::confine`] put any particle of this rank back out of a wall.
+    pub held_back: bool,
     /// Particles that the last [`Flow::confine`] reflected, and the axis of the plane.
     pub reflected: Vec<(u32, u8)>,
     /// Room for sorting columns.
@@ -186,6 +188,7 @@ impl Flow {
             reach: Vec::new(),
             longest: 0.0,
             sorted: 0,
+            held_back: false,
             reflected: Vec::new(),
             spare: Spare::default(),
             wall_sees_wall: false,
@@ -309,7 +312,7 @@ impl Flow {
     /// plane, and finds what left through open sides or is `doomed`: returns the indices of what
     /// is left if anything went.
     pub fn confine(&mut self, doomed: impl Fn(usize) -> bool + Sync) -> Option<Vec<u32>> {
-        self.hold_back();
+        self.held_back = self.hold_back();
         self.fold_back();
         let (domain, grid) = (&self.domain, &self.grid);
         let n = self.particles.len();

@@ -7,6 +7,7 @@ use crate::space::grid::Grid;
 use crate::space::parallel::each_mut;
 use crate::space::ranks::halo::beside;
 use crate::space::sort::Cells;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// How deep in a wall a particle may be, in spacings: there is the wall's first layer.
 const BEHIND: f64 = 0.5;
@@ -74,10 +75,11 @@ impl Flow {
     /// What is deeper than [`BEHIND`] in a wall, where its layers push every way and not only
     /// out, comes back to there and keeps the velocity along it: what is shot at the wall, and lone
     /// particles on a wall that attracts liquid. Not farther back: a surface costs less in a wall
-    /// that counts as liquid, so that they would fall again, for ever.
-    pub(super) fn hold_back(&mut self) {
+    /// that counts as liquid, so that they would fall again, for ever. Returns whether any did.
+    pub(super) fn hold_back(&mut self) -> bool {
         let (domain, n) = (&self.domain, self.particles.len());
         let deep = BEHIND * self.lengths.spacing;
+        let any = AtomicBool::new(false);
         let p = &mut self.particles;
         for a in (0..3).filter(|&a| domain.boundary[a].contains(&Side::Wall)) {
             let [low, high] = domain.boundary[a].map(|side| side == Side::Wall);
@@ -86,11 +88,14 @@ impl Flow {
             each_mut(both, |_, (x, v)| {
                 if low && *x < -deep {
                     (*x, *v) = (-deep, v.max(0.0));
+                    any.store(true, Relaxed);
                 } else if high && *x > size + deep {
                     (*x, *v) = (size + deep, v.min(0.0));
+                    any.store(true, Relaxed);
                 }
             });
         }
+        any.into_inner()
     }
 
     /// Reflects what is beyond a mirror plane: places and velocities; lists what it was.

@@ -140,6 +140,8 @@ columns! {
         pub around: Sums<T> => Role::Held,
         /// Explicit acceleration, m/s^2.
         pub held: [f32; 3] => Role::Scratch,
+        /// What of it is not of effects, of a tension that has an energy; else empty.
+        pub steady: [f32; 3] => Role::Scratch,
         /// Whether it is at the free surface.
         pub is_surface: bool => Role::Scratch,
         /// Whether a particle of the surface may be in the support, and how many are.
@@ -215,6 +217,7 @@ impl<S: Scheme> Projection<S> {
             kernel_sum: Vec::new(),
             around: vec![Sums::default(); n],
             held: vec![[0.0; 3]; n],
+            steady: Vec::new(),
             is_surface: Vec::new(),
             near: Vec::new(),
             marks: Vec::new(),

@@ -61,7 +61,7 @@ impl<S: Scheme> Projection<S> {
         }
         self.check(dt)?;
         self.liquid.ledger.step(dt);
-        self.liquid.end_step();
+        self.liquid.end_step(dt, &self.own.held, &self.own.steady);
         self.liquid.ledger.correct();
         if self.liquid.case.shifts(self.settings.shifting) {
             let before = self.stored();
@@ -176,6 +176,9 @@ impl<S: Scheme> Projection<S> {
         self.liquid.see_viscosity(&self.own.held);
         self.mark();
         self.liquid.body_force.add(&mut self.own.held);
+        if self.liquid.follows_energy() {
+            self.own.steady.clone_from(&self.own.held);
+        }
         let ahead = match self.liquid.follows_energy() {
             true => ahead,
             false => 0.0,

@@ -61,7 +61,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         }
         self.liquid.now.time = self.liquid.beat.exact(self.liquid.now.time);
         self.close_walls(dt);
-        self.liquid.end_step();
+        self.liquid
+            .end_step(outer, &self.own.held, &self.own.steady);
         self.check_energy()
     }
 
@@ -100,6 +101,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         });
         self.liquid.see_viscosity(&self.own.held);
         self.liquid.body_force.add(&mut self.own.held);
+        if self.liquid.follows_energy() {
+            self.own.steady.clone_from(&self.own.held);
+        }
         self.add_effects_ahead(ahead);
         if let Some(tension) = &self.liquid.effects.tension {
             let around = &mut self.own.around[..self.own.held.len()];

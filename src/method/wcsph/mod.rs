@@ -55,6 +55,8 @@ columns! {
         /// Acceleration: the whole one (single rate), or what is held over an advective step
         /// (dual).
         pub held: [f32; 3] => this.role_of_held,
+        /// What of it is not of effects, of a tension that has an energy; else empty.
+        pub steady: [f32; 3] => Role::Held,
         pub force: [f32; 3] => Role::Scratch,
         /// Pressure acceleration and gradient of the kernel sum (dual stepping with shifting only).
         pub driven: Driven => Role::Scratch,
@@ -107,6 +109,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 None => Vec::new(),
             },
             held: Vec::new(),
+            steady: Vec::new(),
             force: vec![[0.0; 3]; n],
             driven: Vec::new(),
             around: vec![Surroundings::default(); n],

@@ -213,7 +213,12 @@ fn mirrors(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
             let widened = widened(scene);
             let problem =
                 format!("has mirrors in {name}, over less than {MIRRORED} kernels{widened}");
-            let remedy = at_least(scene, MIRRORED * reach);
+            // A symmetry cuts half of what the file says.
+            let parts = match tree.get("box.symmetry") {
+                Some(_) => 2.0,
+                None => 1.0,
+            };
+            let remedy = at_least(scene, parts * MIRRORED * reach);
             return Err(tree.fault("box.size", &problem, &remedy));
         }
     }
@@ -315,14 +320,10 @@ fn references(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), Scene
                 false => error.into(),
             }
         })?;
-        let text = String::from_utf8_lossy(crate::file::without_mark(&content));
-        let head = text
-            .lines()
-            .find(|line| !line.starts_with('#'))
-            .unwrap_or("");
+        let mut table = crate::file::table(&content);
         let clocks = Clock::COLUMNS.map(|(name, _)| name);
-        let is_time = |column: &str| clocks.contains(&column.trim());
-        if !head.split(',').any(is_time) {
+        let has_time = |head: &csv::StringRecord| head.iter().any(|name| clocks.contains(&name));
+        if !table.headers().is_ok_and(has_time) {
             let path = path.display();
             let problem = format!("{path} has no column `{}`", clocks.join("` or `"));
             return Err(tree.fault(&key, &problem, "name its columns as in measures.csv"));

@@ -40,7 +40,7 @@ pub struct Plot {
     pub y: String,
     /// Curves, drawn in this order.
     pub curves: Vec<Curve>,
-    /// Whether the y axis shows zero.
+    /// Whether the axes show zero.
     pub from_zero: bool,
 }
 
@@ -145,9 +145,8 @@ impl Plot {
                 *r = [r[0].min(v), r[1].max(v)];
             }
         }
-        range[0] = [range[0][0].min(0.0), range[0][1].max(0.0)];
         if self.from_zero {
-            range[1] = [range[1][0].min(0.0), range[1][1].max(0.0)];
+            range = range.map(|[low, high]| [low.min(0.0), high.max(0.0)]);
         }
         let mut widen = |axis: usize, part: f64| {
             let [low, high] = range[axis];

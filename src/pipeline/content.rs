@@ -62,7 +62,7 @@ impl From<LogError> for ContentError {
 /// See [`ContentError`].
 pub fn content(path: &Path) -> Result<Digest, ContentError> {
     file::refuse_link(path)?;
-    if path.is_dir() {
+    if file::is_folder(path)? {
         return Err(ContentError::Damaged("it is a folder".into()));
     }
     match path.extension().and_then(|extension| extension.to_str()) {

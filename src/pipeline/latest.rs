@@ -76,18 +76,13 @@ pub fn pipelines(store: &Store) -> Result<Vec<String>, FileError> {
     let (mut names, mut folders) = (Vec::new(), vec![latest.clone()]);
     while let Some(folder) = folders.pop() {
         let path = folder.join(MANIFEST);
-        match path.symlink_metadata() {
-            Ok(_) => names.push(name_of(&folder, &latest)?),
-            Err(error) if error.kind() == io::ErrorKind::NotFound && has_results(&folder)? => {
-                names.push(name_of(&folder, &latest)?);
-            }
+        if file::is_there(&path)? || has_results(&folder)? {
+            names.push(name_of(&folder, &latest)?);
+        } else {
             // Of a study, or of names of several parts.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                for entry in entries(&folder)? {
-                    file::refuse_link(&entry.path())?;
-                }
+            for entry in entries(&folder)? {
+                file::refuse_link(&entry.path())?;
             }
-            Err(error) => return Err(FileError::new(&path, "examine")(error)),
         }
         folders.extend(folders_in(&folder)?);
     }
@@ -97,8 +92,16 @@ pub fn pipelines(store: &Store) -> Result<Vec<String>, FileError> {
 
 /// Whether a folder has links to results.
 fn has_results(folder: &Path) -> Result<bool, FileError> {
-    let leads = |entry: &fs::DirEntry| fs::read_link(entry.path()).is_ok_and(|to| is_key(&to));
-    Ok(folder.is_dir() && entries(folder)?.iter().any(leads))
+    for entry in entries(folder)? {
+        let path = entry.path();
+        if file::is_link(&path)? {
+            let to = fs::read_link(&path).map_err(FileError::new(&path, "read"))?;
+            if is_key(&to) {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
 }
 
 /// Name of the pipeline with this folder.

@@ -209,9 +209,17 @@ fn examine_names(store: &Store) -> Finding {
             Ok(manifest) => {
                 for entry in manifest.unwrap_or_default().results {
                     let result = store.root().join(&entry.folder);
-                    if !result.is_dir() {
-                        let what = format!("the result in {} is gone", result.display());
-                        add(latest::folder(store, &name).join(&entry.name), what, true);
+                    let name = latest::folder(store, &name).join(&entry.name);
+                    match file::is_folder(&result) {
+                        Ok(true) => {}
+                        Ok(false) => {
+                            add(
+                                name,
+                                format!("the result in {} is gone", result.display()),
+                                true,
+                            );
+                        }
+                        Err(error) => add(name, error.to_string(), false),
                     }
                 }
             }

@@ -160,7 +160,7 @@ pub fn figure(
             study.cost.name(),
             study.cost.unit()
         ),
-        y: format!("error of {} (%)", target.words()),
+        y: format!("error of {} (%)", target.readable(1.0).words),
         clouds,
         front,
     }
@@ -187,7 +187,9 @@ pub fn comparison(study: &Study, target: &Target, trials: &[Trial], found: &[Fou
         line: Line::Solid,
         colour,
     };
-    let over = |found: [f64; 3], k: usize| [middle(found), found[k] / middle(found)];
+    let most = known.iter().map(|p| middle(p.1).abs()).fold(0.0, f64::max);
+    let shown = target.readable(most);
+    let over = |found: [f64; 3], k: usize| [shown.factor * middle(found), found[k] / middle(found)];
     let bound = |k: usize| known.iter().map(|p| over(p.1, k)).collect::<Vec<_>>();
     let mut curves = match bound(1) == bound(2) {
         true => vec![curve("theory", REFERENCE[0], bound(1))],
@@ -209,7 +211,7 @@ pub fn comparison(study: &Study, target: &Target, trials: &[Trial], found: &[Fou
     }
     Plot {
         title: study.title.clone(),
-        x: format!("{} by theory", target.column),
+        x: format!("{} by theory", shown.label()),
         y: format!("found at {} over theory", short(finest)),
         curves,
         from_zero: false,

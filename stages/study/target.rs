@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use coronet::draw::readable::Readable;
 use coronet::measure::lamella::Lamella;
 use coronet::measure::norm::{Norm, compare_column};
 use coronet::measure::series::{Reference, Series};
@@ -116,17 +117,17 @@ pub struct Found {
 }
 
 impl Target {
-    /// What is compared, in words: `crater depth` for `crater_depth_m`.
-    pub fn words(&self) -> String {
-        const UNITS: [&str; 6] = ["m", "s", "kg", "J", "Pa", "deg"];
-        let mut words: Vec<&str> = self.column.split('_').collect();
-        while words.len() > 1 && words.last().is_some_and(|word| UNITS.contains(word)) {
-            words.pop();
-        }
-        let words = words.join(" ");
+    /// What is compared, whose absolute value is at most `most`: `crater depth`, mm.
+    pub fn readable(&self, most: f64) -> Readable {
+        let column = Readable::of(&self.column, most);
+        let time = |words: String| Readable {
+            words,
+            ..Readable::of("_s", most)
+        };
         match self.of {
-            Feature::Period => format!("the period of {words}"),
-            _ => words,
+            Feature::Period => time(format!("period of {}", column.words)),
+            Feature::When => time(format!("time of largest {}", column.words)),
+            Feature::Largest | Feature::Last | Feature::Mean => column,
         }
     }
 

@@ -172,8 +172,13 @@ fn drop_and_pool_have_their_colours_in_section_and_view() {
     }
     let section = Section::new(&scene, &frame, 12e-3, "t = 1.0 ms".into());
     // However high the liquid is, all of it is in the picture.
-    let high = section.draw(&scene, 20.0 * section.top());
-    assert!(has(&high, is_orange) > 0);
+    let mut high = frame.clone();
+    high.position[2].iter_mut().for_each(|z| *z += 60e-3);
+    let high = Section::new(&scene, &high, 12e-3, "t = 1.0 ms".into());
+    let picture = high.draw(&scene, high.top());
+    let scale = picture.height as f64 / (1e3 * high.top());
+    let jet = has(&picture, is_orange) as f64 / (scale * scale);
+    assert!((jet - 16.0).abs() < 3.0, "the raised jet covers {jet} mm²");
     assert!(
         (section.top() - 13.75e-3).abs() < 0.3e-3,
         "{}",

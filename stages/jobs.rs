@@ -27,7 +27,9 @@ use crate::settings::{self, Forecast};
 pub mod version {
     use coronet::particle::wall::Lattice;
     use coronet::pipeline::Setting;
-    use coronet::scene::{Density, Dimension, Domain, Method, Problem, TensionForm, TimeStepping};
+    use coronet::scene::{
+        Density, Dimension, Domain, Method, Problem, Side, TensionForm, TimeStepping, driven,
+    };
 
     /// Of packing.
     pub const PACK: u32 = 2;
@@ -36,7 +38,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 24;
     /// Of the evaluation.
-    pub const POST: u32 = 23;
+    pub const POST: u32 = 24;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {
@@ -79,6 +81,15 @@ pub mod version {
         if problem.has_wall() {
             parts.push(walls());
         }
+        let has_wall = |axis: &&usize| problem.domain.boundary[**axis].contains(&Side::Wall);
+        let walled = problem.dimension.axes().iter().filter(has_wall).count();
+        // Of what is put back out of walls. 1: apart in corners, farther without a tension.
+        if walled > 1 || walled > 0 && problem.effects.tension.is_none() {
+            parts.push(part("put-back", 1));
+        }
+        if driven::is_driven(problem) {
+            parts.push(part("driven", 1));
+        }
         if problem.domain.wall_velocity.as_flattened().as_flattened() != [0.0; 18] {
             parts.push(part("sliding-walls", 1));
         }
@@ -111,11 +122,11 @@ pub mod version {
         }
     }
 
-    /// Of what the log of an impact holds besides the particles. 4: rings by their areas.
+    /// Of what the log of an impact holds besides the particles. Rings have areas.
     pub fn log(problem: &Problem) -> Setting {
         match problem.domain.is_axial() {
-            true => part("log", 4),
-            false => part("log", 3),
+            true => part("log", 5),
+            false => part("log", 4),
         }
     }
 

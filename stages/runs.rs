@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use anyhow::{Context as _, Error, Result};
 use coronet::file::{changed, exists};
@@ -23,10 +23,15 @@ const VERSION: &str = "version.";
 /// tension is calibrated.
 const BODY: &str = "body.";
 
+/// How much earlier than its name's last change a job of the same try may have ended.
+const SAME_TRY: Duration = Duration::from_secs(10);
+
 /// A run: its results, each with its stamp.
 pub struct Run {
     pub name: String,
     pub results: Vec<(PathBuf, Stamp)>,
+    /// Folders of results that are gone, or were set aside.
+    pub gone: Vec<PathBuf>,
     /// When its name was last given to results.
     pub named: Option<SystemTime>,
 }
@@ -45,21 +50,22 @@ impl Run {
     /// The run of that name.
     ///
     /// # Errors
-    /// If its manifest or a stamp cannot be read, or a result is gone.
+    /// If its manifest or a stamp cannot be read.
     pub fn named(store: &Store, name: &str) -> Result<Run> {
         let manifest = latest::read(store, name)?.unwrap_or_default();
-        let mut results = Vec::new();
+        let (mut results, mut gone) = (Vec::new(), Vec::new());
         for entry in manifest.results {
             let folder = store.root().join(entry.folder);
-            let stamp = Stamp::read(&folder)?;
-            let gone = || format!("the result in {} is gone", folder.display());
-            let stamp = stamp.with_context(gone)?;
-            results.push((folder, stamp));
+            match Stamp::read(&folder)? {
+                Some(stamp) => results.push((folder, stamp)),
+                None => gone.push(folder),
+            }
         }
         let path = latest::folder(store, name).join(MANIFEST);
         Ok(Run {
             name: name.to_string(),
             results,
+            gone,
             named: changed(&path)?,
         })
     }
@@ -91,6 +97,7 @@ impl Run {
         Ok(Run {
             name: text.to_string(),
             results: results.into_iter().collect(),
+            gone: Vec::new(),
             named: None,
         })
     }
@@ -138,25 +145,34 @@ impl Run {
             let told = job.told.as_ref();
             told.is_some_and(|(told, _)| told.pipeline == self.name)
         };
-        let mut mine = jobs.iter().filter(is_mine);
+        let mine = jobs.iter().filter(is_mine);
         if let Some(job) = mine.clone().find(|job| job.holder.is_some()) {
             let part = job.told.as_ref().map(|(told, _)| told.fraction);
             return State::Running(job.label(), part);
         }
-        // A job that stands still since before the name was last given is of an earlier try.
-        if let Some(job) = mine.find(|job| job.touched() > self.named) {
-            return State::Unfinished(job.label());
-        }
+        // A job that stands still since long before the name was last given is of an earlier try.
+        let is_of_this = |job: &&Unfinished| {
+            let ended = job.touched().map(|touched| touched + SAME_TRY);
+            ended > self.named
+        };
+        let last = mine.filter(is_of_this).max_by_key(|job| job.touched());
+        let unfinished = |stage: &str| match last {
+            Some(job) => State::Unfinished(job.label()),
+            None => State::Unfinished(stage.into()),
+        };
         let is_here = |key| self.results.iter().any(|(_, stamp)| stamp.key == key);
         let whole = |stamp: &Stamp| stamp.inputs.iter().all(|input| is_here(input.key));
         for stage in ["calibrate", "impact", "post"] {
             match self.result(stage) {
-                Some((_, stamp)) if !whole(stamp) => return State::Unfinished(stage.into()),
-                None if stage != "calibrate" => return State::Unfinished(stage.into()),
+                Some((_, stamp)) if !whole(stamp) => return unfinished(stage),
+                None if stage != "calibrate" => return unfinished(stage),
                 _ => {}
             }
         }
-        State::Finished
+        match last.filter(|job| job.touched() > self.named) {
+            Some(job) => State::Unfinished(job.label()),
+            None => State::Finished,
+        }
     }
 }
 

@@ -86,6 +86,7 @@ impl<K: Kernel, V: PairViscosity> Hand<K, V> {
             longest: support,
             late: 0.0,
             farthest: 0.0,
+            deepest: 0.5 * scene.spacing,
         };
         let (n, wall) = (particles.len(), Wall::default());
         let pairs = scene.pairs;

@@ -318,7 +318,8 @@ def run(
     if ended.returncode != 0:
         raise CoronetError(ended.stderr.strip() or f"coronet ended with {ended.returncode}")
     summary = json.loads(ended.stdout.splitlines()[-1])
-    return Run(summary["latest"])
+    # The name without the settings is that of the newest run.
+    return Run(Path(summary["artifacts"], "latest", summary["name"]))
 
 
 @dataclass(frozen=True)

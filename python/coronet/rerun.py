@@ -22,6 +22,19 @@ from . import open as open_run
 
 #: Name of the time line: seconds from the start of the run.
 TIMELINE = "time"
+#: Units of measures by the end of their name, the longest first.
+UNITS = {
+    "kg_m_s": "kg m/s",
+    "m_s": "m/s",
+    "m2": "m^2",
+    "m": "m",
+    "s": "s",
+    "Pa": "Pa",
+    "N": "N",
+    "J": "J",
+    "kg": "kg",
+    "deg": "deg",
+}
 #: Colours of bodies, which are distinguishable for the colour-blind (Okabe & Ito 2008).
 COLOURS = np.array([[86, 180, 233], [230, 159, 0], [0, 158, 115], [204, 121, 167]], dtype=np.uint8)
 
@@ -42,12 +55,13 @@ def _points(frame: Frame, spacing: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _plots(columns: Iterable[str]) -> list[rrb.TimeSeriesView]:
-    """A plot for each unit, which a column has after its last underscore."""
+    """A plot for each unit, which is the end of the name of a column."""
     units: dict[str, list[str]] = {}
     for column in columns:
-        units.setdefault(column.rpartition("_")[2] if "_" in column else "", []).append(column)
+        ends = (unit for end, unit in UNITS.items() if column.endswith(f"_{end}"))
+        units.setdefault(next(ends, "without unit"), []).append(column)
     return [
-        rrb.TimeSeriesView(name=unit or "ratio", contents=[f"/measures/{c}" for c in columns])
+        rrb.TimeSeriesView(name=unit, contents=[f"/measures/{c}" for c in columns])
         for unit, columns in units.items()
     ]
 

@@ -116,6 +116,15 @@ def test_the_final_state_is_that_of_the_last_frame(run):
         assert state.position[order] == pytest.approx(last.position, abs=1e-8)
 
 
+def test_a_run_stays_what_it_is_when_the_scene_runs_again(tmp_path):
+    def go(end):
+        return coronet.run(TINY, {"impact.end": end}, artifacts=tmp_path, program=PROGRAM)
+
+    first, second = go("0.4 ms"), go("0.6 ms")
+    assert first.settings["impact.end"] == "0.4 ms"
+    assert second.settings["impact.end"] == "0.6 ms"
+
+
 def test_damage_and_absence_are_told_apart(run, tmp_path):
     with pytest.raises(OSError, match="none.mcap"):
         list(coronet.read_frames(tmp_path / "none.mcap"))

@@ -1,5 +1,6 @@
 //! The plots of a scene, with the reference curves in them.
 
+use super::canvas::Colour;
 use super::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use crate::measure::kind::{Kind, contact_within};
 use crate::measure::series::{Reference, Series};
@@ -111,16 +112,17 @@ impl Figures<'_> {
                 };
                 curves.push(Curve {
                     label: (*label).to_owned(),
-                    points: self.points(self.series, values, factor, self.shift),
+                    points: self.own(column, values, factor),
                     line,
                     colour: PALETTE[n % PALETTE.len()],
                 });
             }
         }
-        let several = columns.len() > 1;
         // A second measure of the same length is not compared.
-        for (column, label) in columns.iter().filter(|c| !c.0.contains("_far_")) {
-            self.add_references(column, several.then_some(*label), factor, &mut curves);
+        let own: Vec<_> = columns.iter().filter(|c| !c.0.contains("_far_")).collect();
+        for (n, (column, label)) in own.iter().enumerate() {
+            let what = (own.len() > 1).then_some((*label, PALETTE[n % PALETTE.len()]));
+            self.add_references(column, what, factor, &mut curves);
         }
         Plot {
             title: title.to_owned(),
@@ -131,10 +133,11 @@ impl Figures<'_> {
         }
     }
 
+    /// `what`: of several columns the label and the colour of this one.
     fn add_references(
         &self,
         column: &str,
-        what: Option<&str>,
+        what: Option<(&str, Colour)>,
         factor: f64,
         curves: &mut Vec<Curve>,
     ) {
@@ -148,10 +151,14 @@ impl Figures<'_> {
             let mut points = self.points(table, values, factor, shift);
             points.retain(|p| p[0] <= 1.05e3 * end);
             let label = match what {
-                Some(what) if column != "crater_depth_m" => format!("{label}: {what}"),
-                _ => label.clone(),
+                Some((what, _)) => format!("{label}: {what}"),
+                None => label.clone(),
             };
-            let colour = REFERENCE[n % REFERENCE.len()];
+            // The curves of a lone reference go with those of the run.
+            let colour = match what {
+                Some((_, colour)) if self.references.len() == 1 => colour,
+                _ => REFERENCE[n % REFERENCE.len()],
+            };
             curves.push(Curve {
                 label,
                 points,
@@ -159,6 +166,16 @@ impl Figures<'_> {
                 colour,
             });
         }
+    }
+
+    /// Of a crater only what comes after contact: before, there are but ripples.
+    fn own(&self, column: &str, values: &[f64], factor: f64) -> Vec<[f64; 2]> {
+        let from = contact_within(self.scene).map(|contact| 1e3 * (contact - self.shift));
+        let mut points = self.points(self.series, values, factor, self.shift);
+        if column.starts_with("crater_") {
+            points.retain(|[time, _]| from.is_some_and(|from| *time >= from));
+        }
+        points
     }
 
     fn points(&self, table: &Series, values: &[f64], factor: f64, shift: f64) -> Vec<[f64; 2]> {

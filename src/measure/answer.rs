@@ -139,9 +139,15 @@ pub fn lines(answers: &[Answer], shift: f64) -> Vec<(String, String)> {
     answers.iter().map(line).collect()
 }
 
+/// Range of the amplitude below which a drop is at rest: disorder changes the moments of a drop of
+/// 20 spacings by less.
+const STILL: f64 = 1e-3;
+
 /// The figures of a run of the whole `scene`; `shift`: time of contact, s.
 pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Answer> {
     let mut answers = match kind {
+        // Before, there are but ripples.
+        Kind::Pool(_) if kind::contact_within(scene).is_none() => Vec::new(),
         Kind::Pool(_) => pool(&series.window(shift, f64::INFINITY)),
         Kind::Wall(_) => wall(scene, series, shift),
         Kind::Shape => shape(scene, series),
@@ -224,7 +230,12 @@ fn shape(scene: &Scene, series: &Series) -> Vec<Answer> {
         Quantity::Number,
     );
     let lone = scene.bodies.len() == 1;
-    let period = period(series, "amplitude").filter(|_| lone);
+    let swings = series.column("amplitude").is_some_and(|values| {
+        let known = || values.iter().filter(|value| value.is_finite());
+        let [low, high] = [f64::min, f64::max].map(|pick| known().copied().reduce(pick));
+        high.zip(low).is_some_and(|(high, low)| high - low > STILL)
+    });
+    let period = period(series, "amplitude").filter(|_| lone && swings);
     let period = period.map(|value| Answer {
         name: "period of the n = 2 oscillation",
         quantity: Quantity::Duration,

@@ -186,39 +186,10 @@ fn energy_growth(measures: &Series, method: &Method) -> f64 {
 /// with a tension that is a stress, which has no energy for the budget. `mass`: of the first frame,
 /// kg.
 pub fn unexplained_part(scene: &Scene, measures: &Series, mass: f64) -> [f64; 2] {
-    let has_energy =
-        scene.effects.tension.is_none() || scene.effects.has_tension(TensionForm::SurfaceEnergy);
-    let gravity = scene.effects.gravity.map_or(f64::NAN, length);
-    match has_energy {
-        true => unexplained(measures, mass * gravity * scene.spacing),
-        false => [f64::NAN; 2],
-    }
-}
-
-/// The largest unexplained gain of energy and its size at the end, over the initial energy or, if
-/// that is more, the work or the motion; `least`: lower bound of it, J, NaN for none.
-fn unexplained(measures: &Series, least: f64) -> [f64; 2] {
-    let Some(unexplained) = measures.column("energy_unexplained_J") else {
+    let unexplained = measures.column("energy_unexplained_J");
+    let (Some(unexplained), Some(whole)) = (unexplained, turnover(scene, measures, mass)) else {
         return [f64::NAN; 2];
     };
-    let first = |name: &str| measures.column(name).map_or(0.0, |e| e[0]);
-    let potential = measures.column("potential_energy_J").unwrap_or(&[]);
-    let lowest = potential.iter().copied().fold(f64::INFINITY, f64::min);
-    let fall = potential.first().map_or(0.0, |start| start - lowest);
-    let start = first("kinetic_energy_J") + first("surface_energy_J") + fall;
-    // What drives a flow may do more work than that.
-    let driven = measures
-        .names
-        .iter()
-        .filter(|name| name.ends_with("_work_J"));
-    let work = driven.filter_map(|name| measures.column(name)).flatten();
-    let moved = measures.column("kinetic_energy_J").unwrap_or(&[]);
-    let whole = work
-        .chain(moved)
-        .fold(start.max(least), |most, e| e.abs().max(most));
-    if whole <= 0.0 {
-        return [f64::NAN; 2];
-    }
     // A pressure that should do no work gives energy only at the cost of what it took.
     let pressed = measures.column("pressure_work_J").unwrap_or(&[]);
     let pressed = pressed.iter().map(|work| work.max(0.0));
@@ -227,6 +198,41 @@ fn unexplained(measures: &Series, least: f64) -> [f64; 2] {
         .zip(pressed.chain(std::iter::repeat(0.0)));
     let most = gains.map(|(gain, given)| gain + given).fold(0.0, f64::max);
     [most, last(measures, "energy_unexplained_J").abs()].map(|e| e / whole)
+}
+
+/// The most work of the pressure of a projection, which should do none, over the same energy;
+/// `None` without it.
+pub fn pressed_part(scene: &Scene, measures: &Series, mass: f64) -> Option<f64> {
+    let pressed = measures.column("pressure_work_J")?;
+    let most = pressed
+        .iter()
+        .fold(0.0, |most: f64, work| most.max(work.abs()));
+    Some(most / turnover(scene, measures, mass)?)
+}
+
+/// The initial energy or, if that is more, the work of what drives a flow, or the motion, J; `None`
+/// if there is none, or with a tension that has no energy. `mass`: of the first frame, kg.
+fn turnover(scene: &Scene, measures: &Series, mass: f64) -> Option<f64> {
+    let has_energy =
+        scene.effects.tension.is_none() || scene.effects.has_tension(TensionForm::SurfaceEnergy);
+    let gravity = scene.effects.gravity.map_or(f64::NAN, length);
+    let least = mass * gravity * scene.spacing;
+    let first = |name: &str| measures.column(name).map_or(0.0, |e| e[0]);
+    let potential = measures.column("potential_energy_J").unwrap_or(&[]);
+    let lowest = potential.iter().copied().fold(f64::INFINITY, f64::min);
+    let fall = potential.first().map_or(0.0, |start| start - lowest);
+    let start = first("kinetic_energy_J") + first("surface_energy_J") + fall;
+    // What drives a flow may do more work than that; what should do none does not count.
+    let drives = |name: &&String| {
+        name.ends_with("_work_J") && !["pressure_work_J", "removal_work_J"].contains(&name.as_str())
+    };
+    let driven = measures.names.iter().filter(drives);
+    let work = driven.filter_map(|name| measures.column(name)).flatten();
+    let moved = measures.column("kinetic_energy_J").unwrap_or(&[]);
+    let whole = work
+        .chain(moved)
+        .fold(start.max(least), |most, e| e.abs().max(most));
+    (has_energy && whole > 0.0).then_some(whole)
 }
 
 /// kg m/s.

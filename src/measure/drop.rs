@@ -8,9 +8,11 @@
 //! Spread on a dry wall: diameter of the area within the outer contact line over the drop's; holes
 //! in the film count as film. Front: dam break.
 
+use super::layer::{self, Layer, crossing};
 use super::region::{Class, Region};
 use crate::particle::Frame;
 use crate::scene::Dimension;
+use std::ops::Range;
 
 /// Centre and shape of all liquid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,79 +133,28 @@ impl Spread {
                 }
             }
         }
-        let extent = |nodes: usize| match dimension {
-            Dimension::Two => nodes as f64 * raster.spacing[0],
-            Dimension::Three => {
-                let area = nodes as f64 * raster.spacing[0] * raster.spacing[1];
-                2.0 * (area / std::f64::consts::PI).sqrt()
-            }
-        };
-        let count = |shut: &[bool]| shut.iter().filter(|shut| **shut).count();
         let area = |nodes: &[bool]| {
             let some = nodes.iter().enumerate().filter(|(_, some)| **some);
             some.map(|(k, _)| raster.weight(k % size[0])).sum::<f64>()
         };
         let enclosed = wet.enclosed();
         let (all, wetted) = (area(&enclosed), area(&wet.is_marked));
+        // Of the column's layers, that which reaches farthest.
+        let reach = |layers: Range<usize>, [i, j]: [usize; 2], [x, y]: [usize; 2]| {
+            let wet = layers.filter(|&k| region.class([i, j, k]) == Class::Main);
+            let reach = wet.map(|k| crossing(raster.value([i, j, k]), raster.value([x, y, k])));
+            reach.fold(0.0, f64::max)
+        };
+        let extent = |inside: &[bool], layers: Range<usize>| {
+            let edge = |from, to| reach(layers.clone(), from, to);
+            layer::diameter(raster, dimension, inside, edge) / diameter
+        };
         Spread {
-            wetted: extent(count(&enclosed)) / diameter,
+            wetted: extent(&enclosed, 0..1),
             dry: if all > 0.0 { (all - wetted) / all } else { 0.0 },
-            largest: extent(count(&covered.enclosed())) / diameter,
+            largest: extent(&covered.enclosed(), 0..raster.count[2]),
             apex,
         }
-    }
-}
-
-/// Nodes of a horizontal layer, x fastest, and which of them are marked.
-struct Layer {
-    size: [usize; 2],
-    is_marked: Vec<bool>,
-}
-
-impl Layer {
-    fn new(size: [usize; 2]) -> Layer {
-        Layer {
-            size,
-            is_marked: vec![false; size[0] * size[1]],
-        }
-    }
-
-    fn mark(&mut self, [i, j]: [usize; 2], is_marked: bool) {
-        self.is_marked[j * self.size[0] + i] = is_marked;
-    }
-
-    /// Which nodes are marked or enclosed by marked ones.
-    fn enclosed(&self) -> Vec<bool> {
-        let [nx, ny] = self.size;
-        let mut is_shut = vec![true; nx * ny];
-        let mut next = Vec::new();
-        let mut open = |node: usize, next: &mut Vec<usize>| {
-            if is_shut[node] && !self.is_marked[node] {
-                is_shut[node] = false;
-                next.push(node);
-            }
-        };
-        for i in 0..nx {
-            for j in 0..ny {
-                if i == 0 || i + 1 == nx || ny > 1 && (j == 0 || j + 1 == ny) {
-                    open(j * nx + i, &mut next);
-                }
-            }
-        }
-        while let Some(node) = next.pop() {
-            let (i, j) = (node % nx, node / nx);
-            let beside = [
-                (i > 0).then(|| node - 1),
-                (i + 1 < nx).then(|| node + 1),
-                (j > 0).then(|| node - nx),
-                (j + 1 < ny).then(|| node + nx),
-            ];
-            beside
-                .into_iter()
-                .flatten()
-                .for_each(|node| open(node, &mut next));
-        }
-        is_shut
     }
 }
 

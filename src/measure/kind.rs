@@ -82,9 +82,23 @@ fn axis(scene: &Scene, body: &Body) -> Option<Axis> {
         _ => return None,
     };
     Some(Axis {
-        at: [centre[0], centre[1]],
+        at: [0, 1].map(|a| landing(scene, body, a, centre[a])),
         diameter,
     })
+}
+
+/// Where along axis `a` a body that starts at `from` arrives, m: by the law of free fall.
+fn landing(scene: &Scene, body: &Body, a: usize, from: f64) -> f64 {
+    let (Motion::Uniform(velocity), Some(time)) = (&body.motion, arrival(scene, body)) else {
+        return from;
+    };
+    let pull = scene.effects.gravity.map_or(0.0, |g| g[a]);
+    let way = velocity[a] * time + 0.5 * pull * time * time;
+    match (way == 0.0, scene.domain.boundary[a] == [Side::Periodic; 2]) {
+        (true, _) => from,
+        (_, true) => (from + way).rem_euclid(scene.domain.size[a]),
+        (_, false) => (from + way).clamp(0.0, scene.domain.size[a]),
+    }
 }
 
 /// The axes of all drops but the one that is measured.
@@ -101,7 +115,7 @@ pub fn contact_time(scene: &Scene) -> f64 {
 
 /// [`contact`], if it is before the end of the run.
 pub fn contact_within(scene: &Scene) -> Option<f64> {
-    contact(scene).filter(|time| *time <= scene.impact.end)
+    contact(scene).filter(|time| *time < scene.impact.end)
 }
 
 /// Time at which the freely falling drop meets pool, wall or resting drop, s from the start: by the

@@ -15,6 +15,7 @@ mod forest;
 pub mod gauge;
 pub mod kind;
 pub mod lamella;
+pub mod layer;
 pub mod loss;
 pub mod moment;
 pub mod norm;

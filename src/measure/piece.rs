@@ -23,7 +23,7 @@ impl<'a> Piece<'a> {
             frame: Cow::Borrowed(frame),
             moved: [0.0; 3],
         };
-        for axis in 0..3 {
+        for &axis in scene.dimension.axes() {
             let size = scene.domain.size[axis];
             let is_periodic = scene.domain.boundary[axis] == [Side::Periodic; 2];
             let bin = BIN * scene.spacing;
@@ -58,18 +58,20 @@ impl<'a> Piece<'a> {
 }
 
 /// The middle of the largest gap between the points `x`, m, if they lie on both sides of the ends
-/// of a periodic range and leave one.
+/// of a periodic range and leave one; else 0 if some are beyond its ends: a frame can have
+/// particles that have not yet come in again.
 fn gap(x: &[f32], size: f64, bin: f64) -> Option<f64> {
     let count = ((size / bin) as usize).max(1);
     let mut is_filled = vec![false; count];
+    let is_beyond = x.iter().any(|x| !(0.0..size).contains(&f64::from(*x)));
     for x in x {
-        let place = f64::from(*x) / size * count as f64;
-        if place >= 0.0 {
+        let place = f64::from(*x).rem_euclid(size) / size * count as f64;
+        if place.is_finite() {
             is_filled[(place as usize).min(count - 1)] = true;
         }
     }
     if !(is_filled[0] && is_filled[count - 1]) {
-        return None;
+        return is_beyond.then_some(0.0);
     }
     let runs = is_filled.chunk_by(|a, b| a == b);
     let (mut first, mut longest, mut middle) = (0, 0, None);
@@ -80,5 +82,5 @@ fn gap(x: &[f32], size: f64, bin: f64) -> Option<f64> {
         }
         first += run.len();
     }
-    middle
+    middle.or(is_beyond.then_some(0.0))
 }

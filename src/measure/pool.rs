@@ -13,6 +13,7 @@
 //!   of all particles, mist included.
 //! * `far_level`: mean level of the outermost tenth of the box; a crater in a small box raises it.
 
+use super::layer::{self, crossing};
 use super::raster::{LEVEL, Raster};
 use super::region::{Class, Region};
 use crate::scene::Dimension;
@@ -167,7 +168,7 @@ enum Cell {
 fn crater_diameter(region: &Region, axis: &Axis, dimension: Dimension, level: f64) -> Option<f64> {
     let raster = region.raster;
     let [nx, ny, _] = raster.count;
-    let mut plane = plane(region, level);
+    let (mut plane, values) = plane(region, level);
     let patches = patches(region, axis, &mut plane, level);
     let deep = patches.iter().filter(|p| p.crater);
     let largest = deep
@@ -195,48 +196,41 @@ fn crater_diameter(region: &Region, axis: &Axis, dimension: Dimension, level: f6
             }
         }
     }
-    let mut inside = 0usize;
+    let inside: Vec<bool> = outside.iter().map(|outside| !outside).collect();
     let mut encloses = false;
     for_columns(region, |i, j| {
-        if !outside[j * nx + i] {
-            inside += 1;
-            let d = offset(region, axis, i, j);
-            encloses |= d[0].hypot(d[1]) <= raster.particle_spacing;
-        }
+        let d = offset(region, axis, i, j);
+        encloses |= inside[j * nx + i] && d[0].hypot(d[1]) <= raster.particle_spacing;
     });
-    if !encloses {
-        return None;
-    }
-    let cells = inside as f64;
-    Some(match dimension {
-        Dimension::Two => cells * raster.spacing[0],
-        Dimension::Three => {
-            2.0 * (cells * raster.spacing[0] * raster.spacing[1] / std::f64::consts::PI).sqrt()
-        }
-    })
+    let edge = |from: [usize; 2], to: [usize; 2]| {
+        let [from, to] = [from, to].map(|[i, j]| values[j * nx + i]);
+        crossing(from, to)
+    };
+    encloses.then(|| layer::diameter(raster, dimension, &inside, edge))
 }
 
-/// Gas or liquid of every column at height `level`, φ interpolated between two layers of nodes.
-fn plane(region: &Region, level: f64) -> Vec<Cell> {
+/// Gas or liquid of every column at height `level`, and φ there, interpolated between two layers.
+fn plane(region: &Region, level: f64) -> (Vec<Cell>, Vec<f32>) {
     let raster = region.raster;
     let [nx, ny, nz] = raster.count;
     let place = level / raster.spacing[2] - 0.5;
     let low = (place.floor().max(0.0) as usize).min(nz - 1);
     let high = (low + 1).min(nz - 1);
     let part = (place - low as f64).clamp(0.0, 1.0) as f32;
-    let mut plane = Vec::with_capacity(nx * ny);
+    let (mut plane, mut values) = (Vec::new(), Vec::with_capacity(nx * ny));
     for_columns(region, |i, j| {
         let (below, above) = (raster.value([i, j, low]), raster.value([i, j, high]));
         let exterior = region.class([i, j, low]) == Class::Exterior
             || region.class([i, j, high]) == Class::Exterior;
-        let gas = (1.0 - part) * below + part * above < LEVEL;
-        plane.push(if gas && exterior {
+        let value = (1.0 - part) * below + part * above;
+        values.push(value);
+        plane.push(if value < LEVEL && exterior {
             Cell::Gas
         } else {
             Cell::Liquid
         });
     });
-    plane
+    (plane, values)
 }
 
 struct Patch {

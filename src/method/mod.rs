@@ -360,6 +360,7 @@ fn flow_of(case: &Case, particles: Particles, wall: Wall) -> Result<Flow, Method
         late,
         // Spray crosses a spacing in a step of a projection.
         farthest: if case.is_implicit { case.spacing } else { 0.0 },
+        deepest: flow::wall::deepest(case.spacing, case.effects.tension.is_some()),
     };
     Ok(Flow::new(
         case.dimension,

@@ -11,7 +11,7 @@ use super::machine::{Clock, now};
 use super::progress::Teller;
 use super::stamp::{InputStamp, Stamp};
 use super::store::OUT;
-use super::{Event, Progress, StageError, Watch};
+use super::{Event, Progress, Report, StageError, Watch};
 use crate::file::{self, FileError};
 use crate::record::atomic::{create_folder, write_file};
 use crate::record::{Checkpoint, Digest, checkpoint};
@@ -190,6 +190,18 @@ impl Context<'_> {
 }
 
 impl Input {
+    /// The result of a job, with its name: equal bodies share a result, which has that of one.
+    pub(super) fn of(report: &Report) -> Input {
+        let body = report.body.clone();
+        Input {
+            folder: report.folder.clone(),
+            stamp: Stamp {
+                body,
+                ..report.stamp.clone()
+            },
+        }
+    }
+
     /// Its entry in the stamp of its reader.
     pub(super) fn stamp_of(&self) -> InputStamp {
         InputStamp {

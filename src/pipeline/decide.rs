@@ -132,7 +132,15 @@ pub fn decide(
     decision.seconds = estimate(decision.work, stage, &stamps);
     if decision.reasons.is_empty() {
         let wanted: Vec<SettingStamp> = settings.iter().map(SettingStamp::from).collect();
-        decision.reasons = reasons(pipeline, stage, &wanted, &inputs, &stamps);
+        // What it continues, if that is a result.
+        let is_relative = |stamp: &Stamp| family.is_some() && stamp.family == family;
+        let relatives = stamps.iter().filter(|(_, stamp)| is_relative(stamp));
+        let relatives: Vec<_> = relatives.cloned().collect();
+        let known = match decision.start.is_some() && !relatives.is_empty() {
+            true => relatives,
+            false => stamps,
+        };
+        decision.reasons = reasons(pipeline, stage, &wanted, &inputs, &known);
     }
     Ok(decision)
 }

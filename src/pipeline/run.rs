@@ -165,7 +165,7 @@ impl Walk<'_> {
         let key = decision.key.expect("all inputs are done");
         if let Some(report) = fresh(run.store, decision) {
             discard_work(run.store, &report.folder);
-            return Ok(Attempt::Done(report));
+            return Ok(self.shared(report));
         }
         let label = super::label(run.pipeline.jobs[job].as_ref());
         let interrupted = || PipelineError::Interrupted { job: label.clone() };
@@ -190,9 +190,8 @@ impl Walk<'_> {
         // The previous holder of the lock may have made it.
         let decision = decide()?;
         if decision.fresh.is_some() {
-            return Ok(Attempt::Done(
-                fresh(run.store, decision).expect("just seen"),
-            ));
+            let report = fresh(run.store, decision).expect("just seen");
+            return Ok(self.shared(report));
         }
         let Some(remote) = run.remote else {
             return self.make(job, decision, &folder);
@@ -201,11 +200,18 @@ impl Walk<'_> {
         if let Some(report) = remote.fetched(&decision, &folder, &inputs, run.watch)? {
             return Ok(Attempt::Done(Box::new(report)));
         }
-        let made = self.make(job, decision, &folder)?;
-        if let Attempt::Done(report) = &made {
-            remote.offer(report, run.watch);
+        match self.make(job, decision, &folder)? {
+            Attempt::Done(report) => Ok(self.shared(report)),
+            other => Ok(other),
         }
-        Ok(made)
+    }
+
+    /// Puts a result into the remote store, if there is one that lacks it.
+    fn shared(&self, report: Box<Report>) -> Attempt {
+        if let Some(remote) = self.run.remote.filter(|remote| !remote.only) {
+            remote.offer(&report, self.run.watch);
+        }
+        Attempt::Done(report)
     }
 
     /// Runs the stage and publishes its files. The caller holds the lock of `folder`.
@@ -302,15 +308,9 @@ impl Walk<'_> {
     }
 
     fn inputs(&self, job: usize) -> Vec<Input> {
-        let inputs = self.run.pipeline.jobs[job].inputs();
-        let input = |index: usize| {
-            let report = self.done[index].as_ref().expect("inputs come first");
-            Input {
-                folder: report.folder.clone(),
-                stamp: report.stamp.clone(),
-            }
-        };
-        inputs.into_iter().map(input).collect()
+        let inputs = self.run.pipeline.jobs[job].inputs().into_iter();
+        let done = inputs.map(|index| self.done[index].as_ref().expect("inputs come first"));
+        done.map(Input::of).collect()
     }
 
     /// Sets a damaged file of job `producer` aside and regenerates it.

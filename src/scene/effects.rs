@@ -180,10 +180,16 @@ fn along(
     tree: &Tree<'_>,
 ) -> Result<[f64; 3], SceneError> {
     let vector = dimension.vector(direction, key, tree)?;
-    let length = vector.iter().map(|each| each * each).sum::<f64>().sqrt();
-    if !(length > 0.0 && length.is_finite()) {
+    let largest = vector
+        .iter()
+        .fold(0.0, |most: f64, each| most.max(each.abs()));
+    if !(largest > 0.0 && largest.is_finite()) {
         return Err(tree.fault(key, "has no direction", "give a vector that is not zero"));
     }
+    // A power of two changes no digit: squares of the parts are neither 0 nor infinite then.
+    let power = 2f64.powi(largest.log2().floor().clamp(-1000.0, 1000.0) as i32);
+    let vector = vector.map(|each| each / power);
+    let length = vector.iter().map(|each| each * each).sum::<f64>().sqrt();
     // + 0.0 turns -0 into 0.
     Ok(vector.map(|each| size * (each / length) + 0.0))
 }

@@ -7,6 +7,7 @@ mod body;
 mod check;
 mod conform;
 mod domain;
+pub mod driven;
 mod effects;
 pub mod error;
 pub mod file;

@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use super::driven;
 use super::limit;
 use super::quantity::{Unit, human};
 use super::shape::lattice;
@@ -124,11 +125,13 @@ pub fn length(vector: [f64; 3]) -> f64 {
 
 /// The speed V of Nishio et al. 2010, Eq. 8, m/s: as set, or the largest of the impact speed, the
 /// speed of a fall through the liquid's height sqrt(2 g T), the speed sqrt(8 sigma / (rho R)) at
-/// which the smallest drop oscillates, and the speed of a sliding wall.
+/// which the smallest drop oscillates, and those of sliding walls and of [`driven`] liquid.
 pub fn reference_speed(scene: &Problem) -> f64 {
     match wcsph(scene).map(|settings| settings.reference_speed) {
         Some(SpeedOf::Given(speed)) => speed,
-        _ => impact_speed(scene).max(standing_speed(scene)),
+        _ => impact_speed(scene)
+            .max(standing_speed(scene))
+            .max(driven::speeds(scene)[0]),
     }
 }
 
@@ -154,8 +157,13 @@ pub fn sound_speeds(scene: &Problem) -> [f64; 2] {
         && settings.pressure != Pressure::Clipped
         && matches!(settings.density, Density::Continuity { .. })
         && settings.time_stepping.is_dual();
-    let least = settings.sound_speed_factor * standing_speed(scene);
-    [if follows { least.min(most) } else { most }, most]
+    let [least, driven] = [standing_speed(scene), driven::speeds(scene)[1]]
+        .map(|speed| settings.sound_speed_factor * speed);
+    match settings.reference_speed {
+        _ if !follows => [most; 2],
+        SpeedOf::Given(_) => [least.min(most), most],
+        SpeedOf::Scene => [least, most.max(driven)],
+    }
 }
 
 /// Speed of sound, m/s: factor x reference speed; infinite in an incompressible liquid.

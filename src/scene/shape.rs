@@ -120,7 +120,8 @@ pub(super) fn lattice(dimension: Dimension, semi_axes: [f64; 3], is_cut: [bool; 
     for i in from(x, 0)..=reach(x, 0) {
         for j in across.clone() {
             let (i, j) = (i as f64 + off[0], j as f64 + off[1]);
-            let left = 1.0 - (i / x).powi(2) - (j / y).powi(2);
+            let across = if j == 0.0 { 0.0 } else { j / y };
+            let left = 1.0 - (i / x).powi(2) - across.powi(2);
             if left >= -1e-12 {
                 count += 2 * (z * left.max(0.0).sqrt() + 1e-9).floor() as u64 + 1;
             }

@@ -46,7 +46,15 @@ pub fn list(arguments: &StoreArguments) -> Result<()> {
     let (mut rows, mut unread) = (Vec::new(), None);
     for name in names(&store, &jobs)? {
         match Run::named(&store, &name) {
-            Ok(run) => rows.push(row(&store, run, &jobs, &mut unread)),
+            Ok(run) => {
+                for folder in &run.gone {
+                    note!(
+                        "warning: {name}: the result in {} is gone",
+                        folder.display()
+                    );
+                }
+                rows.push(row(&store, run, &jobs, &mut unread));
+            }
             Err(error) if fault::exit_code(&error) == fault::FILES => {
                 unread.get_or_insert(Unreadable(format!("{name}: {error:#}")));
             }
@@ -187,7 +195,12 @@ fn print(rows: &[Row], differing: &[(String, Vec<Option<String>>)]) {
     lines(&cells, &right).iter().for_each(|line| out!("{line}"));
     if differing.len() > settings.len() {
         let more = differing.len() - settings.len();
-        out!("{more} more settings differ; `coronet diff NAME NAME` shows them all");
+        let differ = if more == 1 {
+            "setting differs"
+        } else {
+            "settings differ"
+        };
+        out!("{more} more {differ}; `coronet diff NAME NAME` shows them all");
     }
 }
 

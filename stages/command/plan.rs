@@ -117,7 +117,7 @@ impl Shared {
             ranks,
             most,
             seconds: decisions.iter().map(seconds).sum(),
-            memory: forecast::shared(scene, working),
+            memory: forecast::memory::shared(scene, working),
         })
     }
 
@@ -176,7 +176,7 @@ pub fn fits(decisions: &[Decision], shared: Option<f64>) -> Result<()> {
 pub fn shared_here(scene: &Scene) -> Option<f64> {
     let size = ranks::world()?.size();
     let working = shared::most(scene).map_or(size, |most| size.min(most));
-    let [first, other] = forecast::shared(scene, working as f64);
+    let [first, other] = forecast::memory::shared(scene, working as f64);
     let here = ranks::beside().min(working);
     Some(first + other * (here as f64 - 1.0))
 }

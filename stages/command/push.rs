@@ -81,7 +81,11 @@ fn results(
 ) -> Result<BTreeMap<PathBuf, Stamp>> {
     let mut results = BTreeMap::new();
     for name in names {
-        results.extend(Run::meant(store, name)?.results);
+        let run = Run::meant(store, name)?;
+        if let Some(folder) = run.gone.first() {
+            bail!("{name}: the result in {} is gone", folder.display());
+        }
+        results.extend(run.results);
     }
     if names.is_empty() {
         for stage in store.stages()? {

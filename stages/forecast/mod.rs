@@ -6,6 +6,7 @@
 //! faster than the impact at first, then slows down as 1 / t until waves and jet determine the
 //! speed.
 
+pub mod memory;
 mod post;
 
 pub use post::post;
@@ -70,19 +71,10 @@ const CALIBRATE: [f64; 2] = [2e-6, 4.0];
 /// particle.
 const MEASURE: [f64; 2] = [1e-6, 10e-6];
 const MEASURE_FLAT: f64 = 1.1e-6;
-/// Bytes per particle in memory (WCSPH, projections), in a frame of the log, and in a checkpoint;
-/// number of checkpoints that stay.
-const MEMORY: [f64; 2] = [1500.0, 2600.0];
+/// Bytes per particle in a frame of the log, and in a checkpoint; number of checkpoints that stay.
 const FRAME: f64 = 35.0;
-/// Bytes of memory of the program itself.
-const BASE: f64 = 3.5e7;
 const CHECKPOINT: f64 = 52.0;
 const CHECKPOINTS: f64 = 5.0;
-
-/// Bytes that rank 0 needs beside for each particle of all at the start and while it gathers a
-/// frame; of a wall particle.
-const WHOLE: f64 = 120.0;
-const WALL_MEMORY: f64 = 300.0;
 
 /// Number of particles of the whole scene.
 pub fn particles(scene: &Scene) -> f64 {
@@ -292,11 +284,12 @@ fn resting_steps(scene: &Scene, body: usize) -> Option<f64> {
     Some(part * relax.time / step(scene, 0.0, sound))
 }
 
-fn work(scene: &Scene, cpu: f64, [memory, disk]: [f64; 2]) -> Option<Work> {
+/// `room`: bytes of memory that are not of the particles, of which there are `count`.
+fn work(scene: &Scene, cpu: f64, room: f64, [count, disk]: [f64; 2]) -> Option<Work> {
     cpu.is_finite().then(|| Work {
         amount: cpu,
         threads: rayon::current_num_threads(),
-        memory: BASE + memory * MEMORY[usize::from(is_projected(scene))],
+        memory: memory::of(scene, count) + room,
         disk,
     })
 }
@@ -321,7 +314,7 @@ pub fn pack(scene: &Scene, body: usize) -> Option<Work> {
                 }
         }
     };
-    work(scene, cpu, [count, count * CHECKPOINT])
+    work(scene, cpu, 0.0, [count, count * CHECKPOINT])
 }
 
 /// The scene of the relaxation of a body.
@@ -337,7 +330,8 @@ pub fn resting(scene: &Scene, body: usize) -> Scene {
 pub fn relax(scene: &Scene, body: usize) -> Option<Work> {
     let count = numbers::count(scene, body) as f64;
     let cpu = resting_steps(scene, body)? * step_cost(&resting(scene, body));
-    work(scene, cpu, [count, count * CHECKPOINT])
+    let room = memory::room(&resting(scene, body));
+    work(scene, cpu, room, [count, count * CHECKPOINT])
 }
 
 /// Cost of calibrating the tension.
@@ -345,7 +339,12 @@ pub fn calibrate(scene: &Scene) -> Option<Work> {
     let count = particles(scene);
     let [each, wetted] = CALIBRATE;
     let wetted = scene.effects.wetting.map_or(1.0, |_| wetted);
-    work(scene, flat(scene) * each * wetted * count, [count, 0.0])
+    work(
+        scene,
+        flat(scene) * each * wetted * count,
+        0.0,
+        [count, 0.0],
+    )
 }
 
 /// CPU seconds of a step.
@@ -362,19 +361,7 @@ pub fn impact(scene: &Scene) -> Option<Work> {
     let recorded = frames(scene) * (count * LOG + measure(scene));
     let cpu = steps(scene) * step_cost(scene) + recorded;
     let disk = count * (frames(scene) * FRAME + CHECKPOINTS * CHECKPOINT);
-    work(scene, cpu, [count, disk])
-}
-
-/// Memory of rank 0 and of each other of `ranks` processes in an impact, bytes: a share of the
-/// particles and walls, with those within a support beyond its two faces.
-pub fn shared(scene: &Scene, ranks: f64) -> [f64; 2] {
-    let count = particles(scene);
-    let reach = 2.0 * numbers::smoothing_length(scene);
-    let ghosts = (2.0 * reach / scene.domain.size[0]).min(1.0 - 1.0 / ranks);
-    let own = count * (1.0 / ranks + ghosts) * MEMORY[usize::from(is_projected(scene))];
-    let walls = wall_particles(scene) * (1.0 / ranks + ghosts) * WALL_MEMORY;
-    let share = BASE + own + walls;
-    [share + count * WHOLE, share]
+    work(scene, cpu, memory::room(scene), [count, disk])
 }
 
 /// Particles of the whole of a scene that mirrors cut.

@@ -5,7 +5,8 @@ use coronet::draw::section;
 use coronet::pipeline::Work;
 use coronet::scene::{Dimension, FigureStyle, Scene};
 
-use super::{BASE, frames, measure, whole, work};
+use super::memory::BASE;
+use super::{frames, measure, whole, work};
 
 /// CPU seconds of an instant that the report plays, and per particle; per ring.
 const SHOT: [f64; 2] = [0.05, 2e-6];
@@ -92,6 +93,7 @@ pub fn post(scene: &Scene) -> Option<Work> {
     let work = work(
         scene,
         frames(scene) * measure(scene) + shots(scene) + pictures + fields + plots(scene),
+        0.0,
         [0.0, PLOTS_BYTES + panels * PANEL_BYTES + played],
     )?;
     let memory = BASE + whole(scene) * PICTURE;

@@ -292,7 +292,7 @@ pub fn plots(
                 let others = others.filter(|(k, _)| Some(*k) != axis);
                 let name: Vec<&str> = others.map(|(_, label)| label.as_str()).collect();
                 let name = match name.is_empty() {
-                    true => trial.labels.join(", "),
+                    true => trial.title.clone(),
                     false => name.join(", "),
                 };
                 Some((name, &measures.as_ref()?.series))

@@ -308,8 +308,11 @@ impl Study {
         let title = own.map(|case| case.name.clone());
         let title: Vec<String> = title.into_iter().chain(labels.iter().cloned()).collect();
         let mut trial = Trial {
+            title: match title.is_empty() {
+                true => name.clone(),
+                false => title.join(", "),
+            },
             name,
-            title: title.join(", "),
             source: match source(&pipeline) {
                 Err(error) if error.is_not_found() => {
                     bail!(Usage(format!("{}: pipeline: {error}", path.display())))

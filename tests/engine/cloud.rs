@@ -149,6 +149,7 @@ impl Cloud {
             longest: 2.0 * h * S0,
             late: 0.0,
             farthest: 0.0,
+            deepest: 0.5 * S0,
         };
         let mut flow = Flow::new(dimension, &scene.domain, lengths, scene.pairs, p, walls).unwrap();
         flow.wall_sees_wall = true;

@@ -24,3 +24,27 @@ fn no_particle_stays_behind_the_first_layer_of_a_wall() {
         assert!(deepest < 0.5 * spacing, "{method}: {deepest}");
     }
 }
+
+/// What is pushed into a corner does not end in one point, where it would have no pressure.
+#[test]
+fn particles_come_out_of_a_corner_apart() {
+    let scene = splash_scene("isph modern", 2, VISCOSITY);
+    let (spacing, width) = (scene.spacing, scene.domain.size[0]);
+    let mut state = disturbed(&scene, 0.0);
+    let ids = [0, 1].map(|i: usize| {
+        let p = &mut state.particles;
+        p.position[0][i] = width + (0.8 + 0.1 * i as f64) * spacing;
+        p.position[2][i] = -(0.6 + 0.1 * i as f64) * spacing;
+        p.id[i]
+    });
+    let mut solver = build(&scene, state, Phase::Impact, None).unwrap();
+    solver.advance(&mut |_| ()).unwrap();
+    let p = solver.state().particles;
+    let [one, other] = ids.map(|id| p.id.iter().position(|found| *found == id).unwrap());
+    let apart = [0, 2].map(|a| p.position[a][one] - p.position[a][other]);
+    assert!(apart[0].hypot(apart[1]) > 0.05 * spacing, "{apart:?}");
+    for i in [one, other] {
+        let beyond = [p.position[0][i] - width, -p.position[2][i]];
+        assert!(beyond.iter().any(|x| *x < 0.0), "{beyond:?}");
+    }
+}

@@ -26,6 +26,7 @@ mod measure_drop;
 mod measure_ending;
 mod measure_force;
 mod measure_lamella;
+mod measure_layer;
 mod measure_loss;
 mod measure_pool;
 mod measure_post;

@@ -225,7 +225,7 @@ fn the_scene_decides_what_is_measured() {
     // Clocks count from it if the run gets there.
     let mut long = pool.clone();
     assert_eq!(contact_time(&long), 0.0);
-    long.impact.end = time;
+    long.impact.end = 2.0 * time;
     assert_eq!(contact_time(&long), time);
     // A drop that lies on the pool touches it from the start, without falling.
     let mut lying = pool.clone();

@@ -1,9 +1,10 @@
 //! Crater, crown and jet against splashes of known size.
 
 use coronet::measure::gauge::Gauge;
+use coronet::measure::kind::Kind;
 use coronet::measure::series::Row;
 use coronet::particle::Frame;
-use coronet::scene::{Dimension, Rings, Scene};
+use coronet::scene::{Dimension, Motion, Rings, Scene};
 use std::f64::consts::PI;
 
 use crate::measure_splash::{DEPTH, SIDE, Splash, lattice, pool_scene, push, splash};
@@ -298,4 +299,29 @@ fn a_torus_is_one_body() {
         (detached - expected).abs() < 0.02,
         "{detached}, not {expected}"
     );
+}
+
+/// The crater of an oblique impact is measured where the drop lands.
+#[test]
+fn the_axis_is_where_the_drop_lands() {
+    let mut scene = pool_scene(Dimension::Two, 0.4);
+    scene.effects.gravity = None;
+    let Kind::Pool(before) = Kind::new(&scene) else {
+        panic!("no pool");
+    };
+    scene.bodies[1].motion = Motion::Uniform([2.0, 0.0, -1.0]);
+    let shape = &scene.bodies[1].shape;
+    let (low, _) = shape.bounds(&scene.domain, scene.dimension);
+    let way = 2.0 * (low[2] - 1e-3 * DEPTH);
+    let Kind::Pool(landed) = Kind::new(&scene) else {
+        panic!("no pool");
+    };
+    assert!(way > 1e-4 && (landed.at[0] - before.at[0] - way).abs() < 1e-12);
+    // Across a periodic side.
+    scene.bodies[1].motion = Motion::Uniform([2e2, 0.0, -1.0]);
+    let Kind::Pool(landed) = Kind::new(&scene) else {
+        panic!("no pool");
+    };
+    let size = scene.domain.size[0];
+    assert!((0.0..size).contains(&landed.at[0]));
 }

@@ -1,7 +1,7 @@
 //! Derived numbers against values worked out by hand.
 
 use crate::scene_file::small;
-use coronet::scene::numbers;
+use coronet::scene::{driven, numbers};
 
 /// The relative distance of a derived number from what it should be.
 fn off(sets: &[&str], name: &str, value: f64) -> f64 {
@@ -113,4 +113,62 @@ fn lattices_are_counted_exactly() {
     );
     // 4/3 pi 1 mm^3 over 0.064 mm^3.
     assert_eq!(numbers::count(&small(&[]).scene, 1), 65);
+}
+
+/// A channel of 2 mm that is periodic along x, with gravity along it.
+const CHANNEL: &str = "dimension = 2\n[box]\nsize = ['4 mm', '2 mm']\nx = 'periodic'\n\
+                       z = 'wall'\n[liquid]\ndensity = '1000 kg/m^3'\n\
+                       [effects.gravity]\nacceleration = '200 m/s^2'\ndirection = [1, 0]\n\
+                       [effects.viscosity]\ndynamic = '0.1 Pa s'\n\
+                       [body.water]\nlayer = { depth = '2 mm' }\n[pack]\nspacing = '0.1 mm'\n\
+                       [impact]\nend = '1 ms'\n[frames]\ninterval = '0.1 ms'\n";
+
+fn channel(sets: &[&str]) -> coronet::scene::Scene {
+    let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
+    let path = std::path::Path::new("channel.toml");
+    let loaded = coronet::scene::file::read(CHANNEL, path, &sets);
+    loaded.unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+#[test]
+fn what_is_driven_along_a_periodic_axis_has_a_speed_of_sound_for_it() {
+    let near = |found: f64, value: f64| assert!((found / value - 1.0).abs() < 1e-9, "{found}");
+    // g L^2 / (8 nu) = 1 m/s; sqrt(2 g T) = 1.265 m/s.
+    let scene = channel(&[]);
+    near(numbers::reference_speed(&scene), 1.0);
+    near(numbers::sound_speeds(&scene)[1], 10.0);
+    // With less viscosity once through the box, but the speed of sound may follow further.
+    let scene = channel(&["effects.viscosity.dynamic='10 mPa s'"]);
+    near(numbers::reference_speed(&scene), 1.6f64.sqrt());
+    near(numbers::sound_speeds(&scene)[1], 100.0);
+    let scene =
+        channel(&["effects.vibration={amplitude='1 mm', frequency='500 Hz', direction=[1, 0]}"]);
+    near(
+        numbers::reference_speed(&scene),
+        2.0 * std::f64::consts::TAU * 500.0 * 1e-3,
+    );
+    assert!(driven::is_driven(&scene));
+    let walled = channel(&["box.x='wall'"]);
+    assert!(!driven::is_driven(&walled));
+}
+
+#[test]
+fn a_flat_ellipse_on_a_lattice_is_counted() {
+    let drop = "body.water={ellipse={semi_axes=['1 mm','0.5 mm'], centre=['2 mm', '1 mm']}}";
+    let scene = channel(&[drop, "pack.arrangement='lattice'"]);
+    let area = std::f64::consts::PI * 50.0;
+    let count = numbers::count(&scene, 0) as f64;
+    assert!((count / area - 1.0).abs() < 0.05, "{count} for {area}");
+}
+
+#[test]
+fn a_box_of_too_many_spacings_is_refused() {
+    let path = std::path::Path::new("long.toml");
+    let sets = ["box.size=['8 km', '2 mm']".to_string()];
+    let error = coronet::scene::file::read(CHANNEL, path, &sets).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.contains("box.size") && text.contains("spacings"),
+        "{text}"
+    );
 }

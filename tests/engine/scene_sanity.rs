@@ -225,3 +225,30 @@ fn shipped_scenes_are_sound_but_where_they_say_so() {
     assert!(told.is_empty(), "{}", told.join("\n"));
     assert!(count > 20);
 }
+
+#[test]
+fn a_full_box_that_vibrates_is_warned_of_with_wcsph_alone() {
+    let text = "dimension = 2\n[box]\nsize = ['4 mm', '4 mm']\nx = 'wall'\nz = 'wall'\n\
+                [liquid]\ndensity = '1000 kg/m^3'\n\
+                [effects.vibration]\namplitude = '0.1 mm'\nfrequency = '100 Hz'\n\
+                direction = [1, 0]\n\
+                [body.water]\nrectangle = { low = [0, 0], high = ['4 mm', '4 mm'] }\n\
+                [pack]\nspacing = '0.2 mm'\n\
+                [impact]\nend = '1 ms'\n[frames]\ninterval = '0.1 ms'\n";
+    let found = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
+        let loaded = file::read(text, Path::new("full.toml"), &sets).unwrap();
+        let all = warnings(&loaded.scene);
+        all.iter()
+            .any(|warning| warning.key == "effects.vibration.frequency")
+    };
+    assert!(found(&[]));
+    for set in [
+        "method.wcsph.pressure='controlled'",
+        "method.name='isph'",
+        "box.x='periodic'",
+        "body.water.rectangle.high=['4 mm', '3 mm']",
+    ] {
+        assert!(!found(&[set]), "{set}");
+    }
+}

@@ -189,6 +189,7 @@ fn a_box_smaller_than_two_reaches_is_refused() {
         longest: 3.0 * S0,
         late: 0.0,
         farthest: 0.0,
+        deepest: 0.5 * S0,
     };
     let build = |size: f64| {
         let cloud = Cloud::new(Dimension::Three, [8.0; 3], PERIODIC, [1.3, 0.1], |_| true);

@@ -74,6 +74,11 @@ fn a_result_that_is_gone_or_a_folder_is_told_and_made_again() {
     assert!(found.values().any(|status| status == "ran"), "{found:?}");
     fs::remove_dir_all(&result).unwrap();
     assert!(verified(&program).contains("is gone"));
+    // The rest of the run is there.
+    let listed = program.call(&["list"]).well();
+    assert!(listed.out.contains("unfinished"), "{}", listed.out);
+    assert!(listed.err.contains("is gone"), "{}", listed.err);
+    program.call(&["diff", "tiny", "tiny"]).well();
     program.call(&arguments).well();
     program.call(&["verify"]).well();
 }

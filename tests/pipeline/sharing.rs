@@ -89,6 +89,11 @@ fn what_has_gone_from_a_remote_store_is_put_again() {
     fs::remove_file(files.next().unwrap().unwrap().path()).unwrap();
     assert!(push().contains("1 result put"));
     assert!(push().contains("0 results put"));
+    // A run puts what it finds, too.
+    fs::remove_dir_all(shared.path()).unwrap();
+    fs::create_dir(shared.path()).unwrap();
+    program.run(&["--until", "pack", "--remote", &url]);
+    assert!(push().contains("0 results put"));
 }
 
 #[test]

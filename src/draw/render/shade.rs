@@ -128,13 +128,8 @@ impl Shader<'_> {
             return self.beyond(&ray);
         };
         let normal = hit.normal;
-        let albedo = match self.material {
-            Material::Milk => Light::new(0.93, 0.91, 0.87),
-            _ => Light::from(self.tracer.colour(&hit.at)),
-        };
         let is_milk = self.material == Material::Milk;
-        let wrap = if is_milk { 0.35 } else { 0.1 };
-        let facing = ((normal.dot(&self.studio.key) + wrap) / (1.0 + wrap)).max(0.0);
+        let facing = self.facing(&normal);
         let start = hit.at + normal * (4.0 * self.tracer.offset());
         // What faces away from the lamp has none of its light in any case.
         let lamp = self.studio.lamp(sample);
@@ -144,15 +139,13 @@ impl Shader<'_> {
             true => 0.0,
             false => 1.0,
         };
-        let open = self.openness(&hit.at, &normal);
-        let ambient = 0.36 + 0.10 * normal.z;
-        let diffuse = albedo * (0.72 * facing * lit + ambient * open);
+        let diffuse = self.matte(&hit, lit, self.openness(&hit.at, &normal));
         let cos = (-along.dot(&normal)).clamp(0.0, 1.0);
         let part = 0.02 + 0.98 * (1.0 - cos).powi(5);
         let mirrored = reflect(along, &normal);
-        let seen = match self.tracer.is_hit(&start, &mirrored) {
-            true => diffuse,
-            false => {
+        let seen = match self.tracer.hit(&start, &mirrored, false) {
+            Some(other) => self.matte(&other, 1.0, 1.0),
+            None => {
                 let away = Ray {
                     from: start,
                     along: mirrored,
@@ -164,6 +157,26 @@ impl Shader<'_> {
             }
         };
         diffuse * (1.0 - part) + seen * part
+    }
+
+    /// How far a surface with this normal faces the lamp.
+    fn facing(&self, normal: &V) -> f32 {
+        let wrap = match self.material {
+            Material::Milk => 0.35,
+            _ => 0.1,
+        };
+        ((normal.dot(&self.studio.key) + wrap) / (1.0 + wrap)).max(0.0)
+    }
+
+    /// Light of an opaque surface without what it mirrors; `lit`, `open`: parts of the light of
+    /// the lamp and of the surroundings that reach it.
+    fn matte(&self, hit: &Hit, lit: f32, open: f32) -> Light {
+        let albedo = match self.material {
+            Material::Milk => Light::new(0.93, 0.91, 0.87),
+            _ => Light::from(self.tracer.colour(&hit.at)),
+        };
+        let ambient = 0.36 + 0.10 * hit.normal.z;
+        albedo * (0.72 * self.facing(&hit.normal) * lit + ambient * open)
     }
 
     /// Part of the surroundings that is not hidden by liquid: from the field along the normal.

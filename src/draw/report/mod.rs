@@ -237,10 +237,16 @@ impl Report {
                 format_args!("<figure class=\"chart\">{svg}{under}</figure>\n"),
             );
         }
-        page.push_str(
-            "</div>\n<p class=\"soft\">The numbers are in <code>measures.csv</code> beside this \
-             page, the figures as SVG, PDF and PNG in <code>plots</code> and \
-             <code>fields</code>.</p>\n",
+        let folders = match self.fields.is_empty() {
+            true => "<code>plots</code>",
+            false => "<code>plots</code> and <code>fields</code>",
+        };
+        put(
+            page,
+            format_args!(
+                "</div>\n<p class=\"soft\">The numbers are in <code>measures.csv</code> beside \
+                 this page, the figures as SVG, PDF and PNG in {folders}.</p>\n"
+            ),
         );
     }
 

@@ -10,7 +10,7 @@ mod find;
 mod pack;
 mod ranks;
 mod rings;
-mod wall;
+pub(super) mod wall;
 
 use crate::effect::surface::Extra;
 use crate::particle::column::{Columns, Memory, Sort, Spare};
@@ -55,6 +55,8 @@ pub struct Lengths {
     pub late: f64,
     /// What a particle may cross while rows last, whatever the slack.
     pub farthest: f64,
+    /// How deep in a wall a particle may be.
+    pub deepest: f64,
 }
 
 impl Lengths {

@@ -4,13 +4,20 @@ use super::Flow;
 use crate::particle::Wall;
 use crate::scene::Side;
 use crate::space::grid::Grid;
-use crate::space::parallel::each_mut;
+use crate::space::parallel::{each, each_mut, three};
 use crate::space::ranks::halo::beside;
 use crate::space::sort::Cells;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// How deep in a wall a particle may be, in spacings: there is the wall's first layer.
-const BEHIND: f64 = 0.5;
+/// How deep in a wall a particle may be, in spacings: where walls can attract liquid, up to their
+/// first layer; where they cannot, no farther than they still push it out.
+const ATTRACTED: f64 = 0.5;
+const PUSHED: f64 = 0.25;
+
+/// How deep in a wall a particle may be, m.
+pub fn deepest(spacing: f64, has_tension: bool) -> f64 {
+    spacing * if has_tension { ATTRACTED } else { PUSHED }
+}
 
 /// Walls along cells.
 pub(super) fn sorted(grid: &Grid, mut wall: Wall) -> (Wall, Cells) {
@@ -72,30 +79,65 @@ impl Flow {
         self.wall_changes += 1;
     }
 
-    /// What is deeper than [`BEHIND`] in a wall, where its layers push every way and not only
-    /// out, comes back to there and keeps the velocity along it: what is shot at the wall, and lone
-    /// particles on a wall that attracts liquid. Not farther back: a surface costs less in a wall
-    /// that counts as liquid, so that they would fall again, for ever. Returns whether any did.
+    /// What is deeper in a wall than [`Lengths::deepest`](super::Lengths::deepest), where its
+    /// layers push every way and not only out, comes back to there and keeps the velocity along
+    /// it: what is shot at the wall, and lone particles on a wall that attracts liquid. Not farther
+    /// back: a surface costs less in a wall that counts as liquid, so that they would fall again,
+    /// for ever. Beyond another wall too it is reflected at that one: all that is pushed into a
+    /// corner would come to one point, where particles do not see each other. Returns whether any
+    /// did.
     pub(super) fn hold_back(&mut self) -> bool {
         let (domain, n) = (&self.domain, self.particles.len());
-        let deep = BEHIND * self.lengths.spacing;
+        let deep = self.lengths.deepest;
+        let walls = domain
+            .boundary
+            .map(|sides| sides.map(|side| side == Side::Wall));
+        let beyond = |a: usize, x: f64| {
+            let [low, high] = walls[a];
+            let low = if low { -x } else { f64::NEG_INFINITY };
+            let high = if high {
+                x - domain.size[a]
+            } else {
+                f64::NEG_INFINITY
+            };
+            low.max(high)
+        };
         let any = AtomicBool::new(false);
         let p = &mut self.particles;
-        for a in (0..3).filter(|&a| domain.boundary[a].contains(&Side::Wall)) {
-            let [low, high] = domain.boundary[a].map(|side| side == Side::Wall);
-            let size = domain.size[a];
-            let both = (&mut p.position[a][..n], &mut p.velocity[a][..n]);
-            each_mut(both, |_, (x, v)| {
-                if low && *x < -deep {
-                    (*x, *v) = (-deep, v.max(0.0));
-                    any.store(true, Relaxed);
-                } else if high && *x > size + deep {
-                    (*x, *v) = (size + deep, v.min(0.0));
+        for a in (0..3).filter(|&a| walls[a].contains(&true)) {
+            let x = &p.position[a];
+            each(n, |i| {
+                if beyond(a, x[i]) > deep {
                     any.store(true, Relaxed);
                 }
             });
         }
-        any.into_inner()
+        if !any.load(Relaxed) {
+            return false;
+        }
+        let all = (three(&mut p.position, n), three(&mut p.velocity, n));
+        each_mut(all, |_, (x, v)| {
+            let depth: [f64; 3] = std::array::from_fn(|a| beyond(a, *x[a]));
+            let deepest = if depth[1] > depth[0] { 1 } else { 0 };
+            let deepest = if depth[2] > depth[deepest] {
+                2
+            } else {
+                deepest
+            };
+            if depth[deepest] <= deep {
+                return;
+            }
+            for a in (0..3).filter(|a| depth[*a] > 0.0) {
+                let (wall, out) = if *x[a] < 0.0 {
+                    (0.0, -1.0)
+                } else {
+                    (domain.size[a], 1.0)
+                };
+                *x[a] = wall + out * if a == deepest { deep } else { -depth[a] };
+                *v[a] = out * (out * *v[a]).min(0.0);
+            }
+        });
+        true
     }
 
     /// Reflects what is beyond a mirror plane: places and velocities; lists what it was.

@@ -3,11 +3,15 @@
 use super::super::error::SceneError;
 use super::super::quantity::{Unit, legible};
 use super::super::tree::Tree;
-use super::super::{Body, Scene, numbers};
+use super::super::{AXES, Body, Scene, numbers};
 use super::{EQUAL, periodic_axes};
 
 /// Largest number of particles: they are numbered by 32 bits.
 const PARTICLES: f64 = 4e9;
+
+/// Most spacings along a side of the box: its coordinates have 32 bits, of which two are room
+/// beside it, so that a ten-thousandth of a spacing is left.
+const ALONG: f64 = 1e5;
 
 /// Bodies have two particles across at least.
 pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
@@ -44,6 +48,14 @@ pub fn check(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let about = scene.bodies.iter().map(volume).sum::<f64>() / cell;
     if about > 2.0 * PARTICLES {
         return too_many(about);
+    }
+    for &axis in scene.dimension.axes() {
+        let count = scene.domain.size[axis] / spacing;
+        if count > ALONG {
+            let problem = format!("is {count:.2e} spacings long in {}", AXES[axis]);
+            let remedy = format!("at most {ALONG:.0e}: make it smaller, or `pack.spacing` larger");
+            return Err(tree.fault("box.size", &problem, &remedy));
+        }
     }
     if !divides(spacing) {
         let remedy = divisors(spacing, &periodic, divides);

@@ -4,6 +4,7 @@
 //! Test: tests/engine/scene_sanity.rs, with the warnings of each shipped scene.
 
 mod course;
+mod full;
 mod instants;
 mod values;
 
@@ -66,6 +67,7 @@ impl Warning {
 pub fn warnings(scene: &Scene) -> Vec<Warning> {
     let mut all = values::all(scene);
     all.extend(gravity(scene));
+    all.extend(full::alternating(scene));
     all.extend(floor(scene));
     all.extend(flows_out(scene));
     all.extend(motions(scene));
@@ -259,8 +261,10 @@ fn finer(scene: &Scene, why: &str, thickness: f64) -> Warning {
 fn lamella(scene: &Scene) -> Option<Warning> {
     let floor = scene.domain.boundary[2][0] == Side::Wall;
     let down = |body: &Body| matches!(body.motion, Motion::Uniform(v) if v[2] < 0.0);
-    let strikes = |body: &Body| body.shape.is_free() && down(body);
-    if !floor || has_layer(scene) || !scene.bodies.iter().any(strikes) {
+    let strikes = |(index, body): (usize, &Body)| {
+        body.shape.is_free() && down(body) && Course::of(scene, index) == Course::Meets
+    };
+    if !floor || has_layer(scene) || !scene.bodies.iter().enumerate().any(strikes) {
         return None;
     }
     let numbers = numbers::of(scene);

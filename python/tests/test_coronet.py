@@ -121,8 +121,8 @@ def test_a_run_stays_what_it_is_when_the_scene_runs_again(tmp_path):
         return coronet.run(TINY, {"impact.end": end}, artifacts=tmp_path, program=PROGRAM)
 
     first, second = go("0.4 ms"), go("0.6 ms")
-    assert first.settings["impact.end"] == "0.4 ms"
-    assert second.settings["impact.end"] == "0.6 ms"
+    assert first.settings["impact.end"] == "400 us"
+    assert second.settings["impact.end"] == "600 us"
 
 
 def test_damage_and_absence_are_told_apart(run, tmp_path):

@@ -2,6 +2,35 @@
 
 use super::method_scene::{disturbed, splash_scene};
 use coronet::method::{Phase, build};
+use coronet::simulate::{Simulation, scene};
+
+/// A lid slides over a full box: nothing is much faster than the lid, and no method has more than half
+/// as much energy again as another. In the corner before it the liquid is pressed into the walls.
+#[test]
+fn a_sliding_lid_drives_no_faster_than_itself() {
+    let energies = ["wcsph", "isph", "mps"].map(|method| {
+        let text = format!(
+            "dimension = 2\n[box]\nsize = ['4 mm', '4 mm']\nx = 'wall'\nz = 'wall'\n\
+             wall_velocity = {{ z_high = ['0.1 m/s', 0] }}\n\
+             [liquid]\ndensity = '1000 kg/m^3'\n[effects.viscosity]\ndynamic = '1 mPa s'\n\
+             [body.water]\nrectangle = {{ low = [0, 0], high = ['4 mm', '4 mm'] }}\n\
+             [pack]\nspacing = '0.2 mm'\narrangement = 'lattice'\n\
+             [impact]\nend = '60 ms'\n[frames]\ninterval = '1 ms'\n[method]\nname = '{method}'\n"
+        );
+        let (mut fastest, mut energy) = (0.0f64, 0.0);
+        let mut run = Simulation::new(&scene(&text).unwrap()).unwrap();
+        run.run(|_, measures| {
+            let find = |name: &str| measures.iter().find(|(n, _)| n == name).unwrap().1;
+            fastest = fastest.max(find("speed_max_m_s"));
+            energy = find("kinetic_energy_J");
+        })
+        .unwrap();
+        assert!(fastest < 0.12, "{method}: {fastest} m/s");
+        energy
+    });
+    let most = energies.iter().copied().fold(0.0, f64::max);
+    assert!(energies.iter().all(|e| 1.5 * e > most), "{energies:?}");
+}
 
 const VISCOSITY: &str = "[effects.viscosity]\ndynamic = '20 mPa s'\n";
 

@@ -87,7 +87,7 @@ pub mod version {
         if walled > 1 || walled > 0 && problem.effects.tension.is_none() {
             parts.push(part("put-back", 1));
         }
-        if driven::is_driven(problem) {
+        if driven::speed(problem) > 0.0 {
             parts.push(part("driven", 1));
         }
         if problem.domain.wall_velocity.as_flattened().as_flattened() != [0.0; 18] {

@@ -15,6 +15,7 @@ use coronet::pipeline::{Stamp, Store};
 use crate::answer;
 use crate::command::place::{Thing, thing};
 use crate::fault::Usage;
+use crate::print::note;
 
 /// Start of the names of settings that are versions of parts of the program.
 const VERSION: &str = "version.";
@@ -102,6 +103,14 @@ impl Run {
         })
     }
 
+    /// Warns of results that are gone.
+    pub fn tell_gone(&self) {
+        for folder in &self.gone {
+            let folder = folder.display();
+            note!("warning: {}: the result in {folder} is gone", self.name);
+        }
+    }
+
     /// The result of a stage that has one for the whole scene.
     pub fn result(&self, stage: &str) -> Option<&(PathBuf, Stamp)> {
         self.results.iter().find(|(_, stamp)| stamp.stage == stage)
@@ -156,9 +165,14 @@ impl Run {
             ended > self.named
         };
         let last = mine.filter(is_of_this).max_by_key(|job| job.touched());
-        let unfinished = |stage: &str| match last {
-            Some(job) => State::Unfinished(job.label()),
-            None => State::Unfinished(stage.into()),
+        let gone = self
+            .gone
+            .first()
+            .and_then(|folder| folder.parent()?.file_name());
+        let unfinished = |stage: &str| match (last, gone) {
+            (Some(job), _) => State::Unfinished(job.label()),
+            (None, Some(gone)) => State::Unfinished(gone.to_string_lossy().into_owned()),
+            (None, None) => State::Unfinished(stage.into()),
         };
         let is_here = |key| self.results.iter().any(|(_, stamp)| stamp.key == key);
         let whole = |stamp: &Stamp| stamp.inputs.iter().all(|input| is_here(input.key));

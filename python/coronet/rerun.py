@@ -22,7 +22,7 @@ from . import open as open_run
 
 #: Name of the time line: seconds from the start of the run.
 TIMELINE = "time"
-#: Units of measures by the end of their name, the longest first.
+#: Units of measures by the end of their name; of several that fit the first.
 UNITS = {
     "kg_m_s": "kg m/s",
     "m_s": "m/s",

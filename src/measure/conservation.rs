@@ -222,7 +222,8 @@ fn turnover(scene: &Scene, measures: &Series, mass: f64) -> Option<f64> {
     let lowest = potential.iter().copied().fold(f64::INFINITY, f64::min);
     let fall = potential.first().map_or(0.0, |start| start - lowest);
     let start = first("kinetic_energy_J") + first("surface_energy_J") + fall;
-    // What drives a flow may do more work than that; what should do none does not count.
+    // What drives a flow, or slows it, may do more work than that; what should do none does not
+    // count.
     let drives = |name: &&String| {
         name.ends_with("_work_J") && !["pressure_work_J", "removal_work_J"].contains(&name.as_str())
     };

@@ -92,7 +92,10 @@ fn landing(scene: &Scene, body: &Body, a: usize, from: f64) -> f64 {
     let (Motion::Uniform(velocity), Some(time)) = (&body.motion, arrival(scene, body)) else {
         return from;
     };
-    let pull = scene.effects.gravity.map_or(0.0, |g| g[a]);
+    let (pull, time) = (
+        scene.effects.gravity.map_or(0.0, |g| g[a]),
+        time.min(scene.impact.end),
+    );
     let way = velocity[a] * time + 0.5 * pull * time * time;
     match (way == 0.0, scene.domain.boundary[a] == [Side::Periodic; 2]) {
         (true, _) => from,

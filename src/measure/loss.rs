@@ -1,11 +1,11 @@
 //! What makes the figures of a run doubtful: liquid that left the box, liquid detached from the
 //! main body, which most measures do not include, a crater that ends at the floor, figures that
-//! still grow, and energy that nothing explains.
+//! still grow, energy that nothing explains, and pressure that does work.
 //!
 //! Test: tests/engine/measure_loss.rs.
 
 use super::conservation;
-use super::kind::Kind;
+use super::kind::{Kind, contact_within};
 use super::series::Series;
 use super::summary::digits;
 use crate::scene::quantity::{Unit, legible};
@@ -189,13 +189,14 @@ fn pressed(scene: &Scene, series: &Series) -> Option<Warning> {
     if !times.is_finite() || times <= PRESSED {
         return None;
     }
-    let value = series.column("pressure_work_J")?.last()?;
+    let work = series.column("pressure_work_J")?.iter();
+    let value = work.fold(0.0, |most: f64, work| most.max(work.abs()));
     let why = format!(
         "it was {times:.0} times the energy that the run starts with or that drives it, and \
          pressure should do no work: particles are pressed into walls"
     );
     let remedy = "compare with WCSPH, or with a finer `pack.spacing`";
-    let value = format!("{} J", digits(*value));
+    let value = format!("{} J", digits(value));
     Some(Warning::new("pressure_work_J", value, &why, remedy))
 }
 
@@ -206,7 +207,10 @@ fn floor(scene: &Scene, series: &Series) -> Option<Warning> {
         _ => None,
     };
     let (name, depth) = scene.bodies.iter().find_map(layer)?;
-    let (deepest, _) = series.maximum("crater_depth_m")?;
+    let from = contact_within(scene)?;
+    let (deepest, _) = series
+        .window(from, f64::INFINITY)
+        .maximum("crater_depth_m")?;
     if deepest < depth - 1.5 * scene.spacing {
         return None;
     }

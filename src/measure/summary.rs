@@ -1,6 +1,6 @@
 //! Key results of a run.
 
-use super::kind::{Kind, strikes_wall};
+use super::kind::{Kind, contact_within, strikes_wall};
 use super::lamella::Lamella;
 use super::moment::{LIKELY, moment};
 use super::series::Series;
@@ -13,6 +13,7 @@ pub type Line = (String, String);
 pub fn of(scene: &Scene, kind: Kind, series: &Series, shift: f64) -> Vec<Line> {
     let mut lines = Vec::new();
     match kind {
+        Kind::Pool(_) if contact_within(scene).is_none() => {}
         Kind::Pool(_) => pool(series, shift, &mut lines),
         Kind::Wall(_) => wall(scene, series, shift, &mut lines),
         Kind::Shape => shape(scene, series, &mut lines),

@@ -101,14 +101,20 @@ impl Case {
 impl Model {
     /// For `settings`, which are those of the problem's method.
     pub fn new(problem: &Problem, settings: &Wcsph, phase: Phase) -> Self {
-        let sound_speeds = match phase {
-            Phase::Relax { .. } => [numbers::rest_sound_speed(problem); 2],
-            Phase::Impact => numbers::sound_speeds(problem),
+        let (sound_speed, sound_speeds) = match phase {
+            Phase::Relax { .. } => {
+                let sound = numbers::rest_sound_speed(problem);
+                (sound, [sound; 2])
+            }
+            Phase::Impact => (
+                numbers::sound_speed(problem),
+                numbers::sound_speeds(problem),
+            ),
         };
         Model {
             settings: settings.clone(),
             density: problem.density,
-            sound_speed: sound_speeds[1],
+            sound_speed,
             sound_speeds,
         }
     }

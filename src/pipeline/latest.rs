@@ -95,9 +95,11 @@ fn has_results(folder: &Path) -> Result<bool, FileError> {
     for entry in entries(folder)? {
         let path = entry.path();
         if file::is_link(&path)? {
-            let to = fs::read_link(&path).map_err(FileError::new(&path, "read"))?;
-            if is_key(&to) {
-                return Ok(true);
+            match fs::read_link(&path) {
+                Ok(to) if is_key(&to) => return Ok(true),
+                // A temporary one, which has its name by now.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                other => drop(other.map_err(FileError::new(&path, "read"))?),
             }
         }
     }

@@ -200,16 +200,17 @@ impl Walk<'_> {
         if let Some(report) = remote.fetched(&decision, &folder, &inputs, run.watch)? {
             return Ok(Attempt::Done(Box::new(report)));
         }
-        match self.make(job, decision, &folder)? {
-            Attempt::Done(report) => Ok(self.shared(report)),
-            other => Ok(other),
+        let made = self.make(job, decision, &folder)?;
+        if let Attempt::Done(report) = &made {
+            remote.offer(report, run.watch);
         }
+        Ok(made)
     }
 
-    /// Puts a result into the remote store, if there is one that lacks it.
+    /// Puts a result that was found into the remote store, if there is one that lacks it.
     fn shared(&self, report: Box<Report>) -> Attempt {
-        if let Some(remote) = self.run.remote.filter(|remote| !remote.only) {
-            remote.offer(&report, self.run.watch);
+        if let Some(remote) = self.run.remote {
+            remote.offer_again(&report, self.run.watch);
         }
         Attempt::Done(report)
     }

@@ -131,7 +131,7 @@ pub fn reference_speed(scene: &Problem) -> f64 {
         Some(SpeedOf::Given(speed)) => speed,
         _ => impact_speed(scene)
             .max(standing_speed(scene))
-            .max(driven::speeds(scene)[0]),
+            .max(driven::speed(scene)),
     }
 }
 
@@ -157,7 +157,7 @@ pub fn sound_speeds(scene: &Problem) -> [f64; 2] {
         && settings.pressure != Pressure::Clipped
         && matches!(settings.density, Density::Continuity { .. })
         && settings.time_stepping.is_dual();
-    let [least, driven] = [standing_speed(scene), driven::speeds(scene)[1]]
+    let [least, driven] = [standing_speed(scene), driven::most(scene)]
         .map(|speed| settings.sound_speed_factor * speed);
     match settings.reference_speed {
         _ if !follows => [most; 2],

@@ -39,6 +39,8 @@ pub fn diff(arguments: &DiffArguments) -> Result<()> {
     let store = Store::new(&arguments.store.artifacts);
     let first = Run::meant(&store, &arguments.first)?;
     let second = Run::meant(&store, &arguments.second)?;
+    first.tell_gone();
+    second.tell_gone();
     let settings = settings(&first, &second);
     if let (Some(first), Some(second)) = (is_plane(&first), is_plane(&second))
         && first != second

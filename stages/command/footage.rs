@@ -1,7 +1,7 @@
 //! The frames of a run from which pictures are made: of its log, or, while it is under way, of what
 //! it has recorded so far.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use coronet::file::exists;
@@ -160,6 +160,14 @@ fn reel(store: &Store, name: &str) -> Result<Reel> {
     let run = Run::meant(store, name)?;
     match run.result("impact") {
         Some((folder, _)) => Ok(Reel::finished(&folder.join(FRAMES))),
-        None => bail!(no_frames(name)),
+        None => {
+            let is_impact =
+                |folder: &&PathBuf| folder.parent().is_some_and(|p| p.ends_with("impact"));
+            if let Some(folder) = run.gone.iter().find(is_impact) {
+                let folder = folder.display();
+                bail!("the result in {folder} is gone; `coronet run` makes it again");
+            }
+            bail!(no_frames(name))
+        }
     }
 }

@@ -47,12 +47,7 @@ pub fn list(arguments: &StoreArguments) -> Result<()> {
     for name in names(&store, &jobs)? {
         match Run::named(&store, &name) {
             Ok(run) => {
-                for folder in &run.gone {
-                    note!(
-                        "warning: {name}: the result in {} is gone",
-                        folder.display()
-                    );
-                }
+                run.tell_gone();
                 rows.push(row(&store, run, &jobs, &mut unread));
             }
             Err(error) if fault::exit_code(&error) == fault::FILES => {

@@ -224,7 +224,10 @@ fn sound(scene: &Scene, speed: f64) -> f64 {
     let [least, most] = numbers::sound_speeds(scene);
     // It follows the speed if adaptive.
     match least < most {
-        true => (most / numbers::reference_speed(scene) * speed).max(least),
+        true => {
+            let factor = numbers::sound_speed(scene) / numbers::reference_speed(scene);
+            (factor * speed).clamp(least, most)
+        }
         false => most,
     }
 }

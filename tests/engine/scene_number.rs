@@ -133,23 +133,43 @@ fn channel(sets: &[&str]) -> coronet::scene::Scene {
 #[test]
 fn what_is_driven_along_a_periodic_axis_has_a_speed_of_sound_for_it() {
     let near = |found: f64, value: f64| assert!((found / value - 1.0).abs() < 1e-9, "{found}");
-    // g L^2 / (8 nu) = 1 m/s; sqrt(2 g T) = 1.265 m/s.
-    let scene = channel(&[]);
-    near(numbers::reference_speed(&scene), 1.0);
-    near(numbers::sound_speeds(&scene)[1], 10.0);
+    let speeds = |sets: &[&str]| {
+        let scene = channel(sets);
+        let [_, most] = numbers::sound_speeds(&scene);
+        [numbers::reference_speed(&scene), most]
+    };
+    // g L^2 / (8 nu) = 1 m/s, a film of half the height as much; sqrt(2 g T) = 1.265 m/s.
+    let [speed, most] = speeds(&[]);
+    near(speed, 1.0);
+    near(most, 10.0);
+    near(speeds(&["body.water.layer.depth='1 mm'"])[0], 1.0);
     // With less viscosity once through the box, but the speed of sound may follow further.
-    let scene = channel(&["effects.viscosity.dynamic='10 mPa s'"]);
-    near(numbers::reference_speed(&scene), 1.6f64.sqrt());
-    near(numbers::sound_speeds(&scene)[1], 100.0);
-    let scene =
-        channel(&["effects.vibration={amplitude='1 mm', frequency='500 Hz', direction=[1, 0]}"]);
-    near(
-        numbers::reference_speed(&scene),
-        2.0 * std::f64::consts::TAU * 500.0 * 1e-3,
-    );
-    assert!(driven::is_driven(&scene));
-    let walled = channel(&["box.x='wall'"]);
-    assert!(!driven::is_driven(&walled));
+    let [speed, most] = speeds(&["effects.viscosity.dynamic='20 mPa s'"]);
+    near(speed, 1.6f64.sqrt());
+    near(most, 50.0);
+    let [speed, most] = speeds(&["effects.viscosity.dynamic='1e-6 Pa s'"]);
+    near(speed, 1.6f64.sqrt());
+    near(most, 100.0 * 1.6f64.sqrt());
+    let shaken = "effects.vibration={amplitude='1 mm',frequency='500 Hz',direction=[1,0]}";
+    let [speed, _] = speeds(&[shaken]);
+    near(speed, 1.0 + 2.0 * std::f64::consts::TAU * 0.5);
+    assert_eq!(driven::speed(&channel(&["box.x='wall'"])), 0.0);
+}
+
+/// Far below its steady speed the liquid starts with the speed of sound of now.
+#[test]
+fn a_channel_that_is_far_from_steady_accelerates_freely() {
+    let scene = channel(&["effects.viscosity.dynamic='1 mPa s'", "impact.end='1.4 ms'"]);
+    let mut fastest = 0.0f64;
+    let mut run = coronet::simulate::Simulation::new(&scene).unwrap();
+    run.run(|frame, _| {
+        let speeds = frame.velocity[0].iter().zip(&frame.velocity[2]);
+        let speed = |(x, z): (&f32, &f32)| f64::from(x.hypot(*z));
+        fastest = speeds.map(speed).fold(0.0, f64::max);
+    })
+    .unwrap();
+    // g t = 0.28 m/s.
+    assert!((fastest / 0.28 - 1.0).abs() < 0.05, "{fastest}");
 }
 
 #[test]

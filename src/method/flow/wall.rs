@@ -83,9 +83,9 @@ impl Flow {
     /// layers push every way and not only out, comes back to there and keeps the velocity along
     /// it: what is shot at the wall, and lone particles on a wall that attracts liquid. Not farther
     /// back: a surface costs less in a wall that counts as liquid, so that they would fall again,
-    /// for ever. Beyond another wall too it is reflected at that one: all that is pushed into a
-    /// corner would come to one point, where particles do not see each other. Returns whether any
-    /// did.
+    /// for ever. Beyond another wall too it comes back inside of that one, the farther the deeper
+    /// it was: all that is pushed into a corner would come to one point, where particles do not see
+    /// each other. Returns whether any did.
     pub(super) fn hold_back(&mut self) -> bool {
         let (domain, n) = (&self.domain, self.particles.len());
         let deep = self.lengths.deepest;
@@ -133,7 +133,9 @@ impl Flow {
                 } else {
                     (domain.size[a], 1.0)
                 };
-                *x[a] = wall + out * if a == deepest { deep } else { -depth[a] };
+                // Whatever its depth, it stays near, and apart from others.
+                let inside = deep * depth[a] / (depth[a] + deep);
+                *x[a] = wall + out * if a == deepest { deep } else { -inside };
                 *v[a] = out * (out * *v[a]).min(0.0);
             }
         });

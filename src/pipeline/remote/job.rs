@@ -59,6 +59,22 @@ impl Remote<'_> {
         }
     }
 
+    /// Puts a result that was here before, unless that was tried. What cannot be put was told when
+    /// it was made.
+    pub(in crate::pipeline) fn offer_again(&self, found: &Report, watch: &dyn Watch) {
+        let is_new = || {
+            let mut offered = self.offered.lock().expect("nobody panics");
+            offered.insert(found.stamp.key)
+        };
+        if self.only || !is_new() {
+            return;
+        }
+        match self.put(&found.folder, &found.stamp) {
+            Ok(_) | Err(RemoteError::Bad { .. }) => {}
+            Err(error) => self.warn(&error, &found.label(), "this result stays here", watch),
+        }
+    }
+
     fn warn(&self, error: &RemoteError, job: &str, then: &str, watch: &dyn Watch) {
         let then = match error {
             RemoteError::Unusable(_) => "the run goes on without it",

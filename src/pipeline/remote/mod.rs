@@ -89,6 +89,8 @@ pub struct Remote<'a> {
     is_off: AtomicBool,
     /// Keys of results that are bad there: they are replaced.
     bad: Mutex<HashSet<Digest>>,
+    /// Keys of results that were here before and have been offered.
+    offered: Mutex<HashSet<Digest>>,
 }
 
 /// What happened to a result that was offered to a remote store.
@@ -108,6 +110,7 @@ impl<'a> Remote<'a> {
             only: false,
             is_off: AtomicBool::new(false),
             bad: Mutex::default(),
+            offered: Mutex::default(),
         }
     }
 

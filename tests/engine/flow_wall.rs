@@ -4,8 +4,8 @@ use super::method_scene::{disturbed, splash_scene};
 use coronet::method::{Phase, build};
 use coronet::simulate::{Simulation, scene};
 
-/// A lid slides over a full box: nothing is much faster than the lid, and no method has more than half
-/// as much energy again as another. In the corner before it the liquid is pressed into the walls.
+/// A lid slides over a full box: nothing is much faster than the lid, and no method has more than
+/// half as much energy again as another. In the corner before it the liquid is pressed into walls.
 #[test]
 fn a_sliding_lid_drives_no_faster_than_itself() {
     let energies = ["wcsph", "isph", "mps"].map(|method| {

@@ -5,7 +5,7 @@
 //! Test: tests/engine/measure_loss.rs.
 
 use super::conservation;
-use super::kind::{Kind, contact_within};
+use super::kind::Kind;
 use super::series::Series;
 use super::summary::digits;
 use crate::scene::quantity::{Unit, legible};
@@ -60,7 +60,7 @@ impl Watch {
 /// Warnings about the measures of a run; `contact`: when the drop meets pool or wall, s from the
 /// start.
 pub fn warnings(scene: &Scene, series: &Series, contact: Option<f64>) -> Vec<Warning> {
-    let mut all: Vec<Warning> = floor(scene, series).into_iter().collect();
+    let mut all: Vec<Warning> = floor(scene, series, contact).into_iter().collect();
     all.extend(sides(scene, series));
     let end = |name: &str| {
         series
@@ -201,13 +201,13 @@ fn pressed(scene: &Scene, series: &Series) -> Option<Warning> {
 }
 
 /// A crater down to the floor of a pool.
-fn floor(scene: &Scene, series: &Series) -> Option<Warning> {
+fn floor(scene: &Scene, series: &Series, contact: Option<f64>) -> Option<Warning> {
     let layer = |body: &Body| match body.shape {
         Shape::Layer { depth } => Some((body.name.clone(), depth)),
         _ => None,
     };
     let (name, depth) = scene.bodies.iter().find_map(layer)?;
-    let from = contact_within(scene)?;
+    let from = contact.unwrap_or(f64::NEG_INFINITY);
     let (deepest, _) = series
         .window(from, f64::INFINITY)
         .maximum("crater_depth_m")?;

@@ -210,8 +210,8 @@ pub fn pressed_part(scene: &Scene, measures: &Series, mass: f64) -> Option<f64> 
     Some(most / turnover(scene, measures, mass)?)
 }
 
-/// The initial energy or, if that is more, the work of what drives a flow, or the motion, J; `None`
-/// if there is none, or with a tension that has no energy. `mass`: of the first frame, kg.
+/// The initial energy or, if that is more, the work of what drives or slows a flow, or the motion,
+/// J; `None` if there is none, or with a tension without an energy. `mass`: of the first frame, kg.
 fn turnover(scene: &Scene, measures: &Series, mass: f64) -> Option<f64> {
     let has_energy =
         scene.effects.tension.is_none() || scene.effects.has_tension(TensionForm::SurfaceEnergy);

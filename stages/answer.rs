@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
-use coronet::file::changed;
+use coronet::file::{changed, exists};
 use coronet::measure::answer::{Answer, Figures};
 use coronet::measure::series::Series;
+use coronet::pipeline::content::ContentError;
 use coronet::pipeline::{Report, Stamp, Store, content, stamp};
 use coronet::record::log;
 use coronet::scene::sanity::Warning;
@@ -24,6 +25,9 @@ pub fn read(folder: &Path, stamp: &Stamp) -> Result<Figures> {
     let impact = impact.context("its stamp names no impact")?;
     let log = store_of(folder)?.folder(&impact.stage, &impact.key);
     let log = log.join(FRAMES);
+    if !exists(&log)? {
+        bail!(untrusted(&log, "it is missing"));
+    }
     let scene = log::info(&log)?.scene(&log)?;
     Ok(Figures::new(&scene, measures))
 }
@@ -37,14 +41,20 @@ pub fn measures(folder: &Path, stamp: &Stamp) -> Result<Series> {
     let mut outputs = stamp.outputs.iter();
     let output = outputs.find(|output| output.file == MEASURES);
     let output = output.context("its stamp names no measures")?;
-    if content::content(&path)? != output.digest {
-        bail!(Untrusted(format!(
-            "{} was changed after it was written: `coronet verify` sets it aside, and the next run \
-             makes it again",
-            path.display()
-        )));
+    match content::content(&path) {
+        Ok(found) if found == output.digest => Ok(Series::read(&path)?),
+        Ok(_) => bail!(untrusted(&path, "it was changed after it was written")),
+        Err(ContentError::Damaged(what)) => bail!(untrusted(&path, &what)),
+        Err(ContentError::File(error)) => Err(error.into()),
     }
-    Ok(Series::read(&path)?)
+}
+
+/// That a file of a result is not as it was written.
+fn untrusted(path: &Path, what: &str) -> Untrusted {
+    Untrusted(format!(
+        "{}: {what}; `coronet verify` sets aside what is damaged, and the next run makes it again",
+        path.display()
+    ))
 }
 
 /// SI, with times from the start and from contact.

@@ -22,6 +22,8 @@ pub const UNTRUSTED: u8 = 4;
 pub const FILES: u8 = 5;
 pub const BUSY: u8 = 6;
 pub const INTERRUPTED: u8 = 130;
+/// Plus the number of the signal that killed a point of a study, as shells have it.
+pub const KILLED: u8 = 128;
 
 /// Damaged results were found.
 #[derive(Debug, thiserror::Error)]

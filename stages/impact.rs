@@ -6,6 +6,7 @@
 //! at or after it); a result contains every frame up to its last instant. So the frames of a
 //! shorter run are exactly the first frames of a longer one, with any interruptions.
 
+use coronet::file;
 use coronet::measure::series::Row;
 use coronet::measure::{kind, loss};
 use coronet::method::frame::Schedule;
@@ -245,7 +246,8 @@ impl Impact<'_> {
             for output in &relative.stamp.outputs {
                 let path = relative.folder.join(&output.file);
                 let is_state = output.file == STATE || output.file.starts_with(flight::KEPT);
-                if !is_state {
+                // A folder in place of a file is damage, from which nothing can start.
+                if !is_state || file::is_folder(&path)? {
                     continue;
                 }
                 let peek = match checkpoint::peek(&path) {

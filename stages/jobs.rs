@@ -17,7 +17,7 @@ use crate::live::Viewers;
 use crate::pack::Pack;
 use crate::post::Post;
 use crate::probe::{self, Like};
-use crate::relax::Relax;
+use crate::relax::{LIMITS, Relax};
 use crate::settings::{self, Forecast};
 
 /// VERSION of each stage: is increased when the same settings give another result. What only some
@@ -36,9 +36,9 @@ pub mod version {
     /// Of the calibration of the tension.
     pub const CALIBRATE: u32 = 9;
     /// Of relaxation and impact.
-    pub const FLOW: u32 = 24;
+    pub const FLOW: u32 = 25;
     /// Of the evaluation.
-    pub const POST: u32 = 24;
+    pub const POST: u32 = 25;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {
@@ -149,12 +149,13 @@ pub fn pipeline(loaded: &Loaded) -> Result<Pipeline<'_>> {
 pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>> {
     let scene = &loaded.scene;
     let mut jobs: Vec<Box<dyn Stage + '_>> = Vec::new();
-    let (mut packed, mut bodies) = (Vec::new(), Vec::new());
+    let (mut packed, mut bodies, mut relaxed) = (Vec::new(), Vec::new(), Vec::new());
     for body in 0..scene.bodies.len() {
         jobs.push(pack(scene, body)?);
         packed.push(jobs.len() - 1);
         if let Some(input) = scene.relax_input(body) {
             jobs.push(relax(scene, body, input, jobs.len() - 1)?);
+            relaxed.push(jobs.len() - 1);
         }
         bodies.push(jobs.len() - 1);
     }
@@ -194,12 +195,18 @@ pub fn watched(loaded: &Loaded, viewers: Option<Viewers>) -> Result<Pipeline<'_>
     }));
     let folder = loaded.path.parent().unwrap_or(Path::new("."));
     let input = scene.post_input(folder)?;
-    let settings = settings::list(&input, scene)?;
+    let mut settings = settings::list(&input, scene)?;
+    // It tells whether the bodies were at rest, by limits that are the same for all.
+    if let Some(first) = relaxed.first() {
+        let all = jobs[*first].settings().into_iter();
+        settings.extend(all.filter(|setting| LIMITS.contains(&&*setting.name)));
+    }
     jobs.push(Box::new(Post {
         input,
         folder,
         text: &loaded.text,
         impact: jobs.len() - 1,
+        relaxed,
         forecast: later(scene, Like::Machine, forecast::post),
         identity: identity("post", "", version::POST, settings),
     }));

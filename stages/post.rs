@@ -5,10 +5,7 @@ use std::path::Path;
 use coronet::draw::post;
 use coronet::measure::series::Reference;
 use coronet::particle::Frame;
-use coronet::pipeline::stamp::StampError;
-use coronet::pipeline::{
-    Context, Identity, Output, Progress, Stage, StageError, Stamp, Store, Work,
-};
+use coronet::pipeline::{Context, Identity, Input, Output, Progress, Stage, StageError, Work};
 use coronet::record::log;
 use coronet::scene::input::{Curve, PostInput};
 
@@ -20,8 +17,6 @@ use crate::stop::STOPPED;
 
 /// The table of measures, as [`post::Post`] names it.
 pub const MEASURES: &str = "measures.csv";
-/// Name of the stage whose results may not be at rest.
-const RELAX: &str = "relax";
 /// Start of a note about what the report lacks: an instant without a frame, a strange reference.
 pub const MISSED: &str = "not drawn";
 /// The page of the report.
@@ -38,6 +33,8 @@ pub struct Post<'a> {
     pub text: &'a str,
     /// Job that wrote the log.
     pub impact: usize,
+    /// Jobs that brought the bodies to rest.
+    pub relaxed: Vec<usize>,
     pub forecast: Forecast<'a>,
     pub identity: Identity,
 }
@@ -61,7 +58,7 @@ impl Stage for Post<'_> {
     }
 
     fn inputs(&self) -> Vec<usize> {
-        vec![self.impact]
+        [&[self.impact], &self.relaxed[..]].concat()
     }
 
     fn work(&self) -> Option<Work> {
@@ -73,7 +70,7 @@ impl Stage for Post<'_> {
         let scene = &self.input.scene();
         let out = context.output();
         let mut post = post::Post::new(scene, self.references()?, &out);
-        for text in unrest(context)? {
+        for text in unrest(context) {
             post.warn(format!("{text}."));
             context.note(text);
         }
@@ -130,24 +127,14 @@ impl Stage for Post<'_> {
 }
 
 /// Notes of the relaxations about bodies that did not come to rest.
-fn unrest(context: &Context) -> Result<Vec<String>, StageError> {
-    let impact = &context.inputs[0];
-    let Some(root) = impact.folder.ancestors().nth(2) else {
-        return Ok(Vec::new());
-    };
+fn unrest(context: &Context) -> Vec<String> {
     let mut texts = Vec::new();
-    for input in impact.stamp.inputs.iter().filter(|i| i.stage == RELAX) {
-        let stamp = match Stamp::read(&Store::new(root).folder(RELAX, &input.key)) {
-            Ok(Some(stamp)) => stamp,
-            Err(StampError::File(error)) => return Err(error.into()),
-            // A missing or damaged stamp is reported where it is used; here it is ignored.
-            Ok(None) | Err(_) => continue,
-        };
+    for Input { stamp, .. } in &context.inputs[1..] {
         let restless = stamp.notes.iter().filter(|note| note.starts_with(UNREST));
-        texts
-            .extend(restless.map(|note| format!("body `{}` begins the impact {note}", input.body)));
+        let body = &stamp.body;
+        texts.extend(restless.map(|note| format!("body `{body}` begins the impact {note}")));
     }
-    Ok(texts)
+    texts
 }
 
 /// Notes of the impact about conditions that have ended it.
@@ -182,7 +169,7 @@ impl Post<'_> {
             ("command".to_string(), command.join(" ")),
             ("key of this report".to_string(), context.key().to_string()),
         ];
-        for input in &context.inputs {
+        for input in &context.inputs[..1] {
             let stamp = &input.stamp;
             let mut add = |name: &str, value: String| {
                 lines.push((format!("{}: {name}", stamp.label()), value));

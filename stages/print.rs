@@ -41,6 +41,14 @@ pub fn error_line(text: Arguments) {
     let _ = writeln!(io::stderr().lock(), "{}", plain(&text.to_string()));
 }
 
+/// Whether nothing more can be printed on standard output.
+pub fn is_closed() -> bool {
+    let failed = OUTPUT
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    failed.is_some()
+}
+
 /// The first error of standard output, except a closed pipe.
 pub fn failure() -> Option<io::Error> {
     let mut failed = OUTPUT

@@ -20,6 +20,10 @@ use crate::settings::Forecast;
 /// Time from which both limits are met, s, as a scalar of a checkpoint; NaN: they are not.
 const CALM_SINCE: &str = "calm_since";
 
+/// The settings that decide whether a body has come to rest; its particles depend on them only
+/// where they end its relaxation.
+pub const LIMITS: [&str; 2] = ["relax.kinetic_energy", "relax.density_spread"];
+
 /// Start of the note of a body that has not come to rest.
 pub const UNREST: &str = "not at rest";
 

@@ -174,8 +174,9 @@ impl Run {
             (None, Some(gone)) => State::Unfinished(gone.to_string_lossy().into_owned()),
             (None, None) => State::Unfinished(stage.into()),
         };
-        let is_here = |key| self.results.iter().any(|(_, stamp)| stamp.key == key);
-        let whole = |stamp: &Stamp| stamp.inputs.iter().all(|input| is_here(input.key));
+        // As in keys, inputs count by their content.
+        let is_here = |digest| self.results.iter().any(|(_, stamp)| stamp.digest == digest);
+        let whole = |stamp: &Stamp| stamp.inputs.iter().all(|input| is_here(input.digest));
         for stage in ["calibrate", "impact", "post"] {
             match self.result(stage) {
                 Some((_, stamp)) if !whole(stamp) => return unfinished(stage),

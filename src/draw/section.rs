@@ -2,10 +2,13 @@
 
 use super::canvas::{Anchor, Canvas, Colour, FAINT, INK, WHITE};
 use crate::particle::Frame;
-use crate::scene::{Dimension, Scene};
+use crate::scene::{Dimension, Scene, Side};
 
 /// Thickness of the slice, m (at least one spacing).
 const THICKNESS: f64 = 1e-3;
+/// Pixels above the liquid, for the label and the scale bar, and below z = 0.
+const STRIP: f64 = 48.0;
+const FLOOR: f64 = 8.0;
 /// Most pixels of a section downward, and fewest across.
 const HIGHEST: f64 = 1400.0;
 const NARROWEST: f64 = 200.0;
@@ -67,22 +70,26 @@ impl Section {
     }
 
     /// Draws the slice from the floor to `top`, m, over the whole width of the box, which is at the
-    /// left of a picture that must be wider.
+    /// left of a picture that must be wider. Label and scale bar are above the liquid.
     pub fn draw(&self, scene: &Scene, top: f64) -> Canvas {
         let size = scene.domain.size;
-        let (floor, spacing) = (8.0, scene.spacing);
+        let spacing = scene.spacing;
         let top = top + 3.0 * spacing;
-        let scale = (width(scene) as f64 / size[0]).min((HIGHEST - floor) / top);
+        let scale = (width(scene) as f64 / size[0]).min((HIGHEST - FLOOR - STRIP) / top);
         let width = (scale * size[0]).round().max(NARROWEST) as usize;
-        let height = (top * scale + floor).max(120.0).round() as usize;
+        let height = (top * scale + FLOOR + STRIP).max(120.0).round() as usize;
         let mut canvas = Canvas::new(width, height, WHITE);
-        let base = height as f64 - floor;
+        let base = height as f64 - FLOOR;
         let radius = (0.55 * spacing * scale) as f32;
         for ([x, z], body) in &self.points {
             let at = [f64::from(*x) * scale, base - f64::from(*z) * scale].map(|c| c as f32);
             canvas.ball(at, radius, body_colour(scene, *body));
         }
-        canvas.rectangle([0.0, base as f32], [width as f32, height as f32], FAINT);
+        if scene.domain.boundary[2][0] == Side::Wall {
+            canvas.rectangle([0.0, base as f32], [width as f32, height as f32], FAINT);
+        }
+        // Mist that is higher than `top`.
+        canvas.rectangle([0.0, 0.0], [width as f32, STRIP as f32], WHITE);
         canvas.text([14.0, 30.0], 22.0, &self.label, Anchor::Left, INK);
         draw_scale(&mut canvas, size[0], scale);
         canvas

@@ -6,7 +6,7 @@ use super::gravity::Gravity;
 use super::tension::Tension;
 use super::tension::shore::Shore;
 use super::vibration::Vibration;
-use super::viscosity::{Cleary, Morris, Newtonian, PairViscosity, TwoTerm};
+use super::viscosity::{Cleary, Morris, Newtonian, PairViscosity, TINY, TwoTerm};
 use super::wetting::typed::Typed;
 use super::wetting::{Setting, Wetting};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
@@ -49,8 +49,12 @@ fn viscosity<K: Kernel, R: Visitor>(
     match viscosity.form {
         ViscosityForm::Morris => visitor.visit::<K, _>(Morris { factor }),
         ViscosityForm::TwoTerm => visitor.visit::<K, _>(TwoTerm { factor }),
-        ViscosityForm::Cleary => visitor.visit::<K, _>(Cleary {
+        ViscosityForm::Cleary | ViscosityForm::Central => visitor.visit::<K, _>(Cleary {
             factor: (dimension as f32 + 2.0) * factor,
+            softening: match viscosity.form {
+                ViscosityForm::Central => TINY,
+                _ => 0.01,
+            },
         }),
         ViscosityForm::TwoTermExact => visitor.visit::<K, _>(TwoTerm {
             factor: exact * factor,
@@ -70,14 +74,16 @@ pub fn flat_strength(settings: &Sph, dimension: usize) -> f64 {
     1.0 / (0..CELLS).map(square).sum::<f64>()
 }
 
-/// The effects of a scene as a solver calls them; `tension`: that of [`tension`], or normals.
-pub fn active(effects: &Effects, tension: Option<Tension>) -> ActiveEffects {
+/// The effects of a scene as a solver calls them; `space`: dimensions, three of rings; `tension`:
+/// that of [`tension`], or normals.
+pub fn active(effects: &Effects, space: usize, tension: Option<Tension>) -> ActiveEffects {
     let mut others: Vec<Box<dyn Effect>> = Vec::new();
     if let Some(gravity) = effects.gravity {
         others.push(Box::new(Gravity(gravity)));
     }
-    if let Some(dynamic) = effects.mu() {
-        others.push(Box::new(Newtonian { dynamic }));
+    if let Some(viscosity) = effects.viscosity {
+        let stiff = viscosity.stiff(space);
+        others.push(Box::new(Newtonian { stiff }));
     }
     if let Some(vibration) = effects.vibration {
         others.push(Box::new(Vibration {

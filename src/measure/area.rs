@@ -4,12 +4,24 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::raster::Raster;
+use super::raster::{LEVEL, Raster};
+
+/// The orders in which a way along the edges of a cell from its low to its high corner takes the
+/// axes. The corners of each way are those of one of six equal tetrahedra.
+const WAYS: [[usize; 3]; 6] = [
+    [0, 1, 2],
+    [0, 2, 1],
+    [1, 0, 2],
+    [1, 2, 0],
+    [2, 0, 1],
+    [2, 1, 0],
+];
 
 impl Raster {
-    /// Area of the surface, m^2 (length, m, in 2-D): the integral of |∇G(φ)| with
-    /// `G = φ − sin(2πφ)/2π`, which goes from 0 to 1 and is insensitive to ripples at both ends.
-    /// Of a section through an axis the area of the body of revolution.
+    /// Area of the surface, m^2 (length, m, in 2-D): of the level φ = 1/2, as φ is linear in each
+    /// of the tetrahedra of a cell. What φ is behind the surface, where layers of particles are
+    /// denser or apart, has no part in it, as it would have in an integral of |∇φ|. Of a section
+    /// through an axis the area of the body of revolution.
     pub fn surface_area(&self) -> f64 {
         let cell: f64 = (0..3)
             .filter(|&a| self.edge[a] > 1)
@@ -28,10 +40,9 @@ impl Raster {
         per_block.iter().fold(0.0, |total, area| total + area) * cell
     }
 
-    /// Sum over the cells whose low corner is a node of the block. Differences of G along the axes
-    /// are exact across a flat surface however few nodes it spans.
+    /// Sum over the cells whose low corner is a node of the block.
     fn block_area(&self, block: usize) -> f64 {
-        let mut patch = Patch::new(self, block);
+        let patch = Patch::new(self, block);
         let steps = [0, 1, 2].map(|axis| {
             let end = patch.low[axis] + self.edge[axis];
             let all = patch.low[axis]..end.min(self.count[axis]);
@@ -44,7 +55,7 @@ impl Raster {
             for along in x.iter().flatten() {
                 for across in y.iter().flatten() {
                     for up in z.iter().flatten() {
-                        total += self.cell_area(&mut patch, node, [*along, *across, *up]);
+                        total += self.cell_area(&patch, node, [*along, *across, *up]);
                     }
                 }
             }
@@ -53,27 +64,29 @@ impl Raster {
     }
 
     /// Of one cell, over that of a whole one.
-    fn cell_area(&self, patch: &mut Patch, node: [usize; 3], steps: [Step; 3]) -> f64 {
-        let corner = patch.corners(node, &steps);
-        // Deep inside or outside all differences vanish.
-        let mean = corner.map(|n| patch.value[n]).iter().sum::<f32>() / 8.0;
-        if !(0.02..0.98).contains(&mean) {
+    fn cell_area(&self, patch: &Patch, node: [usize; 3], steps: [Step; 3]) -> f64 {
+        let value = patch.corners(node, &steps).map(|n| patch.value[n]);
+        let inside = value.iter().filter(|value| **value >= LEVEL).count();
+        if inside == 0 || inside == value.len() {
             return 0.0;
         }
-        let corner = corner.map(|n| patch.sharp(n));
-        let mut square = 0.0;
-        for axis in 0..3 {
-            let signed = |(n, value): (usize, &f64)| {
-                if n >> axis & 1 == 1 { *value } else { -*value }
-            };
-            let difference = corner.iter().enumerate().map(signed).sum::<f64>() / 4.0;
-            square += (difference / self.spacing[axis]).powi(2);
-        }
+        let value = value.map(f64::from);
+        let tetrahedron = |way: &[usize; 3]| {
+            let (mut place, mut square) = (0, 0.0);
+            let mut along = [value[0]; 4];
+            for (n, axis) in way.iter().enumerate() {
+                place |= 1 << axis;
+                along[n + 1] = value[place];
+                square += ((along[n + 1] - along[n]) / self.spacing[*axis]).powi(2);
+            }
+            square.sqrt() * density(along) / WAYS.len() as f64
+        };
+        let area: f64 = WAYS.iter().map(tetrahedron).sum();
         let x = self.coordinate(0, node[0]) + steps[0].middle * self.spacing[0];
         let part: f64 = steps.iter().map(|step| step.part).product();
         // Both halves of a ring are in a section.
         let weight = self.axis.map_or(1.0, |axis| PI * (x - axis).abs());
-        part * weight * square.sqrt()
+        part * weight * area
     }
 
     /// The cells that begin at node `at` along an axis: one to the next node or, half of one, to a
@@ -101,8 +114,6 @@ struct Patch {
     low: [usize; 3],
     count: [usize; 3],
     value: Vec<f32>,
-    /// G of them where it has been asked for, else NaN.
-    sharp: Vec<f64>,
 }
 
 impl Patch {
@@ -124,7 +135,6 @@ impl Patch {
         Patch {
             low,
             count: nodes.map(|nodes| nodes.len()),
-            sharp: vec![f64::NAN; value.len()],
             value,
         }
     }
@@ -140,18 +150,27 @@ impl Patch {
         });
         std::array::from_fn(|n| ends[0][n & 1] + ends[1][n >> 1 & 1] + ends[2][n >> 2 & 1])
     }
+}
 
-    /// G at a place.
-    fn sharp(&mut self, place: usize) -> f64 {
-        let known = self.sharp[place];
-        if !known.is_nan() {
-            return known;
-        }
-        let phase = 2.0 * PI * f64::from(self.value[place].clamp(0.0, 1.0));
-        let sharp = (phase - phase.sin()) / (2.0 * PI);
-        self.sharp[place] = sharp;
-        sharp
+/// The volume of a tetrahedron in which a linear function is within a unit around the level, over
+/// its own, of the values of the function at the corners: their quadratic B-spline (Curry &
+/// Schoenberg 1966). Times the slope of the function it is the area of the level over the volume.
+fn density(mut corner: [f64; 4]) -> f64 {
+    corner.sort_by(f64::total_cmp);
+    let [a, b, c, d] = corner;
+    let level = f64::from(LEVEL);
+    if !(a..d).contains(&level) {
+        return 0.0;
     }
+    let (up, down) = (level - a, d - level);
+    let spline = if level < b {
+        up * up / ((b - a) * (c - a))
+    } else if level < c {
+        (up * (c - level) / (c - a) + down * (level - b) / (d - b)) / (c - b)
+    } else {
+        down * down / ((d - b) * (d - c))
+    };
+    3.0 * spline / (d - a)
 }
 
 /// A cell along an axis from a node on.

@@ -17,6 +17,8 @@ pub struct Norm {
     pub from: f64,
     /// End of the span.
     pub to: f64,
+    /// Run time minus reference time, s.
+    pub shift: f64,
     /// Number of reference values compared.
     pub points: usize,
 }
@@ -66,6 +68,7 @@ pub fn compare_column(
         max: max / max_scale,
         from,
         to,
+        shift,
         points,
     })
 }

@@ -12,7 +12,7 @@ const BIN: f64 = 2.0;
 pub struct Piece<'a> {
     /// The frame.
     pub frame: Cow<'a, Frame>,
-    /// Zero where nothing lies across a periodic side, or where there is no gap.
+    /// Zero where nothing lies at a periodic side, or where there is no gap.
     pub moved: [f64; 3],
 }
 
@@ -57,9 +57,9 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// The middle of the largest gap between the points `x`, m, if they lie on both sides of the ends
-/// of a periodic range and leave one; else 0 if some are beyond its ends: a frame can have
-/// particles that have not yet come in again.
+/// The middle of the largest gap between the points `x`, m, if some are near an end of a periodic
+/// range, so that the liquid reaches over it, and leave a gap; else 0 if some are beyond its ends:
+/// a frame can have particles that have not yet come in again.
 fn gap(x: &[f32], size: f64, bin: f64) -> Option<f64> {
     let count = ((size / bin) as usize).max(1);
     let mut is_filled = vec![false; count];
@@ -70,7 +70,7 @@ fn gap(x: &[f32], size: f64, bin: f64) -> Option<f64> {
             is_filled[(place as usize).min(count - 1)] = true;
         }
     }
-    if !(is_filled[0] && is_filled[count - 1]) {
+    if !(is_filled[0] || is_filled[count - 1]) {
         return is_beyond.then_some(0.0);
     }
     let runs = is_filled.chunk_by(|a, b| a == b);

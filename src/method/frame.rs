@@ -152,9 +152,10 @@ pub fn budget(flow: &Flow, gravity: Option<[f64; 3]>) -> [f64; 5] {
     })
 }
 
-/// What is gained from one velocity, m/s, to another, J/kg.
-pub fn gained(before: [f64; 3], after: [f64; 3]) -> f64 {
-    let along = |a: usize| after[a] * after[a] - before[a] * before[a];
+/// Work of what changes the velocity `free` to `after` on a particle that moves by the mean of
+/// `before` and `after`, J/kg; velocities in m/s. What holds a particle where it is does none.
+pub fn work(before: [f64; 3], free: [f64; 3], after: [f64; 3]) -> f64 {
+    let along = |a: usize| (before[a] + after[a]) * (after[a] - free[a]);
     0.5 * (0..3).map(along).sum::<f64>()
 }
 

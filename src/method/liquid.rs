@@ -164,6 +164,14 @@ impl Liquid {
         self.case.follows_energy()
     }
 
+    /// Whether nobody has found the surface yet: at the start of a run.
+    pub fn lacks_surface(&self) -> bool {
+        match self.follows_energy() {
+            true => self.ledger.surface.is_none(),
+            false => self.now.step == 0,
+        }
+    }
+
     /// Largest speed now, m/s.
     pub fn max_speed(&self) -> f64 {
         max(self.flow.span(), |i| self.flow.particles.speed(i)).max(0.0)
@@ -270,8 +278,9 @@ impl Liquid {
         self.positions = now;
     }
 
-    /// Lets friction act on contact lines for `dt` s.
-    pub fn rub(&mut self, dt: f64) {
+    /// Lets friction act on contact lines for `dt` s, in which particles move by the mean of the
+    /// velocities at its ends; `pushed`: what they were given since its start, m/s.
+    pub fn rub(&mut self, dt: f64, pushed: impl Fn(usize) -> [f64; 3] + Sync) {
         if !self.flow.any(!self.friction.is_empty()) {
             return;
         }
@@ -284,9 +293,10 @@ impl Liquid {
             three(&mut p.velocity, friction.len()),
             |i, v| {
                 let [x, y, z] = v;
-                let before = [*x, *y, *z];
-                [*x, *y, *z] = friction[i].slowed(before, dt);
-                [weight_of(weights, i) * frame::gained(before, [*x, *y, *z])]
+                let (free, push) = ([*x, *y, *z], pushed(i));
+                let before = [0, 1, 2].map(|a| free[a] - push[a]);
+                [*x, *y, *z] = friction[i].slowed(free, dt);
+                [weight_of(weights, i) * frame::work(before, free, [*x, *y, *z])]
             },
         );
         self.ledger.walls += p.mass * work;

@@ -4,9 +4,13 @@
 //! which is not the opposite of g_b, masses m that differ, and a ring as its own neighbour:
 //! (1) d rho_a/dt = SUM m_b (v_a . dW/dx_a + v_b . dW/dx_b) + density diffusion
 //! (2) dv_a/dt = -SUM m_b (P_a/rho_a^2 + P_b/rho_b^2) dW/dx_a: its work is that of (1)
-//! (3) viscosity (Morris, Fox & Zhu 1997, averaged over the angle, for v_r turns with it), with
-//!     K = 2 mu m_b (1/rho_a^2 + 1/rho_b^2) norm / h^5:
-//!     dv_z/dt += SUM K F_y (v_z,a - v_z,b), dv_r/dt += SUM K (F_y v_r,a - (F_y - F_p / 2) v_r,b)
+//! (3) viscosity along the line of each pair of points, as Cleary & Ha 2002 have it, averaged over
+//!     the angle f: with r = x_a - x_b, v = v_a - v_b, and W_yy the second derivative of the kernel
+//!     by y = r^2 in place of their (grad W . r) / r^4, whose mean has no bound,
+//!     dv_a/dt -= SUM K W_yy (v . r) r,  K = 4 mu m_b (1/rho_a^2 + 1/rho_b^2) norm / h^5:
+//!     INT W_yy r^4 dV = 15/4 in three dimensions, so that this is nu (lap v + 2 grad div v). With
+//!     c = 1 - cos f:  v . r = s + t c,  s = dv_r dr + dv_z dz,  t = v_r,a r_b + v_r,b r_a, and
+//!     r = (dr + r_b c, dz);  the means of W_yy, W_yy c, W_yy c^2 are F_yy, F_yp / 2, F_pp / 4
 //! Sums leave a ring itself out; [`crate::kernel::ring::Own`] is what it adds.
 //! Tests: tests/engine/ring.rs.
 
@@ -54,7 +58,7 @@ impl Ring {
 pub struct Surrounded<'a> {
     /// Where rings are.
     pub radii: Radii<'a>,
-    /// 2 mu / h, Pa s/m.
+    /// -4 mu / h, Pa s/m.
     pub viscosity: f32,
 }
 
@@ -68,18 +72,34 @@ impl Pass<3> for Surrounded<'_> {
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Ring>, sum: &mut [F; 3]) {
         let (own, other) = (&pair.own, &pair.other);
-        let w = between(self.radii.rings, pair);
+        let ([r_a, r_b], is_far) = places(pair);
+        let [dr, _, dz] = pair.d;
         let m = mass_apart(other.mass, pair.q2);
+        let [value, ..] = self.radii.rings.first(is_far, pair.q2, r_a * r_b);
+        sum[2] = m.mul_add(value, sum[2]);
+        if self.viscosity == 0.0 {
+            return;
+        }
+        let [none, one, two] = self.radii.rings.second(is_far, pair.q2, r_a * r_b);
+        let (one, two) = (one * 0.5, two * 0.25);
+        let along = (own.radial - other.radial).mul_add(dr, (own.axial - other.axial) * dz);
+        let turn = own.radial.mul_add(r_b, other.radial * r_a);
         let k = m * (own.weight + other.weight) * self.viscosity;
-        let across = w.turn.mul_add(pair.q2.splat(-0.5), w.slope);
-        let radial = w.slope * own.radial - across * other.radial;
-        sum[0] = k.mul_add(radial, sum[0]);
-        sum[1] = (k * w.slope).mul_add(own.axial - other.axial, sum[1]);
-        sum[2] = m.mul_add(w.value, sum[2]);
+        let plain = along.mul_add(none, turn * one);
+        let turned = along.mul_add(one, turn * two);
+        sum[0] = k.mul_add(r_b.mul_add(turned, dr * plain), sum[0]);
+        sum[1] = (k * dz).mul_add(plain, sum[1]);
     }
     #[inline(always)]
     fn finish(&self, _: usize, sum: [f32; 3], out: &mut [f32; 3]) {
         *out = sum;
+    }
+}
+
+impl Surrounded<'_> {
+    /// What a ring itself adds to the first sum, over `weight` = 1 / rho^2.
+    pub fn alone(&self, i: usize, mass: f64, radial: f64) -> f64 {
+        self.viscosity as f64 * mass * self.radii.own(i).hoop * radial
     }
 }
 

@@ -20,6 +20,8 @@ pub struct Decision {
     pub stage: String,
     /// What the stage is applied to, or empty.
     pub body: String,
+    /// The settings that the stage reads.
+    pub settings: Vec<SettingStamp>,
     /// `None` while an input is stale: its digest is not known yet.
     pub key: Option<Digest>,
     /// The finished result, if there is one.
@@ -106,6 +108,7 @@ pub fn decide(
         job,
         stage: stage.name().to_string(),
         body: stage.part().to_string(),
+        settings: settings.iter().map(SettingStamp::from).collect(),
         key: digests
             .as_ref()
             .map(|digests| key::key(stage, &settings, digests)),
@@ -116,6 +119,7 @@ pub fn decide(
         work: None,
     };
     let family = digests.and_then(|digests| key::family(stage, &settings, &digests));
+    let mut from = None;
     if let Some(key) = decision.key {
         match store.find(stage.name(), &key)? {
             Found::Finished(stamp) => {
@@ -125,42 +129,39 @@ pub fn decide(
             Found::Unusable(what) => decision.reasons.push(what),
             Found::Nothing => {}
         }
-        decision.start = start(store, stage, &key, family)?;
+        if has_checkpoint(&store.folder(stage.name(), &key).join(WORK))? {
+            decision.start = Some("an unfinished run".to_string());
+        } else if let Some(relative) = start(store, stage, family)? {
+            let free = stage.extends().unwrap_or_default();
+            let value = relative.setting(free).unwrap_or("?");
+            decision.start = Some(format!("the result for {free} = {value}"));
+            from = Some(relative.stamp);
+        }
     }
     decision.work = stage.work();
-    let stamps = store.stamps(stage.name())?;
+    let stamps: Vec<Stamp> = store
+        .stamps(stage.name())?
+        .into_iter()
+        .map(|(_, s)| s)
+        .collect();
     decision.seconds = estimate(decision.work, stage, &stamps);
     if decision.reasons.is_empty() {
-        let wanted: Vec<SettingStamp> = settings.iter().map(SettingStamp::from).collect();
         // What it continues, if that is a result.
-        let is_relative = |stamp: &Stamp| family.is_some() && stamp.family == family;
-        let relatives = stamps.iter().filter(|(_, stamp)| is_relative(stamp));
-        let relatives: Vec<_> = relatives.cloned().collect();
-        let known = match decision.start.is_some() && !relatives.is_empty() {
-            true => relatives,
-            false => stamps,
-        };
-        decision.reasons = reasons(pipeline, stage, &wanted, &inputs, &known);
+        let known = from.map_or(stamps, |from| vec![from]);
+        decision.reasons = reasons(pipeline, stage, &decision.settings, &inputs, &known);
     }
     Ok(decision)
 }
 
-/// What a stale result could start from.
+/// The finished result that a stale one could start from.
 fn start(
     store: &Store,
     stage: &dyn Stage,
-    key: &Digest,
     family: Option<Digest>,
-) -> Result<Option<String>, FileError> {
-    if has_checkpoint(&store.folder(stage.name(), key).join(WORK))? {
-        return Ok(Some("an unfinished run".to_string()));
-    }
-    let relatives = relatives(store, stage.name(), family)?;
-    let free = stage.extends().unwrap_or_default();
-    Ok(stage.begins_from(&relatives).map(|index| {
-        let value = relatives[index].setting(free).unwrap_or("?");
-        format!("the result for {free} = {value}")
-    }))
+) -> Result<Option<Relative>, FileError> {
+    let mut relatives = relatives(store, stage.name(), family)?;
+    let index = stage.begins_from(&relatives);
+    Ok(index.map(|index| relatives.swap_remove(index)))
 }
 
 /// Results that differ in more settings, or in more than a third of all and in some, are of another
@@ -199,7 +200,7 @@ fn reasons(
     stage: &dyn Stage,
     wanted: &[SettingStamp],
     inputs: &[Option<Done>],
-    stamps: &[(PathBuf, Stamp)],
+    stamps: &[Stamp],
 ) -> Vec<String> {
     let names: Vec<String> = stage
         .inputs()
@@ -212,12 +213,12 @@ fn reasons(
             waiting.push(format!("{name} is stale"));
         }
     }
-    let same_body = |(_, stamp): &&(PathBuf, Stamp)| stamp.body == stage.part();
+    let same_body = |stamp: &&Stamp| stamp.body == stage.part();
     let mut candidates: Vec<_> = stamps.iter().filter(same_body).collect();
     if candidates.is_empty() {
         candidates = stamps.iter().collect();
     }
-    let differences = candidates.into_iter().map(|(_, earlier)| {
+    let differences = candidates.into_iter().map(|earlier| {
         let list = differences(stage, wanted, &names, inputs, earlier);
         (list, &earlier.started)
     });
@@ -321,8 +322,8 @@ fn input_difference(name: &str, old: Option<&InputStamp>, new: &Done) -> String 
 
 /// Wall time, s: the stage's estimate, corrected by the time of earlier results of the same kind;
 /// without an estimate the time of its newest result.
-fn estimate(work: Option<Work>, stage: &dyn Stage, stamps: &[(PathBuf, Stamp)]) -> Option<f64> {
-    let stamps = stamps.iter().map(|(_, stamp)| stamp);
+fn estimate(work: Option<Work>, stage: &dyn Stage, stamps: &[Stamp]) -> Option<f64> {
+    let stamps = stamps.iter();
     let Some(work) = work else {
         let newest = stamps.max_by_key(|stamp| &stamp.started);
         return newest.map(|stamp| stamp.wall_seconds);

@@ -11,11 +11,12 @@ use serde::{Deserialize, Serialize};
 
 use super::content::free_name;
 use super::name::{MANIFEST, is_key, is_plain_name};
-use super::store::{LATEST, Store, entries, folders_in};
+use super::stamp::InputStamp;
+use super::store::{LATEST, Store, entries, folders_in, sweep};
 use super::{Report, Stamp, seal};
 use crate::file::{self, FileError};
 use crate::record::Digest;
-use crate::record::atomic::{is_temporary, temporary_name, write_file};
+use crate::record::atomic::{temporary_name, write_file};
 
 /// Largest size of a manifest, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -245,7 +246,7 @@ fn renewed(
 }
 
 /// Those of `others` that were made from `results` and from each other: an evaluation of an older
-/// impact must not stand beside a newer one.
+/// impact must not stand beside a newer one. As in keys, inputs count by their content.
 fn fitting(store: &Store, results: &[Entry], others: Vec<Entry>) -> Vec<Entry> {
     let stamped = |entry: Entry| {
         let stamp = Stamp::read(&store.root().join(&entry.folder));
@@ -254,9 +255,10 @@ fn fitting(store: &Store, results: &[Entry], others: Vec<Entry>) -> Vec<Entry> {
     let mut others: Vec<(Stamp, Entry)> = others.into_iter().filter_map(stamped).collect();
     loop {
         let count = others.len();
-        let mut here: Vec<Digest> = results.iter().map(|entry| entry.key).collect();
-        here.extend(others.iter().map(|(stamp, _)| stamp.key));
-        others.retain(|(stamp, _)| stamp.inputs.iter().all(|input| here.contains(&input.key)));
+        let mut here: Vec<Digest> = results.iter().map(|entry| entry.digest).collect();
+        here.extend(others.iter().map(|(stamp, _)| stamp.digest));
+        let is_here = |input: &InputStamp| here.contains(&input.digest);
+        others.retain(|(stamp, _)| stamp.inputs.iter().all(is_here));
         if others.len() == count {
             return others.into_iter().map(|(_, entry)| entry).collect();
         }
@@ -283,7 +285,8 @@ pub fn forget(store: &Store, pipeline: &str) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Removes temporary files of killed writers; only while no pipeline runs.
+/// Removes temporary files of killed writers, those below `latest/` when they are old: whoever
+/// writes there need not hold the store.
 ///
 /// # Errors
 /// If a folder cannot be listed.
@@ -291,7 +294,7 @@ pub(super) fn clean_up(store: &Store) -> Result<(), FileError> {
     sweep(store.root(), Duration::ZERO)?;
     let mut folders = folders_in(&store.root().join(LATEST))?;
     while let Some(folder) = folders.pop() {
-        sweep(&folder, Duration::ZERO)?;
+        sweep(&folder, LEFT_OVER)?;
         folders.extend(folders_in(&folder)?);
     }
     Ok(())
@@ -302,18 +305,6 @@ fn lock(folder: &Path) -> Option<File> {
     let file = File::open(folder).ok()?;
     file.lock().ok()?;
     Some(file)
-}
-
-/// Removes temporary files from a folder that are older than `age`.
-fn sweep(folder: &Path, age: Duration) -> Result<(), FileError> {
-    for entry in entries(folder)? {
-        let modified = entry.metadata().and_then(|metadata| metadata.modified());
-        let old = modified.is_ok_and(|at| at.elapsed().is_ok_and(|elapsed| elapsed >= age));
-        if is_temporary(&entry.path()) && old {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
-    Ok(())
 }
 
 fn entry(report: &Report) -> Entry {

@@ -6,6 +6,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::content::{CHECKPOINT, ContentError, rename_aside};
 use super::key;
@@ -319,10 +320,21 @@ pub fn clean_up(folder: &Path) -> Result<(), FileError> {
         if !file::is_folder(&folder)? {
             continue;
         }
-        for entry in entries(&folder)? {
-            if is_temporary(&entry.path()) {
-                let _ = fs::remove_file(entry.path());
-            }
+        sweep(&folder, Duration::ZERO)?;
+    }
+    Ok(())
+}
+
+/// Removes temporary files from a folder that are older than `age`.
+///
+/// # Errors
+/// If the folder cannot be listed.
+pub fn sweep(folder: &Path, age: Duration) -> Result<(), FileError> {
+    for entry in entries(folder)? {
+        let modified = entry.metadata().and_then(|metadata| metadata.modified());
+        let old = modified.is_ok_and(|at| at.elapsed().is_ok_and(|elapsed| elapsed >= age));
+        if is_temporary(&entry.path()) && old {
+            let _ = fs::remove_file(entry.path());
         }
     }
     Ok(())

@@ -10,7 +10,7 @@ use super::context::Spent;
 use super::decide::has_checkpoint;
 use super::latest;
 use super::lock::LOCK;
-use super::stamp::{self, InputStamp, Stamp, StampError};
+use super::stamp::{self, InputStamp, SettingStamp, Stamp, StampError};
 use super::store::{Found, LATEST, MARK, Store, WORK, clean_up, entries};
 use super::{Decision, PipelineError};
 use crate::file::{self, FileError};
@@ -177,8 +177,8 @@ fn roots(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
     }
     for (name, decisions) in &options.planned {
         for decision in decisions {
-            if let Some(key) = decision.key {
-                add(store, &mut roots, name, store.folder(&decision.stage, &key))?;
+            for folder in wanted(store, decision)? {
+                add(store, &mut roots, name, folder)?;
             }
         }
     }
@@ -196,6 +196,21 @@ fn roots(store: &Store, options: &Options) -> Result<Roots, PipelineError> {
         }
     }
     Ok(roots)
+}
+
+/// Folders of the results that a decision may be about: as long as the key is not known, because an
+/// input is stale, all that have its settings.
+fn wanted(store: &Store, decision: &Decision) -> Result<Vec<PathBuf>, FileError> {
+    if let Some(key) = decision.key {
+        return Ok(vec![store.folder(&decision.stage, &key)]);
+    }
+    let canonical = |of: &[SettingStamp]| -> Vec<String> {
+        of.iter().map(|setting| setting.canonical.clone()).collect()
+    };
+    let settings = canonical(&decision.settings);
+    let stamps = store.stamps(&decision.stage)?.into_iter();
+    let mine = stamps.filter(|(_, stamp)| canonical(&stamp.settings) == settings);
+    Ok(mine.map(|(folder, _)| folder).collect())
 }
 
 /// Folders that the manifest of a name reaches directly.

@@ -233,10 +233,13 @@ pub enum ViscosityForm {
     TwoTerm,
     /// Nishio Eq. 6 multiplied by (d+2)/(d+3).
     TwoTermExact,
-    /// Morris, Fox & Zhu 1997.
+    /// Morris, Fox & Zhu 1997, of MPS Xie Eq. 9: a free surface exerts a torque.
     Morris,
-    /// Kuri Eq. 1 with zeta = d + 2: keeps angular momentum.
+    /// Kuri Eq. 1 with zeta = d + 2: 1 to 2 % too weak.
     Cleary,
+    /// The same, exact, and its like for MPS and rings: along the line of each pair. It keeps
+    /// angular momentum, and a free surface has no shear stress.
+    Central,
 }
 
 /// Newtonian viscosity.
@@ -249,6 +252,18 @@ pub struct Viscosity {
     /// Form of the viscous term, in place of the preset's.
     #[schemars(transform = by_preset)]
     pub form: ViscosityForm,
+}
+
+impl Viscosity {
+    /// The dynamic viscosity that limits an explicit step in `space` dimensions, Pa s: forces along
+    /// the line of a pair have d + 2 times the strength, and one of d directions each.
+    pub fn stiff(&self, space: usize) -> f64 {
+        let d = space as f64;
+        match self.form {
+            ViscosityForm::Cleary | ViscosityForm::Central => self.dynamic * (d + 2.0) / d,
+            _ => self.dynamic,
+        }
+    }
 }
 
 /// Form of the tension.

@@ -274,9 +274,9 @@ pub fn limits(scene: &Problem) -> Vec<Row> {
             vec![of("advective", value, "courant s0 / V")]
         }
     };
-    if let Some(viscosity) = scene.effects.mu() {
-        let value = limit::viscous(h, scene.density, viscosity);
-        limits.push(of("viscous", value, "0.125 h^2 / nu"));
+    if let Some(viscosity) = scene.effects.viscosity {
+        let value = limit::viscous(h, scene.density, viscosity.stiff(scene.space()));
+        limits.push(of("viscous", value, "0.125 h^2 / nu, central 3/5 or 1/2"));
     }
     if let Some(tension) = scene.effects.sigma() {
         let value = limit::capillary(h, scene.density, tension);

@@ -11,7 +11,7 @@ use super::FOLDER;
 use super::record::{self, Failure};
 use crate::arguments::StudyArguments;
 use crate::command::study::{STOPPING, told};
-use crate::fault::{Failed, Usage};
+use crate::fault::{self, Failed, Usage};
 use crate::print::note;
 use crate::study::trial::{Outcome, Trial};
 use crate::{jobs, signals};
@@ -30,17 +30,18 @@ pub fn run(trials: &[Trial], number: usize, arguments: &StudyArguments, out: &Pa
     let Outcome::Failed { why, code, work } = outcome? else {
         return record::set_failure(&folder, number, None);
     };
-    let failure = Failure {
-        key: next(&arguments.store.artifacts, trial)?,
-        why,
-        code,
-        work,
-    };
-    record::set_failure(&folder, number, Some(&failure))?;
-    bail!(Failed(
-        format!("{}: {}", trial.name, failure.why),
-        failure.code
-    ))
+    let text = format!("{}: {why}", trial.name);
+    // What was killed may end well in another try, as with more memory.
+    if code < fault::KILLED {
+        let failure = Failure {
+            key: next(&arguments.store.artifacts, trial)?,
+            why,
+            code,
+            work,
+        };
+        record::set_failure(&folder, number, Some(&failure))?;
+    }
+    bail!(Failed(text, code))
 }
 
 /// Key of the first result that a point lacks.

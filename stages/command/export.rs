@@ -19,7 +19,7 @@ use crate::arguments::{ExportArguments, Format};
 use crate::fault::Usage;
 use crate::journal::FRAMES;
 use crate::print::{counted, out, shown};
-use crate::runs::meant;
+use crate::runs::{Run, meant};
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -78,7 +78,11 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
         Thing::Checkpoint(path) => order.checkpoints(&[path], &arguments.path),
         Thing::Log(reel) => order.log(&reel),
         Thing::Result(path) => order.result(&path),
-        Thing::Latest(results) => order.run(&results, &arguments.path),
+        Thing::Latest(results) => {
+            let run = Run::meant(&store, &name);
+            let gone = run.map_or(Ok(()), |run| footage::check_gone(&run));
+            gone.and_then(|()| order.run(&results, &arguments.path))
+        }
     };
     if exported.is_err() && is_new {
         // Only if it is empty.

@@ -161,13 +161,18 @@ fn reel(store: &Store, name: &str) -> Result<Reel> {
     match run.result("impact") {
         Some((folder, _)) => Ok(Reel::finished(&folder.join(FRAMES))),
         None => {
-            let is_impact =
-                |folder: &&PathBuf| folder.parent().is_some_and(|p| p.ends_with("impact"));
-            if let Some(folder) = run.gone.iter().find(is_impact) {
-                let folder = folder.display();
-                bail!("the result in {folder} is gone; `coronet run` makes it again");
-            }
+            check_gone(&run)?;
             bail!(no_frames(name))
         }
     }
+}
+
+/// An error if the impact of a run is gone.
+pub fn check_gone(run: &Run) -> Result<()> {
+    let is_impact = |folder: &&PathBuf| folder.parent().is_some_and(|p| p.ends_with("impact"));
+    if let Some(folder) = run.gone.iter().find(is_impact) {
+        let folder = folder.display();
+        bail!("the result in {folder} is gone; `coronet run` makes it again");
+    }
+    Ok(())
 }

@@ -24,6 +24,7 @@ pub fn push(arguments: &PushArguments) -> Result<()> {
     let remote = Remote::new(&*objects);
     // No clean-up removes what is on its way.
     let _shared = store.share(&mut |_| true)?;
+    remote.tidy();
     let (mut new, mut known, mut bad) = (0, 0, 0);
     let mut unread = None;
     for (folder, stamp) in results(&store, &arguments.names, &mut bad, &mut unread)? {

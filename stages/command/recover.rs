@@ -6,15 +6,22 @@ use coronet::record::log::{self, LogError};
 use serde_json::json;
 
 use crate::arguments::RecoverArguments;
-use crate::fault::{Untrusted, Usage};
+use crate::fault::{Stopped, Untrusted, Usage};
 use crate::print::{out, shown};
+use crate::signals;
+
+/// Answer to a first signal.
+const STOPPING: &str = "stopping after this frame";
 
 pub fn recover(arguments: &RecoverArguments) -> Result<()> {
     let mut beside = arguments.log.file_stem().unwrap_or_default().to_os_string();
     beside.push(format!("-recovered.{LOG}"));
     let beside = arguments.log.with_file_name(beside);
     let new = arguments.output.clone().unwrap_or(beside);
-    let recovered = log::recover(&arguments.log, &new).map_err(|error| match error {
+    let stop = signals::stop_flag(STOPPING)?;
+    let recovered = log::recover_unless(&stop, &arguments.log, &new);
+    let recovered = recovered.map_err(|error| match error {
+        LogError::Stopped => Stopped(error.to_string()).into(),
         LogError::NotReplaced { .. } => Usage(error.to_string()).into(),
         LogError::Io(of) if of.is_not_found() => Usage(of.to_string()).into(),
         error if error.is_damage() => Untrusted(format!(

@@ -88,7 +88,7 @@ fn bring(arguments: &RunArguments, remote: Option<Remote>) -> Result<()> {
         program: PROGRAM.to_string(),
     };
     all.check()?;
-    if !arguments.store.json {
+    if makes && !arguments.store.json {
         announce(&loaded, &decisions, threads);
     }
     // On one of the threads: outside, each parallel loop would wait for another thread to wake up.

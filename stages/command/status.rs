@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
 use crate::arguments::StatusArguments;
-use crate::print::{out, plain, shown};
+use crate::print::{is_closed, out, plain, shown};
 use crate::table::{age, lines};
 use crate::watch::duration;
 
@@ -32,7 +32,7 @@ fn is_running(jobs: &[Unfinished]) -> bool {
     jobs.iter().any(|job| job.holder.is_some())
 }
 
-/// Shows the jobs again and again until none is under way.
+/// Shows the jobs again and again until none is under way or nobody reads.
 fn watch(store: &Store, json: bool, mut jobs: Vec<Unfinished>) -> Result<Vec<Unfinished>> {
     let bar = (!json && std::io::stderr().is_terminal()).then(|| {
         let style = ProgressStyle::with_template("{msg}").expect("a valid template");
@@ -44,6 +44,9 @@ fn watch(store: &Store, json: bool, mut jobs: Vec<Unfinished>) -> Result<Vec<Unf
         match &bar {
             Some(bar) => bar.set_message(plain(&text(&jobs).join("\n"))),
             None => print(store, &jobs, json),
+        }
+        if is_closed() {
+            break;
         }
         std::thread::sleep(if bar.is_some() { QUICK } else { SLOW });
         jobs = unfinished(store)?;

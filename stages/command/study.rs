@@ -10,7 +10,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use anyhow::{Result, bail};
-use coronet::measure::tradeoff::{Sample, front, growth, worst};
+use coronet::measure::tradeoff::growth;
+use coronet::pipeline::lock::Lock;
 use coronet::pipeline::name::is_plain_name;
 use coronet::pipeline::{Store, latest};
 use coronet::record::atomic::{create_folder, write_file};
@@ -19,10 +20,11 @@ use serde_json::json;
 
 use crate::arguments::{On, StudyArguments};
 use crate::batch;
-use crate::fault::{Failed, Stopped, Usage};
+use crate::fault::{self, Failed, Stopped, Usage};
 use crate::print::{note, out};
 use crate::signals;
-use crate::study::finding::{comparison, figure, groups, samples, sentence, table};
+use crate::study::copies::Figures;
+use crate::study::finding::{comparison, figure, groups, on_front, samples, sentence, table};
 use crate::study::points::{Study, load};
 use crate::study::promise::Verdict;
 use crate::study::target::Target;
@@ -32,9 +34,9 @@ use crate::watch::duration;
 
 /// The table, one row for each point.
 const TABLE: &str = "study.csv";
-const FIGURE: &str = "error-against-time.svg";
+const FIGURE: &str = "error-against-time";
 /// Results against theory, where theory differs between points.
-const COMPARISON: &str = "found-against-theory.svg";
+const COMPARISON: &str = "found-against-theory";
 /// The table as a page.
 const COSTS: &str = "study.md";
 /// The table of figures, one row for each point, and the table as a page.
@@ -93,9 +95,12 @@ fn folder(path: &Path, artifacts: &Path) -> Result<PathBuf> {
     Ok(latest::folder(&Store::new(artifacts), &stem))
 }
 
-/// Makes the folder of a study's results.
-fn make(out: &Path, arguments: &StudyArguments) -> Result<()> {
-    Ok(Store::new(&arguments.store.artifacts).create(out)?)
+/// Makes the folder of a study's results; no clean-up begins while it is written.
+fn make(out: &Path, arguments: &StudyArguments) -> Result<Option<Lock>> {
+    let store = Store::new(&arguments.store.artifacts);
+    let shared = store.share(&mut |_| true)?;
+    store.create(out)?;
+    Ok(shared)
 }
 
 fn tell_costs(
@@ -112,7 +117,7 @@ fn tell_costs(
     let errors: Vec<f64> = found.iter().map(|f| f.error).collect();
     let samples = samples(study.cost, trials, &outcomes, &errors);
     let on_front = on_front(&samples);
-    make(out, arguments)?;
+    let _shared = make(out, arguments)?;
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
     copies::write_table(&out.join(TABLE), &table, arguments, &outcomes)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
@@ -120,21 +125,18 @@ fn tell_costs(
     write_file(&out.join(COSTS), page.as_bytes())?;
     let style = FigureStyle::default();
     let figure = figure(study, target, trials, &samples, &on_front).sheet(&style)?;
-    match &figure {
-        Some(figure) => {
-            copies::write_figure(figure, &out.join(FIGURE), arguments, !target.varies())?;
-        }
-        None => copies::remove_figure(&out.join(FIGURE)),
+    let mut figures = Figures::new(out, arguments);
+    if let Some(figure) = &figure {
+        figures.write(figure, FIGURE, !target.varies())?;
     }
     warn_unknown(target, &outcomes, &errors);
     let plot = target
         .varies()
         .then(|| comparison(study, target, trials, &found));
-    let path = out.join(COMPARISON);
-    match plot.filter(|plot| plot.has_points()) {
-        Some(plot) => copies::write_figure(&plot.sheet(&style)?, &path, arguments, true)?,
-        None => copies::remove_figure(&path),
+    if let Some(plot) = plot.filter(|plot| plot.has_points()) {
+        figures.write(&plot.sheet(&style)?, COMPARISON, true)?;
     }
+    figures.finish()?;
     let groups = groups(trials);
     if arguments.store.json {
         let row = |(g, name): (usize, &String)| {
@@ -143,7 +145,7 @@ fn tell_costs(
                     "halving": growth.halving })
         };
         let rows: Vec<_> = groups.iter().enumerate().map(row).collect();
-        let figure = figure.map(|_| text(&out.join(FIGURE)));
+        let figure = figure.map(|_| text(&svg(out, FIGURE)));
         out!(
             "{}",
             json!({ "table": text(&out.join(TABLE)), "groups": rows, "figure": figure,
@@ -158,7 +160,7 @@ fn tell_costs(
     }
     out!("table    {}", out.join(TABLE).display());
     if figure.is_some() {
-        out!("figure   {}", out.join(FIGURE).display());
+        out!("figure   {}", svg(out, FIGURE).display());
     }
     some_ended(&outcomes)
 }
@@ -174,6 +176,11 @@ fn some_ended(outcomes: &[Outcome]) -> Result<()> {
         return Ok(());
     };
     let text = format!("every point failed, the last one: {why}");
+    let code = if code < fault::KILLED {
+        code
+    } else {
+        fault::FAILED
+    };
     bail!(Failed(text, code))
 }
 
@@ -200,28 +207,27 @@ fn tell_figures(
     let measured = figures::from_contact(trials, outcomes)?;
     let found = figures::measure(study, &measured, folder)?;
     let drawn = figures::plots(study, trials, &measured, folder)?;
-    make(out, arguments)?;
+    let _shared = make(out, arguments)?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
     let rows = figures::table(study, trials, outcomes, &found)?;
     copies::write_table(&table, &rows, arguments, outcomes)?;
     let page = figures::page(study, trials, outcomes, &found);
     let whole = page.clone() + &doubt::section(trials, outcomes);
     write_file(&read, whole.as_bytes())?;
-    let mut plots: Vec<PathBuf> = Vec::new();
+    let (mut figures, mut plots) = (Figures::new(out, arguments), Vec::new());
     for plot in drawn {
         if plot.has_points() {
-            let names = (1..).map(|number| match number {
-                1 => plot.file_name() + ".svg",
-                _ => format!("{}-{number}.svg", plot.file_name()),
+            let mut names = (1..).map(|number| match number {
+                1 => plot.file_name(),
+                _ => format!("{}-{number}", plot.file_name()),
             });
-            let mut paths = names.map(|name| out.join(name));
-            let is_new = |path: &PathBuf| !plots.contains(path);
-            let path = paths.find(is_new).expect("numbers without end");
-            let sheet = plot.sheet(&FigureStyle::default())?;
-            copies::write_figure(&sheet, &path, arguments, false)?;
-            plots.push(path);
+            let is_new = |name: &String| !plots.contains(&svg(out, name));
+            let name = names.find(is_new).expect("numbers without end");
+            figures.write(&plot.sheet(&FigureStyle::default())?, &name, false)?;
+            plots.push(svg(out, &name));
         }
     }
+    figures.finish()?;
     if arguments.store.json {
         let plots: Vec<String> = plots.iter().map(|plot| text(plot)).collect();
         out!(
@@ -244,15 +250,9 @@ fn text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Marks the points on the Pareto front; of repeats only the worst counts.
-fn on_front(samples: &[Sample]) -> Vec<bool> {
-    let worst = worst(samples);
-    let some: Vec<Sample> = worst.iter().map(|k| samples[*k]).collect();
-    let mut on_front = vec![false; samples.len()];
-    for (k, on) in worst.into_iter().zip(front(&some)) {
-        on_front[k] = on;
-    }
-    on_front
+/// Path of the figure of that name.
+fn svg(out: &Path, name: &str) -> PathBuf {
+    out.join(format!("{name}.svg"))
 }
 
 /// Fails if a promise is broken that is not a known failure, or a known failure is kept.
@@ -269,7 +269,7 @@ fn tell_promises(
     };
     let points = trials.iter().zip(outcomes);
     let verdicts = points.map(judge).collect::<Result<Vec<Verdict>>>()?;
-    make(out, arguments)?;
+    let _shared = make(out, arguments)?;
     let rows = verdict::table(study, trials, &verdicts)?;
     copies::write_table(&out.join(PROMISES), &rows, arguments, outcomes)?;
     let page = verdict::page(study, trials, outcomes, &verdicts);

@@ -10,28 +10,34 @@ use crate::study::trial::{Outcome, Trial};
 /// Points that are named; further ones are counted.
 const NAMED: usize = 3;
 
-/// The warnings of all points, one line for each kind: how many points have it, and its first text.
+/// The warnings of all points, one line for each kind: how many points have it, and its text, of
+/// the first one where it differs.
 fn warnings(trials: &[Trial], outcomes: &[Outcome]) -> Vec<String> {
-    let mut kinds: Vec<(&str, Vec<&str>)> = Vec::new();
+    let mut kinds: Vec<Vec<(&str, &str)>> = Vec::new();
     for (trial, outcome) in trials.iter().zip(outcomes) {
         for text in outcome.warnings() {
-            match kinds
-                .iter_mut()
-                .find(|(first, _)| kind(first) == kind(text))
-            {
-                Some((_, points)) => points.push(&trial.title),
-                None => kinds.push((text, vec![&trial.title])),
+            let point = (trial.title.as_str(), text.as_str());
+            let same = |of: &&mut Vec<(&str, &str)>| kind(of[0].1) == kind(text);
+            match kinds.iter_mut().find(same) {
+                Some(points) => points.push(point),
+                None => kinds.push(vec![point]),
             }
         }
     }
-    let line = |(text, points): &(&str, Vec<&str>)| {
+    let line = |points: &Vec<(&str, &str)>| {
         let (count, all) = (points.len(), trials.len());
-        let named = points[..count.min(NAMED)].join("; ");
+        let titles: Vec<&str> = points.iter().take(NAMED).map(|(title, _)| *title).collect();
+        let named = titles.join("; ");
         let more = match count > NAMED {
             true => format!("; {} more", count - NAMED),
             false => String::new(),
         };
-        format!("{count} of {all} points ({named}{more}): {text}")
+        let (first, text) = points[0];
+        let of = match points.iter().any(|(_, other)| *other != text) {
+            true => format!("of {first}: "),
+            false => String::new(),
+        };
+        format!("{count} of {all} points ({named}{more}): {of}{text}")
     };
     kinds.iter().map(line).collect()
 }

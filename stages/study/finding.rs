@@ -5,7 +5,7 @@ use std::iter;
 use anyhow::Result;
 use coronet::draw::plot::{Curve, Line, PALETTE, Plot, REFERENCE};
 use coronet::draw::scatter::{Cloud, Mark, Scatter};
-use coronet::measure::tradeoff::{Sample, growth, worst};
+use coronet::measure::tradeoff::{Sample, front, growth, worst};
 use coronet::scene::quantity::{Unit, human};
 
 use crate::study::cost::Cost;
@@ -80,6 +80,17 @@ pub fn samples(cost: Cost, trials: &[Trial], outcomes: &[Outcome], errors: &[f64
             cost: cost.of(outcome),
         })
         .collect()
+}
+
+/// Marks the points on the Pareto front; of repeats only the worst counts.
+pub fn on_front(samples: &[Sample]) -> Vec<bool> {
+    let worst = worst(samples);
+    let some: Vec<Sample> = worst.iter().map(|k| samples[*k]).collect();
+    let mut on_front = vec![false; samples.len()];
+    for (k, on) in worst.into_iter().zip(front(&some)) {
+        on_front[k] = on;
+    }
+    on_front
 }
 
 /// The table, one row for each point, as CSV.

@@ -2,7 +2,7 @@
 //! and a failure does not affect other points.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, ExitStatus, Output, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use coronet::pipeline::Stamp;
 use coronet::scene::{Scene, file};
 use serde_json::Value;
 
-use crate::fault::{self, Stopped, Unreadable, Usage};
+use crate::fault::{self, Stopped, Unreadable, Untrusted, Usage};
 use crate::print::note;
 
 /// Time between two checks for a request to stop.
@@ -154,16 +154,45 @@ impl Outcome {
     }
 }
 
-/// The last line of what a program wrote of its failure. Of a panic, whose last lines are hints:
-/// its place and its first line.
+/// How the line begins in which a program tells that it has no memory, before hints.
+const NO_MEMORY: &str = "memory allocation of ";
+
+/// The last line that says something of what a program wrote of its failure. Of a panic, whose last
+/// lines are hints: its place and its first line.
 fn reason(complaint: &str) -> Option<String> {
+    if let Some(line) = complaint.lines().find(|line| line.starts_with(NO_MEMORY)) {
+        return Some(line.to_string());
+    }
     let mut lines = complaint
         .lines()
         .skip_while(|line| !line.contains("panicked at"));
     match (lines.next(), lines.next()) {
         (Some(place), Some(words)) => Some(format!("{place} {words}")),
-        _ => Some(complaint.lines().last()?.trim().to_string()),
+        _ => {
+            let mut lines = complaint.lines().map(str::trim);
+            let last = lines.rfind(|line| !line.is_empty())?;
+            Some(last.trim_start_matches("error: ").to_string())
+        }
     }
+}
+
+/// The signal that has ended a program.
+#[cfg(unix)]
+fn signal(status: ExitStatus) -> Option<i32> {
+    std::os::unix::process::ExitStatusExt::signal(&status)
+}
+
+#[cfg(not(unix))]
+fn signal(_status: ExitStatus) -> Option<i32> {
+    None
+}
+
+/// Whether a signal asks a program to stop, and so says nothing about its work.
+fn is_request(signal: i32) -> bool {
+    #[cfg(unix)]
+    return [libc::SIGINT, libc::SIGTERM, libc::SIGHUP].contains(&signal);
+    #[cfg(not(unix))]
+    return signal == 0;
 }
 
 impl Trial {
@@ -204,8 +233,8 @@ impl Trial {
     ///
     /// # Errors
     /// If its scene file has changed, if the program cannot be started or its answer not be read,
-    /// if it could not read or write a file, which says nothing about the point, or if it was
-    /// stopped, by a signal or because `stop` was set.
+    /// if it could not read or write a file or trust one, which says nothing about the point, or if
+    /// it was stopped, by a signal that asks for that or because `stop` was set.
     pub fn run(&self, place: Place, threads: usize, stop: &AtomicBool) -> Result<Outcome> {
         self.check_source()?;
         let outcome = self.attempt(place, threads, stop)?;
@@ -231,14 +260,26 @@ impl Trial {
             .with_context(|| format!("cannot start point {}", self.name))?;
         let complaint = String::from_utf8_lossy(&ended.stderr);
         if !ended.status.success() {
-            let code = ended.status.code().map_or(fault::FAILED, |code| code as u8);
-            let why = reason(&complaint).unwrap_or("it was killed".to_string());
-            if ended.status.code().is_none() || code == fault::INTERRUPTED {
-                bail!(Stopped(format!("point {} was stopped: {why}", self.name)));
+            let (signal, last) = (signal(ended.status), reason(&complaint));
+            let why = match (signal, last) {
+                (Some(signal), Some(last)) => format!("killed by signal {signal}: {last}"),
+                (Some(signal), None) => format!("killed by signal {signal}"),
+                (None, last) => last.unwrap_or("it does not say why".to_string()),
+            };
+            let code = match (ended.status.code(), signal) {
+                (Some(code), _) => code as u8,
+                (None, Some(signal)) => fault::KILLED + signal as u8,
+                (None, None) => fault::FAILED,
+            };
+            let name = &self.name;
+            let is_asked = |signal| is_request(signal) || stop.load(Ordering::Relaxed);
+            if signal.is_some_and(is_asked) || code == fault::INTERRUPTED {
+                bail!(Stopped(format!("point {name} was stopped: {why}")));
             }
-            let why = why.trim_start_matches("error: ").to_string();
-            if code == fault::FILES {
-                bail!(Unreadable(format!("point {}: {why}", self.name)));
+            match code {
+                fault::FILES => bail!(Unreadable(format!("point {name}: {why}"))),
+                fault::UNTRUSTED => bail!(Untrusted(format!("point {name}: {why}"))),
+                _ => {}
             }
             let answer = String::from_utf8_lossy(&ended.stdout);
             let lines = answer
@@ -315,4 +356,18 @@ fn output(command: &mut Command, stop: &AtomicBool) -> std::io::Result<Output> {
         ended.store(true, Ordering::Relaxed);
         output
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_reason_is_the_line_that_tells_it() {
+        let reason = |text| super::reason(text).unwrap();
+        assert_eq!(reason("warning: a\nerror: b\n\n"), "b");
+        let abort = "memory allocation of 9 bytes failed\nnote: run with RUST_BACKTRACE=1\n";
+        assert_eq!(reason(abort), "memory allocation of 9 bytes failed");
+        let panic = "thread 'main' panicked at a.rs:1:\nb\nnote: c\n";
+        assert_eq!(reason(panic), "thread 'main' panicked at a.rs:1: b");
+        assert_eq!(super::reason("\n"), None);
+    }
 }

@@ -260,7 +260,17 @@ fn two_dimensions_are_a_filled_section_without_a_mesh() {
     };
     assert!(at(4e-3, 1e-3)[2] > 200, "{:?}", at(4e-3, 1e-3));
     assert!(at(4e-3, 4.5e-3)[0] > 200, "{:?}", at(4e-3, 4.5e-3));
-    assert_eq!(at(4e-3, 2.5e-3), Style::default().background);
+    let background = Style::default().background;
+    assert_eq!(at(4e-3, 2.5e-3), background);
+    // A caption over liquid is on a plate.
+    let mut style = style(Material::Body);
+    style.caption = Some("Ein Tropfen fällt".into());
+    let written = self::artist(&scene, &frame, style).picture(&frame);
+    let off = |canvas: &Canvas| {
+        let colours = canvas.get(80, 91).into_iter().zip(background);
+        colours.map(|(a, b)| u32::from(a.abs_diff(b))).sum::<u32>()
+    };
+    assert!(3 * off(&written) < off(&picture));
 }
 
 #[test]

@@ -60,6 +60,7 @@ fn each_word_becomes_its_viscosity() {
                 0.36 / 1.01 * (n + 2.0),
                 0.48 / 1.01 * (n + 2.0),
             ),
+            (ViscosityForm::Central, 0.36 * (n + 2.0), 0.48 * (n + 2.0)),
             // v + d (v . d), over q^2 + 0.01.
             (ViscosityForm::TwoTerm, 1.36 / 1.01, 0.48 / 1.01),
             // Times (d+2)/(d+3).

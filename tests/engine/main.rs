@@ -15,6 +15,7 @@ mod effect_level;
 mod effect_select;
 mod effect_tension;
 mod effect_vibration;
+mod effect_viscosity;
 mod effect_wedge;
 mod effect_wetting;
 mod flow_wall;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use coronet::draw::canvas::{Canvas, WHITE};
+use coronet::draw::canvas::{Canvas, FAINT, WHITE};
 use coronet::draw::field::{Bounds, Field, Scales};
 use coronet::draw::post::{Post, PostError};
 use coronet::draw::render::Material;
@@ -12,7 +12,7 @@ use coronet::draw::section::{self, Section};
 use coronet::measure::kind::Kind;
 use coronet::measure::series::Reference as Table;
 use coronet::particle::Frame;
-use coronet::scene::{Clock, Dimension, FigureStyle, Reference, Scene};
+use coronet::scene::{Clock, Dimension, FigureStyle, Motion, Reference, Scene, Side};
 
 use crate::measure_splash::{SIDE, Splash, pool_scene, splash};
 
@@ -104,6 +104,8 @@ fn a_run_becomes_a_table_plots_pictures_and_a_page() {
         let page = std::fs::read_to_string(out.join("report.html")).unwrap();
         assert!(page.contains("key &amp; digest") && page.contains("&lt;0123&gt;"));
         assert!(page.contains("ten percent &lt;more&gt;") && page.contains("500.0 ms"));
+        // The reference's own times, after contact.
+        assert!(page.contains("0.9–7.9 ms"), "the span of the comparison");
         // Nothing is fetched: no address in what a browser loads by itself.
         for loads in [
             "src=\"http",
@@ -146,6 +148,49 @@ fn frames_out_of_order_and_an_empty_run_are_errors() {
     let error = Table::read(&folder.path().join("nowhere.csv"), None).err();
     let error = error.unwrap();
     assert!(error.to_string().contains("nowhere.csv"), "{error}");
+}
+
+/// The page of a run of these frames, and what is not drawn.
+fn evaluated(scene: &Scene, frames: &[Frame]) -> (String, Vec<String>, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut post = Post::new(scene, Vec::new(), folder.path());
+    post.frames(frames).unwrap();
+    let report = post.finish(&[]).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let files = report.files.iter().map(|file| file.display().to_string());
+    (page, report.missed, files.collect())
+}
+
+#[test]
+fn a_scene_without_an_axis_has_no_fields_and_its_page_warns() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = scene(Dimension::Two, folder.path());
+    let drawn = |scene: &Scene| {
+        let (page, _, files) = evaluated(scene, &frames(scene)[..6]);
+        let is_drawn = files.iter().any(|file| file.starts_with("fields"));
+        assert_eq!(is_drawn, !page.contains("No field is drawn"));
+        assert_eq!(is_drawn, !page.contains("fields are means over both sides"));
+        is_drawn
+    };
+    assert!(drawn(&scene));
+    scene.bodies[1].motion = Motion::Uniform([1.0, 0.0, -3.13]);
+    assert!(!drawn(&scene));
+}
+
+#[test]
+fn an_instant_after_the_end_has_its_own_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = scene(Dimension::Two, folder.path());
+    (scene.impact.end, scene.frames.interval) = (0.5e-3, 0.1e-3);
+    (scene.post.panels, scene.post.fields) = (vec![1e-3, 0.4e-3], Vec::new());
+    let (_, missed, _) = evaluated(&scene, &frames(&scene)[..1]);
+    assert_eq!(
+        missed,
+        [
+            "No panel at 400.0 us: the last frame is at 0.0 us.",
+            "No panel at 1.0 ms: the last frame is at 0.0 ms."
+        ]
+    );
 }
 
 fn has(canvas: &Canvas, test: impl Fn([u8; 3]) -> bool) -> usize {
@@ -205,6 +250,32 @@ fn drop_and_pool_have_their_colours_in_section_and_view() {
     // All of it is in the picture.
     let edges = (0..240).flat_map(|x| [view.get(x, 0), view.get(x, 179)]);
     assert_eq!(edges.filter(|c| is_orange(*c) || is_cold(*c)).count(), 0);
+}
+
+#[test]
+fn a_section_has_a_floor_where_there_is_a_wall_and_no_liquid_behind_its_label() {
+    let mut scene = pool_scene(Dimension::Two, 0.5);
+    let mut frame = splash(&scene, &Splash::default());
+    let mist = [0.6e-3, 10.2e-3, 11.4e-3, 12e-3];
+    for (i, z) in mist.into_iter().enumerate() {
+        for (axis, place) in [(0, 1e-3 * (i + 1) as f32), (2, z)] {
+            frame.position[axis][i] = place;
+        }
+    }
+    for (side, is_floor) in [
+        (Side::Wall, true),
+        (Side::Open, false),
+        (Side::Periodic, false),
+    ] {
+        scene.domain.boundary[2][0] = side;
+        let section = Section::new(&scene, &frame, 0.0, "t = 1.0 ms".into());
+        let picture = section.draw(&scene, section.top());
+        let count = has(&picture, |colour| colour == FAINT);
+        assert_eq!(count, if is_floor { 8 * picture.width } else { 0 });
+        let strip = (0..48).flat_map(|y| (0..picture.width).map(move |x| (x, y)));
+        let is_grey = |[r, _, b]: [u8; 3]| r.abs_diff(b) < 20;
+        assert!(strip.into_iter().all(|(x, y)| is_grey(picture.get(x, y))));
+    }
 }
 
 #[test]

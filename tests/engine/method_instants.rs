@@ -1,6 +1,6 @@
 //! Frames are taken at the instants that a scene asks for, whatever the steps are.
 
-use super::method_scene::{EFFECTS, GRAVITY, disturbed, splash_scene};
+use super::method_scene::{EFFECTS, GRAVITY, disturbed, solver, splash_scene};
 use coronet::method::frame::{Beat, Schedule};
 use coronet::method::{self, Phase, Solver};
 use coronet::scene::{Method, TensionIn, TimeStepping};
@@ -96,5 +96,25 @@ proptest! {
     fn no_instant_no_change(time in 0.0f64..1.0, dt in 1e-9f64..1.0) {
         prop_assert_eq!(Beat::default().fit(time, dt), dt);
         prop_assert_eq!(Beat::default().exact(time), time);
+    }
+}
+
+/// Before the first step too, with a tension and without.
+#[test]
+fn the_first_frame_knows_the_surface() {
+    for method in ["wcsph modern", "isph modern", "mps modern"] {
+        for effects in [GRAVITY, &format!("{GRAVITY}{EFFECTS}")] {
+            let scene = splash_scene(method, 2, effects);
+            let first = solver(&scene, 0.0).frame();
+            let [x, _, z] = &first.position;
+            let pool =
+                (0..x.len()).filter(|&i| first.body[i] == 0 && (x[i] - 2.4e-3).abs() > 1.4e-3);
+            let (top, rest): (Vec<_>, Vec<_>) = pool.partition(|&i| z[i] > 1.2e-3);
+            let inside: Vec<_> = rest.into_iter().filter(|&i| z[i] < 0.8e-3).collect();
+            assert!(top.len() > 3 && inside.len() > 3);
+            let marked = |of: &[usize]| of.iter().filter(|&&i| first.surface[i] == 1).count();
+            assert_eq!(marked(&top), top.len(), "{method}, {effects}");
+            assert_eq!(marked(&inside), 0, "{method}, {effects}");
+        }
     }
 }

@@ -105,6 +105,7 @@ fn the_laplacian_of_a_parabola_is_exact_on_a_lattice() {
         let parabola = |[x, _, z]: [f64; 3]| 3.0 * x * x - 2.0 * z * z + 5.0 * x;
         let pass = Viscous {
             reach: REACH,
+            is_central: false,
             factor: unit,
         };
         let found = sums(&mut cloud, &pass, |x| [parabola(x), 0.0, 0.0, 0.0, 0.0]);

@@ -3,7 +3,7 @@
 use std::fs;
 
 use coronet::record::export::{Format, LIST, Selection, Which};
-use coronet::record::log::Reel;
+use coronet::record::log::{LogWriter, Reel};
 
 use crate::record_export::{export_log, f32s, write_log};
 use crate::record_log::{frame, setup};
@@ -99,6 +99,15 @@ fn a_body_at_an_instant_becomes_arrays() {
     assert!(header.contains("'shape': ()"), "{header}");
     assert_eq!(time, expected.time.to_le_bytes());
 
+    // The mass of a particle is known; that of all of them is not that of the body.
+    assert!(archive.by_name("mass.npy").is_ok());
+    for scalar in ["mass_kg", "kinetic_energy_J"] {
+        assert!(
+            archive.by_name(&format!("{scalar}.npy")).is_err(),
+            "{scalar}"
+        );
+    }
+
     let nobody = Selection {
         bodies: vec!["nobody".into()],
         ..Selection::default()
@@ -109,4 +118,40 @@ fn a_body_at_an_instant_becomes_arrays() {
         "{error}"
     );
     assert!(exported.files[1].is_file());
+}
+
+#[test]
+fn points_about_an_axis_have_no_momentum_across_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut writer = LogWriter::create(folder.path(), 0, None, &setup()).unwrap();
+    let mut rings = frame(0);
+    rings.mass = vec![1e-9; rings.id.len()];
+    let names = ["x", "y", "z"].map(|axis| format!("momentum_{axis}_kg_m_s"));
+    rings.scalars = names.iter().map(|name| (name.clone(), 3.0)).collect();
+    writer.frame(rings).unwrap();
+    let log = writer.path().to_path_buf();
+    writer.finish().unwrap();
+    for (revolve, momentum) in [(None, "3.0,3.0,3.0"), (Some(64), "0.0,0.0,3.0")] {
+        let selection = Selection {
+            revolve,
+            ..Selection::default()
+        };
+        let (reel, out) = (Reel::finished(&log), folder.path().join("out"));
+        fs::create_dir_all(&out).unwrap();
+        let export = coronet::record::export::export_log;
+        let exported = export(&reel, &out, Format::Csv, &selection).unwrap();
+        let index = fs::read_to_string(&exported.files[0]).unwrap();
+        assert!(index.trim_end().ends_with(momentum), "{index}");
+    }
+}
+
+#[test]
+fn a_log_that_is_cut_off_names_the_command_that_saves_its_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = write_log(folder.path());
+    let bytes = fs::read(&log).unwrap();
+    fs::write(&log, &bytes[..bytes.len() - 100]).unwrap();
+    let error = export_log(&log, folder.path(), Format::Csv).unwrap_err();
+    let remedy = format!("`coronet recover {}`", log.display());
+    assert!(error.to_string().contains(&remedy), "{error}");
 }

@@ -204,7 +204,7 @@ fn presets_are_complete() {
         (
             "wcsph",
             "modern",
-            ["wendland-c2", "morris", "surface-energy"],
+            ["wendland-c2", "central", "surface-energy"],
         ),
         ("isph", "paper", ["cubic-spline", "cleary", "cahn-hilliard"]),
         (
@@ -215,7 +215,7 @@ fn presets_are_complete() {
         (
             "isph",
             "modern",
-            ["wendland-c2", "morris", "surface-energy"],
+            ["wendland-c2", "central", "surface-energy"],
         ),
         ("mps", "paper", ["", "", "number-density"]),
         ("mps", "corrected", ["", "", "number-density-exact"]),

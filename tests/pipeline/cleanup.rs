@@ -2,13 +2,13 @@
 
 use std::fs;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use coronet::pipeline::store::LATEST;
 use coronet::pipeline::sweep::{self, Options, Swept};
 use coronet::pipeline::*;
 
-use crate::laboratory::{Lab, go, pipeline, store, words};
+use crate::laboratory::{FILE, Lab, go, pipeline, store, words};
 
 /// Removes what the options let it.
 fn clean(store: &Store, options: &Options) -> Result<Swept, PipelineError> {
@@ -135,4 +135,38 @@ fn a_clean_up_outside_a_store_is_refused() {
     let error = clean(&Store::new(folder.path()), &all_ages()).unwrap_err();
     assert!(matches!(error, PipelineError::NotAStore { .. }), "{error}");
     assert!(foreign.exists());
+}
+
+/// What comes after a damaged result has no key, and may still be what the file is about.
+#[test]
+fn a_clean_up_keeps_what_may_come_after_a_damaged_result() {
+    let (_folder, store) = store();
+    let lab = Lab::default();
+    let old = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    go(&store, &pipeline(&lab, 2, 0)).unwrap();
+    fs::remove_file(old[0].folder.join(FILE)).unwrap();
+    let planned = plan(&store, &pipeline(&lab, 1, 0)).unwrap();
+    assert!(planned[2].key.is_none());
+    let options = Options {
+        planned: vec![("old".into(), planned)],
+        ..all_ages()
+    };
+    assert!(clean(&store, &options).unwrap().removed.is_empty());
+    let reports = go(&store, &pipeline(&lab, 1, 0)).unwrap();
+    assert_eq!(words(&reports), ["ran", "fresh", "fresh"]);
+}
+
+#[test]
+fn a_clean_up_leaves_what_is_being_written_beside_names() {
+    let (_folder, store) = store();
+    go(&store, &pipeline(&Lab::default(), 1, 0)).unwrap();
+    let folder = store.root().join(LATEST).join("study");
+    fs::create_dir(&folder).unwrap();
+    let [young, old] = [1, 2].map(|k| folder.join(format!(".figures.md.1.{k}.coronet-tmp")));
+    fs::write(&young, "half").unwrap();
+    let file = fs::File::create(&old).unwrap();
+    let hours = Duration::from_secs(2 * 3600);
+    file.set_modified(SystemTime::now() - hours).unwrap();
+    clean(&store, &Options::default()).unwrap();
+    assert!(young.exists() && !old.exists());
 }

@@ -211,8 +211,11 @@ fn warnings_of_points_are_told_and_kept() {
     let told = program.call(&["study", "study.toml"]).well();
     let warned = |line: &&str| line.starts_with("warning: ") && line.contains(" of 2 points (");
     let lines: Vec<&str> = told.err.lines().filter(warned).collect();
-    let restless = "warning: 2 of 2 points (1 m/s; 0.5 m/s): relax drop: not at rest";
-    let count = lines.iter().filter(|line| line.starts_with(restless));
+    let restless = |line: &&&str| {
+        line.starts_with("warning: 2 of 2 points (1 m/s; 0.5 m/s): ")
+            && line.contains("relax drop: not at rest")
+    };
+    let count = lines.iter().filter(restless);
     assert_eq!(count.count(), 1, "{}", told.err);
     let page = fs::read_to_string(program.path("artifacts/latest/study/figures.md")).unwrap();
     for line in lines {

@@ -4,7 +4,7 @@ use std::fs;
 
 use coronet::particle::Frame;
 use coronet::record::Checkpoint;
-use coronet::record::log::{LogBody, LogSetup, LogWriter};
+use coronet::record::log::{LogBody, LogError, LogSetup, LogWriter, recover_unless};
 use coronet::scene::{Colouring, Dimension};
 use serde_json::json;
 
@@ -99,6 +99,11 @@ fn recover_saves_frames_or_fails_and_never_writes_over_a_file() {
     program
         .call(&["recover", "missing.mcap"])
         .badly(2, &["missing.mcap"]);
+    // One that was asked to stop leaves nothing, either.
+    fs::write(&log, &whole).unwrap();
+    let stopped = recover_unless(&true.into(), &log, &program.path("new.mcap"));
+    assert!(matches!(stopped, Err(LogError::Stopped)));
+    assert_eq!(fs::read_dir(program.folder.path()).unwrap().count(), before);
 }
 
 #[test]

@@ -3,6 +3,8 @@
 #[cfg(unix)]
 mod batch;
 mod cleanup;
+mod content;
+mod damage;
 #[cfg(target_os = "linux")]
 mod disk;
 #[cfg(target_os = "linux")]
@@ -16,6 +18,8 @@ mod keys;
 mod laboratory;
 mod library;
 mod names;
+#[cfg(unix)]
+mod points;
 mod program;
 mod promise;
 #[cfg(unix)]

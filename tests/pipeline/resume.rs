@@ -226,3 +226,19 @@ fn a_second_run_is_fresh_and_quick() {
         "{statuses:?}"
     );
 }
+
+/// Of several that it could continue, the reasons compare with the one that it names.
+#[test]
+fn a_plan_gives_the_reasons_against_what_it_continues() {
+    let program = Program::new();
+    let end = |end: &'static str| ["--set", "pack.spacing=0.6 mm", "--set", end];
+    program.run(&end("impact.end=1.3 ms"));
+    // Of another second, in which stamps tell their start.
+    std::thread::sleep(Duration::from_millis(1100));
+    program.run(&end("impact.end=1 ms"));
+    let plan = program.plan(&end("impact.end=2 ms"));
+    let impact = plan.iter().find(|job| job["stage"] == "impact").unwrap();
+    assert_eq!(impact["start"], "the result for impact.end = 1.3 ms");
+    let reasons = impact["reasons"].as_array().unwrap();
+    assert_eq!(reasons.as_slice(), ["impact.end 1.3 ms -> 2 ms"]);
+}

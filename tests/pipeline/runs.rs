@@ -92,7 +92,7 @@ fn a_run_ends_with_its_figures_and_show_begins_with_them() {
     // Without its log there are no figures, but all else.
     fs::remove_file(program.latest("impact").join("frames.mcap")).unwrap();
     let shown = program.call(&["show", "artifacts/latest/tiny/post"]);
-    shown.badly(5, &["no figures", "frames.mcap"]);
+    shown.badly(4, &["no figures", "frames.mcap: it is missing"]);
     has(&shown.out, &["settings"]);
 }
 

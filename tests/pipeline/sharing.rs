@@ -1,6 +1,7 @@
 //! One store for several: races and clean-ups.
 
 use std::fs;
+use std::time::{Duration, SystemTime};
 
 use crate::program::{Ended, Program, TINY, members};
 
@@ -114,4 +115,30 @@ fn mistakes_in_remote_stores_are_named() {
     // A run goes on without.
     let ended = run("file:///nowhere/at/all").well();
     assert!(ended.err.contains("there is no folder"), "{}", ended.err);
+}
+
+#[test]
+fn a_push_removes_what_a_killed_one_has_left_and_a_pull_plans_no_work() {
+    let program = Program::new();
+    program.run(&["--until", "pack"]);
+    let shared = tempfile::tempdir().unwrap();
+    let url = format!("file://{}", shared.path().display());
+    program.call(&["push", "--remote", &url]).well();
+    let left = |folder: &str, days: u64| {
+        let path = shared.path().join(folder).join(".a.1.0.coronet-tmp");
+        let file = fs::File::create(&path).unwrap();
+        let age = Duration::from_secs(days * 24 * 3600);
+        file.set_modified(SystemTime::now() - age).unwrap();
+        path
+    };
+    let [old, young] = [left("files", 2), left("results/pack", 0)];
+    program.call(&["push", "--remote", &url]).well();
+    assert!(!old.exists() && young.exists());
+    let pull = ["pull", "tiny.toml", "--until", "pack", "--remote", &url];
+    let said = Program::new().call(&pull).well().out;
+    assert!(said.contains("fetched"), "{said}");
+    assert!(
+        !said.contains("Plan") && !said.contains("Run with"),
+        "{said}"
+    );
 }

@@ -1,6 +1,7 @@
 //! What a name, a table of measures and `status` show agrees with what was computed.
 
 use std::fs;
+use std::time::{Duration, Instant};
 
 use crate::program::Program;
 
@@ -47,7 +48,7 @@ fn a_changed_table_of_measures_is_not_believed() {
     let other = if &text[last..=last] == "1" { "2" } else { "1" };
     fs::write(&path, [&text[..last], other, &text[last + 1..]].concat()).unwrap();
     let again = program.call(&[&["run", "tiny.toml"], &arguments[..]].concat());
-    again.badly(4, &["measures.csv was changed", "coronet verify"]);
+    again.badly(4, &["measures.csv: it was changed", "coronet verify"]);
     assert!(!again.out.contains("largest"), "{}", again.out);
     program.call(&["verify"]);
     program.run(&arguments);
@@ -70,4 +71,23 @@ fn status_says_that_a_stage_has_failed() {
         text.contains("failed") && text.contains("diverged"),
         "{text}"
     );
+}
+
+/// As `coronet status --watch | head -n 1`.
+#[test]
+fn a_watch_ends_with_its_reader() {
+    let program = Program::new();
+    let mut run = program.start(&["run", "tiny.toml", "--set", "impact.end=400 ms"]);
+    program.in_flight(&mut run);
+    let mut watch = program.start(&["status", "--watch"]);
+    drop(watch.stdout.take());
+    let since = Instant::now();
+    while watch.try_wait().unwrap().is_none() {
+        // It looks again after ten.
+        assert!(since.elapsed() < Duration::from_secs(8), "it goes on");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(run.try_wait().unwrap().is_none());
+    run.kill().unwrap();
+    run.wait().unwrap();
 }

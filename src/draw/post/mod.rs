@@ -27,7 +27,7 @@ use crate::measure::series::{Reference, Row, Series, SeriesError};
 use crate::measure::summary;
 use crate::measure::whole::Unfold;
 use crate::particle::Frame;
-use crate::scene::sanity::Warning;
+use crate::scene::sanity::{self, Warning};
 use crate::scene::{Clock, Dimension, Scene, numbers};
 
 /// An evaluation that failed.
@@ -143,6 +143,7 @@ impl Post {
         let contact = contact_within(scene);
         let is_unmet =
             |reference: &Reference| contact.is_none() && reference.clock == Clock::Contact;
+        let (fields, has_axis) = (&scene.post.fields[..], sanity::fields(&part).is_none());
         let (unmet, references) = references
             .into_iter()
             .partition::<Vec<_>, _>(|(_, reference)| is_unmet(reference));
@@ -158,14 +159,17 @@ impl Post {
             axis,
             shift: contact.unwrap_or(0.0),
             panels: Instants::new(&scene.post.panels, interval),
-            fields: Instants::new(&scene.post.fields, interval),
+            fields: Instants::new(if has_axis { fields } else { &[] }, interval),
             player: Player::new(&part),
             shots: Vec::new(),
             sections: Vec::new(),
             best: None,
             averages: Vec::new(),
             files: vec![PathBuf::from("measures.csv")],
-            remarks: Vec::new(),
+            remarks: match has_axis {
+                true => Vec::new(),
+                false => vec!["No field is drawn: there is no axis to average about.".into()],
+            },
             warnings: Vec::new(),
             part,
         }
@@ -321,8 +325,12 @@ impl Post {
         report.notes = self.notes();
         let missed = self.missed();
         let told = losses.iter().map(|loss| format!("{loss}."));
+        let settings = sanity::warnings(&self.part);
+        let doubtful = settings.iter().map(|warning| format!("{warning}."));
         report.warnings = self.warnings.clone();
-        report.warnings.extend(missed.iter().cloned().chain(told));
+        report
+            .warnings
+            .extend(doubtful.chain(missed.iter().cloned()).chain(told));
         self.write("report.html", report.html().as_bytes())?;
         let (series, files) = (self.series, self.files);
         Ok(PostReport {

@@ -42,7 +42,8 @@ impl Post {
     /// Cells of the table of distances.
     pub(super) fn norm_cells(&self, norm: &Norm) -> [String; 5] {
         let percent = |part: f64| format!("{:.1} %", 100.0 * part);
-        let (from, to) = (self.moment(norm.from, 1), self.moment(norm.to, 1));
+        let ends = [norm.from, norm.to].map(|time| self.moment(time + norm.shift, 1));
+        let [from, to] = ends;
         let span = match from.split_once(' ') {
             Some((from, _)) => format!("{from}–{to}"),
             None => to,
@@ -55,7 +56,8 @@ impl Post {
     pub(super) fn missed(&self) -> Vec<String> {
         let end = self.series.time().last().copied().unwrap_or(0.0);
         let sentence = |what: &str, time: f64| {
-            let [time, end] = [time, end].map(|time| moment(time, self.scene.impact.end, 1));
+            // In one unit, which suits the later one.
+            let [time, end] = [time, end].map(|one| moment(one, time.max(end), 1));
             format!("No {what} at {time}: the last frame is at {end}.")
         };
         let of = |what, instants: &Instants| -> Vec<String> {

@@ -10,12 +10,18 @@ const PALE: Colour = [240, 242, 245];
 /// Lengths of scale bars, over a power of ten.
 const STEPS: [f64; 3] = [1.0, 2.0, 5.0];
 
+/// Part of the background in the plate behind a text, and its room around the text, in heights of
+/// letters.
+const PLATE: f32 = 0.75;
+const ROOM: f32 = 0.3;
+
 /// Part of the width that a text in the middle may have beside the scale bar.
 const BESIDE: f32 = 0.45;
 
 /// A picture to write on.
 pub struct Overlay<'a> {
     canvas: &'a mut Canvas,
+    background: Colour,
     ink: Colour,
     /// Height of letters, pixels.
     size: f32,
@@ -28,15 +34,44 @@ impl<'a> Overlay<'a> {
         let is_dark = 2 * r + 5 * g + b < 8 * 110;
         let size = (canvas.height as f32 / 26.0).clamp(11.0, 64.0);
         let ink = if is_dark { PALE } else { INK };
-        Overlay { canvas, ink, size }
+        Overlay {
+            canvas,
+            background,
+            ink,
+            size,
+        }
+    }
+
+    /// A text, which can be read over liquid too.
+    fn write(&mut self, [x, y]: [f32; 2], size: f32, text: &str, anchor: Anchor) {
+        let length = size * Weight::Regular.length(text) as f32;
+        let left = match anchor {
+            Anchor::Left => x,
+            Anchor::Middle => x - 0.5 * length,
+            Anchor::Right => x - length,
+        };
+        let room = ROOM * size;
+        self.plate(
+            [left - room, y - 0.8 * size - room],
+            [left + length + room, y + 0.25 * size + room],
+        );
+        self.canvas.text([x, y], size, text, anchor, self.ink);
+    }
+
+    fn plate(&mut self, low: [f32; 2], high: [f32; 2]) {
+        let [low, high] = [low, high].map(|corner| corner.map(|c| c.round() as i64));
+        for y in low[1]..high[1] {
+            for x in low[0]..high[0] {
+                self.canvas.blend(x, y, self.background, PLATE);
+            }
+        }
     }
 
     /// The instant, in the upper left corner; `time` and the `end` of the run in s.
     pub fn clock(&mut self, time: f64, end: f64) {
         let text = moment(time, end, 1);
         let at = [self.size, 1.6 * self.size];
-        self.canvas
-            .text(at, self.size, &text, Anchor::Left, self.ink);
+        self.write(at, self.size, &text, Anchor::Left);
     }
 
     /// A text in the middle of the lower edge, in smaller letters if it is long; above the scale
@@ -50,7 +85,7 @@ impl<'a> Overlay<'a> {
             false => 1.0,
         };
         let at = [0.5 * width, height - row * self.size];
-        self.canvas.text(at, size, text, Anchor::Middle, self.ink);
+        self.write(at, size, text, Anchor::Middle);
     }
 
     /// A bar of a round length in the lower left corner; `pixel`: metres.
@@ -69,11 +104,15 @@ impl<'a> Overlay<'a> {
         };
         let (left, y) = (self.size, self.canvas.height as f32 - self.size);
         let right = left + (length / pixel) as f32;
+        let at = [0.5 * (left + right), y - 0.4 * self.size];
+        self.write(at, self.size, &text, Anchor::Middle);
+        let room = ROOM * self.size;
+        self.plate(
+            [left - room, y - 0.12 * self.size],
+            [right + room, y + room],
+        );
         self.canvas
             .line([left, y], [right, y], 0.16 * self.size, self.ink);
-        let at = [0.5 * (left + right), y - 0.4 * self.size];
-        self.canvas
-            .text(at, self.size, &text, Anchor::Middle, self.ink);
     }
 
     /// The bar of a colour map, along the right edge; `unit`: of the values over `factor`.
@@ -95,10 +134,7 @@ impl<'a> Overlay<'a> {
             0.0 => format!("0 {unit}"),
             v => format!("{v:.2} {unit}").replace('-', "\u{2212}"),
         };
-        let mut write = |value: f64, at: [f32; 2]| {
-            self.canvas
-                .text(at, size, &text(value), Anchor::Right, self.ink);
-        };
+        let mut write = |value, at| self.write(at, size, &text(value), Anchor::Right);
         write(high, [right, top - 0.5 * size]);
         write(low, [right, bottom + 1.2 * size]);
         if low < 0.0 {

@@ -228,8 +228,11 @@
 
   const [width, depth, height] = film.size;
   const tops = film.shots.map(({ low, size }) => low[low.length - 1] + size[size.length - 1]);
-  const top = Math.min(Math.max(...tops), height);
-  const target = [0.5 * width, 0.5 * depth, 0.45 * top];
+  // Particles have a radius; what is far above an open box has left it.
+  const top = isFlat
+    ? Math.min(Math.max(...tops), 2 * height) + 0.55 * film.spacing
+    : Math.min(Math.max(...tops), height);
+  const target = [0.5 * width, 0.5 * depth, (isFlat ? 0.5 : 0.45) * top];
   let [azimuth, elevation, zoom] = isFlat ? [0, 0, 1] : [0.5, 0.42, 1];
   const radius = 0.5 * Math.hypot(width, depth, top);
 

@@ -185,8 +185,8 @@ pub struct Own {
     pub value: f64,
     /// g_r of a pair of rings at the same place: r F_p.
     pub gradient: f64,
-    /// F_p.
-    pub turn: f64,
+    /// r^2 F_pp.
+    pub hoop: f64,
     /// F_y.
     pub slope: f64,
 }
@@ -218,11 +218,11 @@ impl Radii<'_> {
     /// Of a liquid ring and itself.
     pub fn own(&self, i: usize) -> Own {
         let radius = self.liquid[i] / self.length;
-        let [value, turn, _, slope] = self.rings.own(radius);
+        let [value, turn, second, slope] = self.rings.own(radius);
         Own {
             value,
             gradient: radius * turn,
-            turn,
+            hoop: radius * radius * second,
             slope,
         }
     }

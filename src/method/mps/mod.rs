@@ -43,6 +43,7 @@ use super::projection::{Projection, Scheme, surface};
 use crate::kernel::WendlandC2;
 use crate::kernel::ring::Rings;
 use crate::scene::{Mps as Settings, MpsClosure, MpsGradient, MpsPressure};
+use crate::scene::{Viscosity, ViscosityForm};
 use crate::space::parallel::each_mut;
 use pass::{
     Around, Coupled, Look, NEAREST, Number, PressureSlope, Steep, Surface, Viscous, Weights,
@@ -250,13 +251,17 @@ impl Scheme for Mps {
         };
         p.own.around.resize(n, Default::default());
         p.liquid.sum(&pass, &mut p.own.around);
-        if let Some(viscosity) = p.liquid.case.effects.mu() {
-            p.pack_no_slip(1.0);
+        let case = &p.liquid.case;
+        if let Some(Viscosity { dynamic, form }) = case.effects.viscosity {
+            let is_central = form == ViscosityForm::Central;
+            let directions = if is_central { case.space + 2 } else { 1 };
+            let nu = directions as f64 * dynamic / case.density;
             let pass = Viscous {
-                reach: p.scheme.laplacian_reach(&p.liquid.case),
-                factor: viscosity / p.liquid.case.density
-                    * p.scheme.laplacian_factor(&p.liquid.case),
+                reach: p.scheme.laplacian_reach(case),
+                is_central,
+                factor: nu * p.scheme.laplacian_factor(case),
             };
+            p.pack_no_slip(1.0);
             p.liquid.sum(&pass, &mut p.own.held);
         }
     }

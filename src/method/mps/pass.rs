@@ -5,7 +5,7 @@
 
 use super::Smooth;
 use crate::kernel::Kernel;
-use crate::method::pass::Moving;
+use crate::method::pass::{Moving, difference};
 use crate::method::projection::correction::{AXES, IDENTITY, inverse};
 use crate::method::projection::look::{Local, Sums, complete, divergence};
 use crate::method::projection::transposed::Weight;
@@ -291,11 +291,14 @@ impl<const SYMMETRIC: bool, const BLENDED: bool> Pass<3> for PressureSlope<'_, S
     }
 }
 
-/// SUM (u_b - u_a) w, the viscous Laplacian (Eq. 9).
+/// SUM (u_b - u_a) w, the viscous Laplacian (Eq. 9), or (d + 2) SUM (u_b - u_a) . e e w with e
+/// along the line of the pair (Kondo 2021): see [`crate::effect::viscosity`].
 pub struct Viscous {
     /// r_e / h.
     pub reach: f32,
-    /// nu 2 d / (n0 lambda), 1/s.
+    /// Whether it is the second.
+    pub is_central: bool,
+    /// nu 2 d / (n0 lambda), 1/s, times d + 2 in the second.
     pub factor: f64,
 }
 
@@ -310,9 +313,16 @@ impl Pass<3> for Viscous {
     #[inline(always)]
     fn pair<F: Real>(&self, pair: &Pair<F, Moving>, sum: &mut [F; 3]) {
         let w = pair.weight[0];
+        let v = difference(pair.other.velocity, pair.own.velocity);
+        let (w, along) = match self.is_central {
+            true => (
+                w * dot(v, pair.d) / pair.q2.at_least(NEAREST * NEAREST),
+                pair.d,
+            ),
+            false => (w, v),
+        };
         for a in 0..3 {
-            let v = pair.other.velocity[a] - pair.own.velocity[a];
-            sum[a] = w.mul_add(v, sum[a]);
+            sum[a] = w.mul_add(along[a], sum[a]);
         }
     }
     #[inline(always)]

@@ -27,7 +27,7 @@ payload! {
 
 /// a - b.
 #[inline(always)]
-pub(super) fn difference<F: Real>(a: [F; 3], b: [F; 3]) -> [F; 3] {
+pub fn difference<F: Real>(a: [F; 3], b: [F; 3]) -> [F; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 

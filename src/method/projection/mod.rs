@@ -256,7 +256,7 @@ impl<S: Scheme> Projection<S> {
         };
         solver.peak = solver.peak();
         solver.liquid.ledger.pressure.get_or_insert(0.0);
-        solver.find_surface_energy();
+        solver.find_surface();
         solver
     }
 

@@ -68,9 +68,9 @@ impl<S: Scheme> Projection<S> {
         self.liquid.max_connected_speed(|i| self.kernel_sum(i))
     }
 
-    /// Finds the energy of the surface at the start of a run, if there is one.
-    pub(super) fn find_surface_energy(&mut self) {
-        if self.liquid.ledger.surface.is_some() || !self.liquid.follows_energy() {
+    /// Finds the surface at the start of a run, and its energy if it has one.
+    pub(super) fn find_surface(&mut self) {
+        if !self.liquid.lacks_surface() {
             return;
         }
         let before = self.liquid.now.max_acceleration;

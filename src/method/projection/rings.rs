@@ -4,7 +4,7 @@
 //!     dK/dx_a,  a itself among b,  K: that of which -K'/r is the weight of the method's gradients,
 //!     W for ISPH; near a surface whose tension has an energy: [`crate::method::completed`]
 //! (2) (A p)_a = 2 SUM V_b w (p_a - p_b) / (n_a n_b),  w: the mean of the weight over the angle
-//! (3) (lap v)_a as (2), of vectors, which turn with the angle
+//! (3) viscosity as that of WCSPH ([`Surrounded`])
 //! Rows of the equation are multiplied by the masses of their rings: then it is symmetric, and the
 //! work of G p is that of the volumes that D sees.
 //! Tests: tests/engine/ring_projection.rs.
@@ -56,18 +56,15 @@ impl<S: Scheme> Projection<S> {
         if let Some(dynamic) = viscosity {
             self.pack_velocity(1.0);
             self.pack_no_slip(1.0);
-            let factor = dynamic * S::unit(self);
-            let [_, rings] = self.scheme.of_rings();
-            let radii = self.liquid.flow.radii_of(rings, self.liquid.case.h);
+            let factor = dynamic / self.liquid.case.density * self.factor(2);
             let pass = Surrounded {
-                radii,
-                viscosity: 1.0,
+                radii: self.liquid.flow.radii(self.liquid.case.h),
+                viscosity: -4.0,
             };
             self.liquid.sum(&pass, &mut self.own.held);
             let p = &self.liquid.flow.particles;
             each_mut(&mut self.own.held[..n], |i, held| {
-                let own = p.weight(i) * radii.own(i).turn;
-                let r = held[0] as f64 + own * p.velocity[0][i];
+                let r = held[0] as f64 + pass.alone(i, p.weight(i), p.velocity[0][i]);
                 *held = [factor * r, 0.0, factor * held[1] as f64].map(|a| a as f32);
             });
         }

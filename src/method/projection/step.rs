@@ -323,24 +323,23 @@ impl<S: Scheme> Projection<S> {
             span,
             (three(&mut p.position, n), three(&mut p.velocity, n)),
             |i, (x, mut v)| {
-                let mut pressed = 0.0;
+                let past = [0, 1, 2].map(|a| before[1][a][i]);
                 for a in 0..3 {
-                    let v = &mut *v[a];
-                    let old = before[1][a][i];
+                    let (v, old) = (&mut *v[a], past[a]);
                     let ahead = *v + theta * dt * push[i][a] as f64;
                     *v = damp * (old + (ahead - old) / theta);
-                    pressed += 0.5 * dt * (old + *v) * push[i][a] as f64;
                 }
                 let mut rubbed = 0.0;
                 if !friction.is_empty() {
                     let [x, y, z] = v.each_mut().map(|v| &mut **v);
                     let free = [*x, *y, *z];
                     [*x, *y, *z] = friction[i].slowed(free, dt);
-                    rubbed = frame::gained(free, [*x, *y, *z]);
+                    rubbed = frame::work(past, free, [*x, *y, *z]);
                 }
+                let mut pressed = 0.0;
                 for a in 0..3 {
-                    let v = &mut *v[a];
-                    let old = before[1][a][i];
+                    let (v, old) = (&mut *v[a], past[a]);
+                    pressed += 0.5 * dt * (old + *v) * push[i][a] as f64;
                     let mean = match trapezoidal {
                         true => 0.5 * (old + *v),
                         false => *v,

@@ -91,11 +91,13 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.liquid.ledger.diffusive = p.mass * power;
     }
 
-    /// Finds the energy of the surface at the start of a run.
-    pub(super) fn find_surface_energy(&mut self) {
+    /// Finds the surface at the start of a run, and its energy if it has one.
+    pub(super) fn find_surface(&mut self) {
         let hardest = self.liquid.now.max_acceleration;
         self.rebuild();
-        self.hold(0.0);
+        if self.liquid.follows_energy() {
+            self.hold(0.0);
+        }
         self.liquid.now.max_acceleration = hardest;
     }
 }

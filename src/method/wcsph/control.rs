@@ -206,6 +206,9 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.own.around.resize(n, Default::default());
         self.own.held.resize(n, [0.0; 3]);
         self.own.force.resize(n, [0.0; 3]);
+        // Of the rejected step, which may have removed particles: found anew where they are read.
+        self.own.steady.clear();
+        self.own.dry.clear();
         (self.liquid.now, self.liquid.ledger) = (control.now, control.ledger);
         self.model.sound_speed = control.sound_speed;
         self.adaption = control.adaption;

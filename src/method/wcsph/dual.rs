@@ -147,7 +147,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             self.pair_force(());
         }
         self.kick(dt, shifts);
-        self.liquid.rub(dt);
+        let (held, force, driven) = (&self.own.held, &self.own.force, &self.own.driven);
+        self.liquid.rub(dt, |i| {
+            let force = if shifts { driven[i].0 } else { force[i] };
+            [0, 1, 2].map(|a| dt * (held[i][a] + force[a]) as f64)
+        });
         self.liquid.now.max_speed = self.liquid.max_speed();
         self.check()?;
         self.drift_position(0.5 * dt);

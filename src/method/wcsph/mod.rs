@@ -147,13 +147,12 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
             sums: Vec::new(),
             kernel: PhantomData,
         };
-        let lacks_surface = solver.liquid.ledger.surface.is_none();
         if !is_dual {
             if is_new {
                 solver.prime();
             }
-        } else if lacks_surface && solver.liquid.follows_energy() {
-            solver.find_surface_energy();
+        } else if solver.liquid.lacks_surface() {
+            solver.find_surface();
         }
         solver
     }

@@ -34,17 +34,19 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         let h = self.liquid.case.h;
         let factor = self.gradient_factor();
         let dynamic = self.liquid.case.effects.mu().unwrap_or(0.0);
-        let viscosity = (2.0 * dynamic / h) as f32;
         let mut sums = std::mem::take(&mut self.own.force);
         let radii = self.liquid.flow.radii(h);
-        self.liquid.sum(&Surrounded { radii, viscosity }, &mut sums);
+        let pass = Surrounded {
+            radii,
+            viscosity: (-4.0 * dynamic / h) as f32,
+        };
+        self.liquid.sum(&pass, &mut sums);
         let p = &self.liquid.flow.particles;
         each_mut(&mut self.own.around[..p.len()], |i, around| {
             let own = radii.own(i);
             let mass = p.weight(i);
-            let k = 2.0 * viscosity as f64 * mass / (p.density[i] * p.density[i]);
             let [r, z, sum] = sums[i].map(f64::from);
-            let r = r + k * 0.5 * own.turn * p.velocity[0][i];
+            let r = r + pass.alone(i, mass, p.velocity[0][i]) / (p.density[i] * p.density[i]);
             *around = Surroundings {
                 vector: [(factor * r) as f32, 0.0, (factor * z) as f32],
                 sum: (sum + mass * own.value - 1.0) as f32,

@@ -96,7 +96,8 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
                 }
             });
         }
-        self.liquid.rub(dt);
+        // Positions have moved by the velocity between the two kicks.
+        self.liquid.rub(dt, |_| [0.0; 3]);
         self.liquid.now.max_speed = self.liquid.max_speed();
         self.liquid.now.connected_speed = self.liquid.now.max_speed;
         self.liquid.now.time = self.liquid.beat.exact(self.liquid.now.time + dt);

@@ -2,11 +2,15 @@
 
 use std::io::{self, ErrorKind, Read as _, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::{Objects, RemoteError};
 use crate::file::{self, FileError};
-use crate::pipeline::store::refuse_links_below;
+use crate::pipeline::store::{folders_in, refuse_links_below, sweep};
 use crate::record::atomic::{AtomicFile, create_folder};
+
+/// Age from which a temporary file counts as left by a killed process; of clocks of other machines.
+const LEFT_OVER: Duration = Duration::from_secs(24 * 3600);
 
 /// Objects as files below a folder, which must exist: a folder that is not mounted is missing.
 #[derive(Clone, Debug)]
@@ -87,5 +91,14 @@ impl Objects for Folder {
             }
         };
         put().map_err(failed(name))
+    }
+
+    fn tidy(&self) {
+        let files = self.path("files").ok();
+        let results = self.path("results").ok();
+        let stages = results.and_then(|folder| folders_in(&folder).ok());
+        for folder in stages.into_iter().flatten().chain(files) {
+            let _ = sweep(&folder, LEFT_OVER);
+        }
     }
 }

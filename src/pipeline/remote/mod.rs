@@ -49,6 +49,9 @@ pub trait Objects: Sync {
     /// # Errors
     /// See [`RemoteError`].
     fn put(&self, name: &str, file: &Path, replace: bool) -> Result<bool, RemoteError>;
+
+    /// Removes what killed processes have left, as far as that is possible.
+    fn tidy(&self) {}
 }
 
 /// What is wrong with a remote store.
@@ -166,6 +169,11 @@ impl<'a> Remote<'a> {
         }
         let replace = self.distrusts(&stamp.key);
         self.noted(put::put(self.objects, folder, stamp, replace))
+    }
+
+    /// Removes what killed processes have left there.
+    pub fn tidy(&self) {
+        self.objects.tidy();
     }
 
     /// A store that did not answer is not asked again.

@@ -67,7 +67,7 @@ fn nearest(at: f64, times: &[f64], reach: f64) -> Result<usize, ExportError> {
     Ok(if is_before { next - 1 } else { next })
 }
 
-/// Indices of the bodies with these names; `None` for all bodies if there is no name.
+/// Indices of the bodies with these names; `None` for all bodies: if there is no name, or each.
 ///
 /// # Errors
 /// If a name is not that of a body.
@@ -85,5 +85,7 @@ pub fn bodies(names: &[String], all: &[LogBody]) -> Result<Option<Vec<u8>>, Expo
             }
         })
     };
-    names.iter().map(index).collect::<Result<_, _>>().map(Some)
+    let chosen: Vec<u8> = names.iter().map(index).collect::<Result<_, _>>()?;
+    let is_part = (0..all.len()).any(|index| !chosen.contains(&(index as u8)));
+    Ok(is_part.then_some(chosen))
 }

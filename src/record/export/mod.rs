@@ -261,14 +261,7 @@ pub fn export_log(
         if left.next_if(|next| **next == number).is_none() {
             continue;
         }
-        let name = names[index.len() + 1].clone();
         let after = Clock::after_contact(frame.time, info.contact);
-        index.push(pvd::Entry {
-            time: frame.time,
-            after_contact: after,
-            file: name.clone(),
-            scalars: frame.scalars.clone(),
-        });
         let mut table = match selection.revolve {
             Some(most) => Table::of_frame(revolved(&frame, info.spacing, most), Dimension::Three),
             None => Table::of_frame(frame, info.dimension),
@@ -277,7 +270,14 @@ pub fn export_log(
         if let Some(bodies) = &bodies {
             table.keep_bodies(bodies);
         }
-        format.write(&table, &folder.join(name))?;
+        let file = names[index.len() + 1].clone();
+        format.write(&table, &folder.join(&file))?;
+        index.push(pvd::Entry {
+            time: table.time,
+            after_contact: after,
+            file,
+            scalars: table.scalars,
+        });
     }
     let out = folder.join(format.index());
     let text = match format {
@@ -295,5 +295,12 @@ pub fn export_log(
 /// The rings of a frame as points a spacing apart, `most` of each at most.
 fn revolved(frame: &Frame, spacing: f64, most: usize) -> Frame {
     let [r, ..] = &frame.position;
-    ring::points(frame, |i| ring::point_count(r[i], spacing as f32).min(most))
+    let mut points = ring::points(frame, |i| ring::point_count(r[i], spacing as f32).min(most));
+    // Across the axis that of the rings is a sum over radii, of which none is left about the axis.
+    let across = ["momentum_x_kg_m_s", "momentum_y_kg_m_s"];
+    let momenta = points.scalars.iter_mut();
+    momenta
+        .filter(|(name, _)| across.contains(&name.as_str()))
+        .for_each(|(_, value)| *value = 0.0);
+    points
 }

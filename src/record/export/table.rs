@@ -108,13 +108,15 @@ impl Table {
         }
     }
 
-    /// Removes the particles of all other bodies. A table without a column `body` stays as it is.
+    /// Removes the particles of all other bodies, and the scalars that count them too. A table
+    /// without a column `body` stays as it is.
     pub fn keep_bodies(&mut self, bodies: &[u8]) {
         let own = self.columns.iter().find(|column| column.name == "body");
         let Some([Array::U8(own)]) = own.map(|column| column.components.as_slice()) else {
             return;
         };
         let kept: Vec<bool> = own.iter().map(|body| bodies.contains(body)).collect();
+        self.scalars.retain(|(name, _)| !is_of_all(name));
         fn keep<T>(values: &mut Vec<T>, kept: &[bool]) {
             let mut kept = kept.iter();
             values.retain(|_| *kept.next().expect("columns of one length"));
@@ -251,6 +253,14 @@ impl TryFrom<Checkpoint> for Table {
         table.add_mass();
         Ok(table)
     }
+}
+
+/// Whether a scalar of a frame is of all its particles, not of the run.
+fn is_of_all(name: &str) -> bool {
+    name.ends_with("_J")
+        || name.starts_with("mass_")
+        || name.starts_with("momentum_")
+        || name == "speed_max_m_s"
 }
 
 fn same_type(a: &Array, b: &Array) -> bool {

@@ -3,6 +3,7 @@
 use std::fs::{self, Metadata};
 use std::io::{BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::output::{Channel, Output};
 use super::read::{Item, Items, MeasuresDecoder, Message, content_hasher};
@@ -123,7 +124,8 @@ pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
     let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out, None)?;
-    let mut copy = Copy::new(&mut output);
+    let never = AtomicBool::new(false);
+    let mut copy = Copy::new(&mut output, &never);
     if let Some(last) = segments.last() {
         copy.start(&last.path)?;
     }
@@ -152,11 +154,19 @@ pub fn merge(segments: &[Segment], out: &Path) -> Result<Merged, LogError> {
 /// neither empty nor a log of Coronet ([`LogError::NotReplaced`]); and
 /// ([damage](LogError::is_damage)) if there is no whole frame.
 pub fn recover(path: &Path, out: &Path) -> Result<Recovered, LogError> {
+    recover_unless(&AtomicBool::new(false), path, out)
+}
+
+/// As [`recover`], unless `stop` is set meanwhile.
+///
+/// # Errors
+/// As there, and [`LogError::Stopped`].
+pub fn recover_unless(stop: &AtomicBool, path: &Path, out: &Path) -> Result<Recovered, LogError> {
     check_output(path, out)?;
     let mut file = AtomicFile::create(out)?;
     let shared = file.file().try_clone();
     let mut output = Output::new(shared.map_err(FileError::new(out, "open"))?, out, None)?;
-    let mut copy = Copy::new(&mut output);
+    let mut copy = Copy::new(&mut output, stop);
     copy.start(path)?;
     let all = [f64::NEG_INFINITY, f64::INFINITY];
     let mut items = Items::open(path)?;
@@ -228,6 +238,7 @@ fn is_same_file(_: &Metadata, a: &Path, _: &Metadata, b: &Path) -> bool {
 /// Copies messages frame by frame.
 struct Copy<'a> {
     output: &'a mut Output,
+    stop: &'a AtomicBool,
     hasher: Hasher,
     measures: MeasuresDecoder,
     frames: u64,
@@ -235,9 +246,10 @@ struct Copy<'a> {
 }
 
 impl<'a> Copy<'a> {
-    fn new(output: &'a mut Output) -> Self {
+    fn new(output: &'a mut Output, stop: &'a AtomicBool) -> Self {
         Copy {
             output,
+            stop,
             hasher: content_hasher(),
             measures: MeasuresDecoder::default(),
             frames: 0,
@@ -302,6 +314,9 @@ impl<'a> Copy<'a> {
         let mut durable = f64::NEG_INFINITY;
         let mut clouds = Vec::new();
         for item in items {
+            if self.stop.load(Ordering::Relaxed) {
+                return Err(LogError::Stopped);
+            }
             match item {
                 Ok(Item::Message(message)) if message.is_measures() => {
                     let time = match self.measures.decode(&message) {

@@ -32,7 +32,7 @@ mod times;
 
 pub use background::{Flush, LogWriter};
 pub use cloud::viridis;
-pub use merge::{Merged, Recovered, Segment, merge, recover, segments};
+pub use merge::{Merged, Recovered, Segment, merge, recover, recover_unless, segments};
 pub use read::{Frames, Info, content_digest, info, read_frames};
 pub use reel::{BASE, Reel};
 pub use setup::{LogBody, LogSetup};
@@ -55,7 +55,10 @@ pub enum LogError {
         path: PathBuf,
     },
     /// A record is incomplete or contradicts its checksum.
-    #[error("{} is cut off or damaged: {what}", path.display())]
+    #[error(
+        "{} is cut off or damaged: {what}; `coronet recover {}` saves its complete frames",
+        path.display(), path.display()
+    )]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -99,6 +102,9 @@ pub enum LogError {
     /// The frame contradicts the setup of the log.
     #[error("a frame does not fit the log: {0}")]
     Frame(String),
+    /// The copy was asked to stop.
+    #[error("stopped on request; nothing was written")]
+    Stopped,
     /// The writer ended at an earlier error.
     #[error("the log is closed after an earlier error")]
     Closed,
@@ -117,6 +123,7 @@ impl LogError {
             LogError::Io(_)
             | LogError::NotReplaced { .. }
             | LogError::Frame(_)
+            | LogError::Stopped
             | LogError::Closed => false,
         }
     }

@@ -48,8 +48,8 @@ fn unfit(scene: &Problem) -> Option<(&'static str, &'static str)> {
         return Some(("needs the surface-energy form of the tension", modern));
     }
     let viscosity = scene.effects.viscosity;
-    if viscosity.is_some_and(|viscosity| viscosity.form != ViscosityForm::Morris) {
-        return Some(("needs the viscosity `morris`", modern));
+    if viscosity.is_some_and(|viscosity| viscosity.form != ViscosityForm::Central) {
+        return Some(("needs the viscosity `central`", modern));
     }
     let mut bodies = scene.bodies.iter();
     bodies

@@ -311,8 +311,9 @@ fn brakes(scene: &Scene) -> Option<Warning> {
     ))
 }
 
-/// Fields of a scene without an axis: they are means over what is as far from it.
-fn fields(scene: &Scene) -> Option<Warning> {
+/// Fields of a scene without an axis, which are not drawn: they are means over what is as far from
+/// it.
+pub fn fields(scene: &Scene) -> Option<Warning> {
     if scene.post.fields.is_empty() || scene.domain.is_part() {
         return None;
     }
@@ -324,7 +325,8 @@ fn fields(scene: &Scene) -> Option<Warning> {
     };
     let why = format!("fields are means over both sides of the axis of the drop, but {what}");
     let value = format!("{} instants", scene.post.fields.len());
-    Some(Warning::new("post.fields", value, &why, "leave them out"))
+    let remedy = "none is drawn: leave them out";
+    Some(Warning::new("post.fields", value, &why, remedy))
 }
 
 /// Walls that meet a free surface with tension, and no contact angle.

@@ -6,7 +6,7 @@ use super::gravity::Gravity;
 use super::tension::Tension;
 use super::tension::shore::Shore;
 use super::vibration::Vibration;
-use super::viscosity::{Cleary, Morris, Newtonian, PairViscosity, TINY, TwoTerm};
+use super::viscosity::{Central, Cleary, Morris, Newtonian, PairViscosity, TwoTerm};
 use super::wetting::typed::Typed;
 use super::wetting::{Setting, Wetting};
 use crate::kernel::{self, CubicSpline, Kernel, WendlandC2};
@@ -49,13 +49,12 @@ fn viscosity<K: Kernel, R: Visitor>(
     match viscosity.form {
         ViscosityForm::Morris => visitor.visit::<K, _>(Morris { factor }),
         ViscosityForm::TwoTerm => visitor.visit::<K, _>(TwoTerm { factor }),
-        ViscosityForm::Cleary | ViscosityForm::Central => visitor.visit::<K, _>(Cleary {
+        ViscosityForm::Cleary => visitor.visit::<K, _>(Cleary {
             factor: (dimension as f32 + 2.0) * factor,
-            softening: match viscosity.form {
-                ViscosityForm::Central => TINY,
-                _ => 0.01,
-            },
         }),
+        ViscosityForm::Central => {
+            visitor.visit::<K, _>(Central::of::<K>(dimension, viscosity.dynamic / h))
+        }
         ViscosityForm::TwoTermExact => visitor.visit::<K, _>(TwoTerm {
             factor: exact * factor,
         }),

@@ -235,10 +235,10 @@ pub enum ViscosityForm {
     TwoTermExact,
     /// Morris, Fox & Zhu 1997, of MPS Xie Eq. 9: a free surface exerts a torque.
     Morris,
-    /// Kuri Eq. 1 with zeta = d + 2: 1 to 2 % too weak.
+    /// Kuri Eq. 1 with zeta = d + 2: up to 11 % too weak along a lattice.
     Cleary,
-    /// The same, exact, and its like for MPS and rings: along the line of each pair. It keeps
-    /// angular momentum, and a free surface has no shear stress.
+    /// Along the line of each pair, with weights that no lattice sees: keeps angular momentum, and
+    /// a free surface has no shear stress.
     Central,
 }
 
@@ -255,12 +255,11 @@ pub struct Viscosity {
 }
 
 impl Viscosity {
-    /// The dynamic viscosity that limits an explicit step in `space` dimensions, Pa s: forces along
-    /// the line of a pair have d + 2 times the strength, and one of d directions each.
+    /// The dynamic viscosity that limits an explicit step in `space` dimensions, Pa s.
     pub fn stiff(&self, space: usize) -> f64 {
         let d = space as f64;
         match self.form {
-            ViscosityForm::Cleary | ViscosityForm::Central => self.dynamic * (d + 2.0) / d,
+            ViscosityForm::Cleary => self.dynamic * (d + 2.0) / d,
             _ => self.dynamic,
         }
     }

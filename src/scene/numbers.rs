@@ -276,7 +276,7 @@ pub fn limits(scene: &Problem) -> Vec<Row> {
     };
     if let Some(viscosity) = scene.effects.viscosity {
         let value = limit::viscous(h, scene.density, viscosity.stiff(scene.space()));
-        limits.push(of("viscous", value, "0.125 h^2 / nu, central 3/5 or 1/2"));
+        limits.push(of("viscous", value, "0.125 h^2 / nu, cleary 3/5 or 1/2"));
     }
     if let Some(tension) = scene.effects.sigma() {
         let value = limit::capillary(h, scene.density, tension);

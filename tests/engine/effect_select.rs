@@ -52,6 +52,7 @@ fn each_word_becomes_its_viscosity() {
     let whole = 6.0 * MU / H;
     for d in [2, 3] {
         let n = d as f64;
+        let m2 = if d == 2 { 5.0 / 9.0 } else { 4.0 / 5.0 };
         for (form, x, z) in [
             (ViscosityForm::Morris, 1.0, 0.0),
             // zeta d (v . d), over q^2 + 0.01.
@@ -60,7 +61,8 @@ fn each_word_becomes_its_viscosity() {
                 0.36 / 1.01 * (n + 2.0),
                 0.48 / 1.01 * (n + 2.0),
             ),
-            (ViscosityForm::Central, 0.36 * (n + 2.0), 0.48 * (n + 2.0)),
+            // d / m2 d (v . d); m2 of Wendland C2.
+            (ViscosityForm::Central, 0.36 * n / m2, 0.48 * n / m2),
             // v + d (v . d), over q^2 + 0.01.
             (ViscosityForm::TwoTerm, 1.36 / 1.01, 0.48 / 1.01),
             // Times (d+2)/(d+3).

@@ -33,7 +33,8 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use arguments::{Arguments, Command};
-use clap::Parser;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _};
 
 /// Name, version, commit and compiler, for stamps and logs; in no key and no digest.
 pub const PROGRAM: &str = concat!(
@@ -46,12 +47,16 @@ pub const PROGRAM: &str = concat!(
 
 fn main() -> ExitCode {
     coronet::pipeline::machine::map_large_arrays();
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
+    let parsed = Arguments::command().try_get_matches().and_then(|found| {
+        let arguments = Arguments::from_arg_matches(&found)?;
+        Ok((arguments, found))
+    });
+    let (arguments, found) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => return help(&error),
     };
     let done = signals::leave_sizes_to_writers()
-        .and_then(|()| check(&arguments.command))
+        .and_then(|()| check(&arguments.command, &found))
         .and_then(|()| ranks::join())
         .and_then(|()| obey(&arguments.command));
     ranks::leave();
@@ -114,14 +119,21 @@ fn obey(command: &Command) -> Result<()> {
 }
 
 /// JSON is UTF-8, and so are the answers of the points of a study: other paths cannot be used
-/// there.
-fn check(command: &Command) -> Result<()> {
+/// there. What a rendered file does not show must not be asked for.
+fn check(command: &Command, found: &ArgMatches) -> Result<()> {
     let odd = std::env::args_os().find(|argument| argument.to_str().is_none());
-    match odd {
-        Some(argument) if command.writes_json() => Err(fault::Usage(format!(
+    if let Some(argument) = odd.filter(|_| command.writes_json()) {
+        let text = format!(
             "{argument:?} is not UTF-8, which JSON and studies need; rename it, or leave out --json"
-        ))
-        .into()),
+        );
+        return Err(fault::Usage(text).into());
+    }
+    let given = |name: &str| {
+        let (_, found) = found.subcommand().expect("a command was found");
+        found.value_source(name) == Some(ValueSource::CommandLine)
+    };
+    match command {
+        Command::Render(arguments) => command::render::check(arguments, given),
         _ => Ok(()),
     }
 }

@@ -2,6 +2,7 @@
 
 mod cluster;
 mod output;
+mod parse;
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::StoreArguments;
-use crate::command::{export, render};
+use super::{StoreArguments, parse};
 
 #[derive(Debug, Args)]
 pub struct ExportArguments {
@@ -20,12 +19,12 @@ pub struct ExportArguments {
     pub output: PathBuf,
     /// Only the frame nearest to this time from the start, as "10 ms"; repeatable, or several
     /// with commas. The times that were found are printed
-    #[arg(long, value_name = "TIME", value_parser = render::time, value_delimiter = ',',
+    #[arg(long, value_name = "TIME", value_parser = parse::time, value_delimiter = ',',
           allow_hyphen_values = true,
           conflicts_with = "every")]
     pub at: Vec<f64>,
     /// Only the frames nearest to the multiples of this time
-    #[arg(long, value_name = "TIME", value_parser = export::step, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = parse::step, allow_hyphen_values = true)]
     pub every: Option<f64>,
     /// Only the particles of this body; repeatable
     #[arg(long, value_name = "NAME")]
@@ -33,7 +32,7 @@ pub struct ExportArguments {
     /// Of a scene with an axis: each ring as points about it that share its mass, a spacing apart,
     /// at most N
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true,
-          default_missing_value = "64", value_parser = export::points)]
+          default_missing_value = "64", value_parser = parse::points)]
     pub revolve: Option<usize>,
     #[command(flatten)]
     pub store: StoreArguments,
@@ -59,44 +58,44 @@ pub struct RenderArguments {
     #[arg(long, short, value_name = "FILE", default_value = "render.png")]
     pub output: PathBuf,
     /// The frame nearest to this time from the start [default: all in a film, else the last]
-    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true,
+    #[arg(long, value_name = "TIME", value_parser = parse::time, allow_hyphen_values = true,
           conflicts_with_all = ["from", "until", "every"])]
     pub at: Option<f64>,
     /// First time of a film or of a series of numbered files
-    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = parse::time, allow_hyphen_values = true)]
     pub from: Option<f64>,
     /// Last time
-    #[arg(long, value_name = "TIME", value_parser = render::time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = parse::time, allow_hyphen_values = true)]
     pub until: Option<f64>,
     /// Least time between two frames
-    #[arg(long, value_name = "TIME", value_parser = export::step, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = parse::step, allow_hyphen_values = true)]
     pub every: Option<f64>,
     /// Pictures a second of a film
-    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = render::rate)]
+    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = parse::rate)]
     pub rate: f64,
     /// Pixels of a picture
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = render::size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
     pub size: [usize; 2],
     /// What the liquid is, or what its colour shows
     #[arg(long, value_enum, default_value_t)]
     pub material: Material,
     /// Colour behind the liquid and of the floor
-    #[arg(long, value_name = "#RRGGBB", default_value = "#e2e6ec", value_parser = render::colour)]
+    #[arg(long, value_name = "#RRGGBB", default_value = "#e2e6ec", value_parser = parse::colour)]
     pub background: [u8; 3],
     /// Direction of the camera about the vertical
-    #[arg(long, value_name = "ANGLE", default_value = "28 deg", value_parser = render::angle,
+    #[arg(long, value_name = "ANGLE", default_value = "28 deg", value_parser = parse::angle,
           allow_hyphen_values = true)]
     pub azimuth: f64,
     /// Direction of the camera above the horizon
-    #[arg(long, value_name = "ANGLE", default_value = "20 deg", value_parser = render::angle,
+    #[arg(long, value_name = "ANGLE", default_value = "20 deg", value_parser = parse::angle,
           allow_hyphen_values = true)]
     pub elevation: f64,
     /// Enlarges what is in the middle of the picture
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = render::zoom,
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = parse::zoom,
           allow_hyphen_values = true)]
     pub zoom: f64,
     /// Point in the middle of the picture, as "20 mm, 20 mm, 10 mm" [default: of the liquid]
-    #[arg(long, value_name = "X, Y, Z", value_parser = render::point,
+    #[arg(long, value_name = "X, Y, Z", value_parser = parse::point,
           allow_hyphen_values = true)]
     pub target: Option<[f64; 3]>,
     /// Rays a pixel along each side: 1 for a draft, 4 for print

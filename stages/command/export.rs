@@ -10,7 +10,6 @@ use coronet::pipeline::{Stamp, Store};
 use coronet::record::CheckpointError;
 use coronet::record::export::{self, ExportError, Exported, Selection, Which};
 use coronet::record::log::Reel;
-use coronet::scene::quantity::{self, Unit};
 use serde_json::json;
 
 use super::footage;
@@ -29,21 +28,6 @@ Examples:
   coronet export rings --to vtk --revolve
 
 Times count from the start of the run. SI units.";
-
-/// Parses the time between two exported frames, s.
-pub fn step(text: &str) -> Result<f64, String> {
-    let step = quantity::parse(text, Unit::Time).map_err(|error| error.to_string())?;
-    let is_step = step.is_finite() && step > 0.0;
-    is_step
-        .then_some(step)
-        .ok_or_else(|| "give a time above zero, as \"5 ms\"".to_string())
-}
-
-/// Parses the most points of a ring.
-pub fn points(text: &str) -> Result<usize, String> {
-    let found = text.parse().ok().filter(|n| (1..=100_000).contains(n));
-    found.ok_or_else(|| "give a number from 1 to 100000".to_string())
-}
 
 pub fn export(arguments: &ExportArguments) -> Result<()> {
     let format = match arguments.to {

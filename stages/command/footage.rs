@@ -78,6 +78,22 @@ impl Footage {
         Ok(self.reel.frames()?.take_while(is_early).filter(is_due))
     }
 
+    /// The mistake when no frame is between the wanted times.
+    ///
+    /// # Errors
+    /// If a log cannot be read.
+    pub fn none_chosen(&self) -> Result<Usage> {
+        let times = self.reel.frames()?.map(|frame| Ok(frame?.time));
+        let times: Vec<f64> = times.collect::<Result<_, LogError>>()?;
+        let (Some(first), Some(last)) = (times.first(), times.last()) else {
+            return Ok(Usage("the log has no frame".into()));
+        };
+        let [first, last] = [first, last].map(|time| 1e3 * time);
+        Ok(Usage(format!(
+            "no frame is between these times; the log has those from {first:.3} to {last:.3} ms"
+        )))
+    }
+
     /// The frame nearest to a time, or the last one. As in an export, the time may be outside the
     /// frames by half of their distance.
     ///

@@ -11,8 +11,7 @@ use coronet::draw::render::artist::{Artist, Style, Survey};
 use coronet::draw::render::camera::View;
 use coronet::particle::Frame;
 use coronet::record::{atomic, mark, mesh};
-use coronet::scene::quantity::{self, Unit};
-use coronet::scene::{Dimension, Rgb, Scene};
+use coronet::scene::{Dimension, Scene};
 use serde_json::json;
 
 use super::footage::Footage;
@@ -30,6 +29,23 @@ Examples:
 
 The frames are those of the log: `frames.interval` of the scene decides which there are.";
 
+/// Options that only a film heeds, and those that a mesh does not.
+const OF_FILMS: [&str; 1] = ["rate"];
+const OF_PICTURES: [&str; 12] = [
+    "size",
+    "material",
+    "background",
+    "azimuth",
+    "elevation",
+    "zoom",
+    "target",
+    "samples",
+    "no_shadows",
+    "scale_bar",
+    "clock",
+    "caption",
+];
+
 /// Time between two lines about the progress.
 const BETWEEN: Duration = Duration::from_secs(10);
 
@@ -41,57 +57,23 @@ enum Format {
     Mesh(mesh::Format),
 }
 
-/// Parses a time, s.
-pub fn time(text: &str) -> Result<f64, String> {
-    quantity::parse(text, Unit::Time).map_err(|error| error.to_string())
-}
-
-/// Parses an angle, degrees.
-pub fn angle(text: &str) -> Result<f64, String> {
-    quantity::parse(text, Unit::Angle).map_err(|error| error.to_string())
-}
-
-/// Parses the size of a picture.
-pub fn size(text: &str) -> Result<[usize; 2], String> {
-    let numbers = text.split_once('x').and_then(|(width, height)| {
-        let number = |text: &str| text.parse::<usize>().ok();
-        Some([number(width)?, number(height)?])
-    });
-    let fits = |size: &[usize; 2]| size.iter().all(|length| (16..=8192).contains(length));
-    let problem = "give width and height from 16 to 8192 pixels, as 1280x720";
-    numbers.filter(fits).ok_or_else(|| problem.to_string())
-}
-
-/// Parses a colour.
-pub fn colour(text: &str) -> Result<[u8; 3], String> {
-    Rgb::parse(text).ok_or_else(|| "write it as #rrggbb".to_string())
-}
-
-/// Parses a point, m.
-pub fn point(text: &str) -> Result<[f64; 3], String> {
-    let length = |text: &str| quantity::parse(text, Unit::Length).map_err(|e| e.to_string());
-    let parts = text
-        .split(',')
-        .map(length)
-        .collect::<Result<Vec<f64>, String>>()?;
-    let wrong = |_| "give three lengths, as \"20 mm, 20 mm, 10 mm\"".to_string();
-    parts.try_into().map_err(wrong)
-}
-
-/// Parses a number in a range.
-fn number(text: &str, low: f64, high: f64) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|n| (low..=high).contains(n));
-    found.ok_or_else(|| format!("give a number from {low} to {high}"))
-}
-
-/// Parses the pictures a second.
-pub fn rate(text: &str) -> Result<f64, String> {
-    number(text, 0.1, 240.0)
-}
-
-/// Parses an enlargement.
-pub fn zoom(text: &str) -> Result<f64, String> {
-    number(text, 0.01, 100.0)
+/// An error if an option was `given`, by its name, that changes nothing in the file.
+pub fn check(arguments: &RenderArguments, given: impl Fn(&str) -> bool) -> Result<()> {
+    let format = format(&arguments.output)?;
+    let is_idle = |name: &str| match format {
+        Format::Picture => OF_FILMS.contains(&name),
+        Format::Film(_) => false,
+        Format::Mesh(_) => true,
+    };
+    let mut all = OF_FILMS.iter().chain(&OF_PICTURES);
+    match all.find(|name| is_idle(name) && given(name)) {
+        Some(name) => {
+            let (option, file) = (name.replace('_', "-"), shown(&arguments.output));
+            let text = format!("--{option} changes nothing in {file}; leave it out");
+            Err(Usage(text).into())
+        }
+        None => Ok(()),
+    }
 }
 
 pub fn render(arguments: &RenderArguments) -> Result<()> {
@@ -272,7 +254,7 @@ fn many(
         count += 1;
     }
     if count == 0 {
-        bail!(Usage("no frame is between these times".into()));
+        bail!(footage.none_chosen()?);
     }
     let artist = Artist::new(scene, &survey, style(arguments));
     let path = &arguments.output;

@@ -116,3 +116,17 @@ fn what_leaves_the_box_takes_its_energy_with_it() {
         assert!(most < 0.0015, "{method}: {most}");
     }
 }
+
+/// A square that becomes a drop with a held contact line: its friction takes what it is booked for.
+#[test]
+fn friction_of_a_contact_line_takes_what_it_is_booked_for() {
+    let hysteresis = "[effects.wetting]\nadvancing = '100 deg'\nreceding = '40 deg'\n";
+    let square = "[body.drop]\nrectangle = { low = ['7 mm', '0 mm'], high = ['9 mm', '1 mm'] }\n";
+    for method in ["wcsph", "isph", "mps"] {
+        println!("{method}:");
+        let scene = splash(method, &format!("{WATER}{hysteresis}{square}"));
+        let (last, most) = run(&scene, 10e-3);
+        assert!(last["wall_work_J"] < 0.0, "{method}");
+        assert!(most < 3e-4, "{method}: {most}");
+    }
+}

@@ -125,7 +125,10 @@ fn mistakes_are_explained() {
     program.run(&[]);
     let render = |more: &[&str]| program.call(&[&["render", "tiny"], more].concat());
     render(&["--at", "1 s"]).badly(2, &["1000 ms", "nearest one is at 4.0"]);
-    render(&["--from", "1 s", "--output", "a.gif"]).badly(2, &["no frame is between"]);
+    let late = render(&["--from", "1 s", "--output", "a.gif"]);
+    late.badly(2, &["no frame is between", "from 0.000 to 4.0"]);
+    render(&["--rate", "9"]).badly(2, &["--rate", "render.png", "leave it out"]);
+    render(&["--scale-bar", "--output", "a.ply"]).badly(2, &["--scale-bar", "a.ply"]);
     render(&["--output", "a.bmp"]).badly(2, &["a.bmp", ".png, .gif, .mp4"]);
     render(&["--output", "a"]).badly(2, &["no known format"]);
     render(&["--output", "a.ply"]).badly(2, &["two dimensions", "render a picture"]);

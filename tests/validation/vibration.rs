@@ -1,6 +1,7 @@
 //! The first mode of a tank that is driven below, at and above its frequency.
 
 use crate::{Figure, presets, run, scalar, scene, start};
+use coronet::method::Diverged;
 use std::f64::consts::{PI, TAU};
 
 /// omega of the first mode, 1/s: omega^2 = (g k + sigma k^3 / rho) tanh(k H), k = pi / L (Lamb
@@ -71,36 +72,60 @@ fn fitted(guess: f64, drive: f64, at: &[f64], values: &[f64]) -> [f64; 3] {
     best
 }
 
+/// A tank of water, `width` wide and half as deep, in which a wave of `amplitude`, both in mm, is
+/// driven at `part` of its first frequency; whether that is met or known not to be.
+fn drive(
+    case: &str,
+    preset: &str,
+    width: f64,
+    [part, amplitude]: [f64; 2],
+) -> Result<bool, Diverged> {
+    let depth = 0.5 * width;
+    let free = first_mode(1e-3 * width, 1e-3 * depth, 72.8e-3, 998.0);
+    let drive = part * free;
+    let end = 8.0 * TAU / free;
+    let sets = [
+        format!("box.size=['{width} mm','{} mm']", 0.8 * width),
+        format!("body.pool.layer.depth={depth} mm"),
+        format!("pack.spacing={} mm", width / 80.0),
+        format!("effects.vibration.frequency={} Hz", drive / TAU),
+        format!("effects.vibration.amplitude={amplitude} mm"),
+    ];
+    let scene = scene(
+        "vibrating-tank",
+        preset,
+        &sets.each_ref().map(String::as_str),
+    );
+    let mut solver = start(&scene)?;
+    let (mut at, mut values) = (Vec::new(), Vec::new());
+    run(&mut *solver, end, end / 300.0, |frame| {
+        at.push(frame.time);
+        values.push(scalar(frame, "momentum_x_kg_m_s"));
+    })?;
+    let [left, omega, gamma] = fitted(free, drive, &at, &values);
+    println!(
+        "  damping {gamma:.2} 1/s, {:.2} % unexplained",
+        100.0 * left
+    );
+    let figure = Figure {
+        case,
+        preset,
+        what: &format!("first mode driven at {part} of it, 1/s"),
+        got: omega,
+        theory: Some(free),
+        target: 0.02,
+    };
+    Ok(figure.row())
+}
+
+/// Waves one to two spacings high; smaller ones bend the layers at the surface without moving them.
 #[test]
 fn vibrating_tank() {
     presets("vibrating tank", |preset| {
         let mut good = true;
-        for part in [0.8, 1.0, 1.25] {
-            let free = first_mode(20e-3, 10e-3, 72.8e-3, 998.0);
-            let drive = part * free;
-            let set = format!("effects.vibration.frequency={} Hz", drive / TAU);
-            let scene = scene("vibrating-tank", preset, &[&set]);
-            let mut solver = start(&scene)?;
-            let (mut at, mut values) = (Vec::new(), Vec::new());
-            run(&mut *solver, 1.2, 5e-3, |frame| {
-                at.push(frame.time);
-                values.push(scalar(frame, "momentum_x_kg_m_s"));
-            })?;
-            let [left, omega, gamma] = fitted(free, drive, &at, &values);
-            println!(
-                "  damping {gamma:.2} 1/s, {:.2} % unexplained",
-                100.0 * left
-            );
-            good &= Figure {
-                case: "vibrating tank",
-                preset,
-                what: &format!("first mode driven at {part} of it, 1/s"),
-                got: omega,
-                theory: Some(free),
-                target: 0.02,
-            }
-            .row();
+        for driven in [[0.8, 0.3], [1.0, 0.05], [1.25, 0.2]] {
+            good &= drive("vibrating tank", preset, 40.0, driven)?;
         }
-        Ok(good)
+        Ok(good & drive("narrow tank", preset, 20.0, [1.0, 0.05])?)
     });
 }

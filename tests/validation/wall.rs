@@ -149,3 +149,41 @@ fn couette() {
         Ok(rows("couette", preset, couette_errors(&scene)?))
     });
 }
+
+/// Steady profile of a film without stress at its surface (Nusselt 1916).
+#[test]
+fn film() {
+    presets("film", |preset| {
+        let scene = scene("film", preset, &[]);
+        let depth = 2e-3;
+        let nu = scene.effects.mu().unwrap() / scene.density;
+        let force = scene.effects.gravity.unwrap()[0];
+        let top = force * depth * depth / (2.0 * nu);
+        let mut solver = start(&scene)?;
+        let (mut square, mut mean) = (0.0, 0.0);
+        run(solver.as_mut(), scene.impact.end, scene.impact.end, |f| {
+            let n = f.id.len() as f64;
+            let wrong = |i: usize| {
+                let z = f.position[2][i] as f64;
+                let wanted = force / (2.0 * nu) * z * (2.0 * depth - z);
+                f.velocity[0][i] as f64 - wanted
+            };
+            square = (0..f.id.len()).map(|i| wrong(i).powi(2)).sum::<f64>() / n;
+            mean = (0..f.id.len())
+                .map(|i| f.velocity[0][i] as f64)
+                .sum::<f64>()
+                / n;
+        })?;
+        let figure = |what, got, theory| Figure {
+            case: "film",
+            preset,
+            what,
+            got,
+            theory,
+            target: 0.01,
+        };
+        let profile = figure("rms error of v over v_max", square.sqrt() / top, None);
+        let flow = figure("mean velocity, m/s", mean, Some(2.0 / 3.0 * top));
+        Ok(profile.row() & flow.row())
+    });
+}

@@ -111,13 +111,10 @@ pub mod version {
         match problem.effects.tension.map(|tension| tension.form) {
             Some(TensionForm::NormalisedColour) => vec![part("normalised-colour", 1)],
             // 2: all the liquid counts.
-            Some(TensionForm::SurfaceEnergy) => {
-                let version = match problem.dimension {
-                    Dimension::Two => 2,
-                    Dimension::Three => 1,
-                };
-                vec![part("surface-energy", version)]
-            }
+            Some(TensionForm::SurfaceEnergy) => match problem.dimension {
+                Dimension::Two => vec![part("surface-energy", 2)],
+                Dimension::Three => vec![part("surface-energy", 1)],
+            },
             _ => Vec::new(),
         }
     }

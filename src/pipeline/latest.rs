@@ -5,7 +5,7 @@
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
@@ -185,6 +185,8 @@ pub(super) fn finish(
     sweep(&folder, lock.as_ref().map_or(LEFT_OVER, |_| Duration::ZERO))?;
     if changes {
         write(&folder, &manifest)?;
+    } else if whole {
+        renew_time(&folder.join(MANIFEST));
     }
     let up = "../".repeat(Path::new(pipeline).components().count() + 1);
     let mut moved = Vec::new();
@@ -199,6 +201,14 @@ pub(super) fn finish(
         }
     }
     Ok(moved)
+}
+
+/// Gives a manifest the time of now: what was begun and stopped before is outdated, although no
+/// result is new. In a read-only store it keeps its time.
+fn renew_time(path: &Path) {
+    if let Ok(file) = file::open_no_link(path) {
+        let _ = file.set_modified(SystemTime::now());
+    }
 }
 
 /// What the manifest of a pipeline becomes.

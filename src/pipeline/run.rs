@@ -65,6 +65,17 @@ impl Run<'_> {
         }
         needed(self.pipeline, self.until).map(drop)
     }
+
+    /// Says once for whom a job waits; whether it goes on waiting.
+    fn waits(&self, job: &str) -> impl FnMut(&str) -> bool {
+        let mut said = false;
+        move |holder| {
+            if !std::mem::replace(&mut said, true) {
+                self.watch.event(&Event::Waiting { job, holder });
+            }
+            !self.stop.load(Ordering::Relaxed)
+        }
+    }
 }
 
 /// Brings every job up to date, in order.
@@ -74,10 +85,12 @@ impl Run<'_> {
 pub fn run(run: &Run) -> Result<Ended, PipelineError> {
     run.check()?;
     let needed = needed(run.pipeline, run.until)?;
-    let _shared = run.store.share(&mut |holder| {
-        run.watch.event(&Event::Waiting { job: "run", holder });
-        !run.stop.load(Ordering::Relaxed)
-    })?;
+    let shared = run.store.share(&mut run.waits("run"))?;
+    // In a read-only store there is none.
+    if shared.is_none() && run.stop.load(Ordering::Relaxed) {
+        let job = "run".to_string();
+        return Err(PipelineError::Interrupted { job });
+    }
     let mut walk = Walk {
         run,
         done: Vec::new(),
@@ -173,17 +186,7 @@ impl Walk<'_> {
             return Err(interrupted());
         }
         let folder = run.store.folder(run.pipeline.jobs[job].name(), &key);
-        let mut said = false;
-        let lock = run.store.lock(&folder, &mut |holder| {
-            if !said {
-                run.watch.event(&Event::Waiting {
-                    job: &label,
-                    holder,
-                });
-                said = true;
-            }
-            !run.stop.load(Ordering::Relaxed)
-        })?;
+        let lock = run.store.lock(&folder, &mut run.waits(&label))?;
         let Some(_lock) = lock else {
             return Err(interrupted());
         };
@@ -329,10 +332,7 @@ impl Walk<'_> {
         }
         let report = self.done[producer].take().expect("it was read");
         {
-            let lock = run.store.lock(&report.folder, &mut |holder| {
-                run.watch.event(&Event::Waiting { job: &job, holder });
-                !run.stop.load(Ordering::Relaxed)
-            })?;
+            let lock = run.store.lock(&report.folder, &mut run.waits(&job))?;
             let Some(_lock) = lock else {
                 return Err(PipelineError::Interrupted { job });
             };

@@ -75,10 +75,7 @@ impl Job {
         folder: &Path,
     ) -> Result<Job> {
         let options = &arguments.batch;
-        let mut profile = match &options.profile {
-            Some(path) => read(path)?,
-            None => Profile::default(),
-        };
+        let mut profile = profile(arguments)?;
         let given = |option: &Option<String>, own: &mut Option<String>| {
             option.clone().or_else(|| own.take())
         };
@@ -250,6 +247,20 @@ fn command(arguments: &StudyArguments, cores: u16) -> Result<String> {
     }
     let words: Vec<String> = words.iter().map(|word| quoted(word)).collect();
     Ok(words.join(" "))
+}
+
+/// The file of `--profile`.
+fn profile(arguments: &StudyArguments) -> Result<Profile> {
+    let path = arguments.batch.profile.as_deref();
+    path.map_or_else(|| Ok(Profile::default()), read)
+}
+
+/// Memory of a job that an option or the profile states, bytes.
+pub fn memory_asked(arguments: &StudyArguments) -> Result<Option<f64>> {
+    let stated = profile(arguments)?.memory;
+    let text = arguments.batch.memory.clone().or(stated);
+    let bytes = |text: String| Ok(1e6 * megabytes(&text)? as f64);
+    text.map(bytes).transpose()
 }
 
 /// MB of a size as `800M` or `4G`.

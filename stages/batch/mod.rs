@@ -54,6 +54,7 @@ pub fn collect(
     let options = &arguments.batch;
     let submits = !options.look && !options.cancel;
     let lock = submits.then(|| record::lock(&folder)).transpose()?;
+    record::claim(&folder, &arguments.study, submits)?;
     let mut known = state::look(trials, arguments, &folder)?;
     if options.cancel {
         return cancel(&known, arguments).map(|()| None);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use coronet::pipeline::{self, Decision, Store};
+use coronet::pipeline::{self, Decision, Store, machine};
 use coronet::scene::error::SceneError;
 use coronet::scene::file;
 
@@ -38,6 +38,7 @@ pub fn run(trials: &[Trial], number: usize, arguments: &StudyArguments, out: &Pa
             why,
             code,
             work,
+            memory: Some(machine::memory()),
         };
         record::set_failure(&folder, number, Some(&failure))?;
     }

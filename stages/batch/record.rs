@@ -10,9 +10,10 @@ use coronet::record::atomic::{create_folder, write_file};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::fault::Untrusted;
+use crate::fault::{Untrusted, Usage};
 
 const JOBS: &str = "jobs.json";
+const STUDY: &str = "study.json";
 const LOCK: &str = "lock";
 
 /// Largest size of these files, bytes.
@@ -39,11 +40,39 @@ pub struct Failure {
     pub code: u8,
     /// Folder of the checkpoints and frames so far.
     pub work: Option<PathBuf>,
+    /// Memory that it could use, bytes.
+    #[serde(default)]
+    pub memory: Option<f64>,
 }
 
 /// All jobs that were submitted for a study.
 pub fn jobs(folder: &Path) -> Result<Vec<Submitted>> {
     Ok(read(&folder.join(JOBS))?.unwrap_or_default())
+}
+
+/// Refuses a folder that a study of the same name has; `takes`: it belongs to this one from now on.
+///
+/// # Errors
+/// If another study has it, or files cannot be read or written.
+pub fn claim(folder: &Path, study: &Path, takes: bool) -> Result<()> {
+    let cannot = || format!("cannot read {}", study.display());
+    let (own, path) = (
+        study.canonicalize().with_context(cannot)?,
+        folder.join(STUDY),
+    );
+    let known: Option<PathBuf> = read(&path)?;
+    match known {
+        Some(other) if other != own && other.exists() => bail!(Usage(format!(
+            "{} has the name of {}, whose jobs are kept in {}; rename one, or give another \
+             --artifacts",
+            study.display(),
+            other.display(),
+            folder.display()
+        ))),
+        Some(other) if other == own => Ok(()),
+        _ if takes => write(&path, &own),
+        _ => Ok(()),
+    }
 }
 
 /// Lets one process at a time look for what is missing and submit it.

@@ -9,8 +9,10 @@ use coronet::pipeline::remote::Remote;
 use coronet::pipeline::{self, Decision, Event, Run, Store, Watch};
 use coronet::scene::file;
 
-use super::{point, record, system};
+use super::record::Failure;
+use super::{job, point, record, system};
 use crate::arguments::{On, StudyArguments};
+use crate::fault;
 use crate::print::note;
 use crate::study::trial::{Outcome, Trial};
 use crate::{PROGRAM, jobs, remote};
@@ -87,6 +89,7 @@ impl State {
 /// If the store cannot be read, or the batch system does not answer.
 pub fn look(trials: &[Trial], arguments: &StudyArguments, folder: &Path) -> Result<Vec<Known>> {
     let active = active(arguments, folder)?;
+    let asked = job::memory_asked(arguments)?;
     let objects = remote::open(arguments.remote.url(), &arguments.store.artifacts)?;
     let remote = objects.as_deref().map(Remote::only);
     let store = Store::new(&arguments.store.artifacts);
@@ -107,7 +110,7 @@ pub fn look(trials: &[Trial], arguments: &StudyArguments, folder: &Path) -> Resu
             Some((job, false)) => State::Waiting(job.clone()),
             // Here a point that failed runs again.
             None if arguments.batch.on == On::Local => State::Missing,
-            None => ended(k + 1, &decisions, folder)?,
+            None => ended(k + 1, &decisions, folder, asked)?,
         };
         let rest = decisions.iter().flatten();
         let rest: Vec<&Decision> = rest.filter(|decision| decision.fresh.is_none()).collect();
@@ -125,18 +128,32 @@ pub fn look(trials: &[Trial], arguments: &StudyArguments, folder: &Path) -> Resu
     Ok(all)
 }
 
-/// A point that is in no job and not finished.
-fn ended(number: usize, decisions: &Option<Vec<Decision>>, folder: &Path) -> Result<State> {
+/// A point that is in no job and not finished; `asked`: memory of a new job, bytes. What was
+/// refused with less runs again.
+fn ended(
+    number: usize,
+    decisions: &Option<Vec<Decision>>,
+    folder: &Path,
+    asked: Option<f64>,
+) -> Result<State> {
     let key = decisions.as_ref().and_then(|all| point::first_key(all));
     let failure = record::failure(folder, number)?;
-    Ok(match failure.filter(|failure| failure.key == key) {
-        Some(failure) => State::Failed(Outcome::Failed {
-            why: failure.why,
-            code: failure.code,
-            work: failure.work,
-        }),
-        None => State::Missing,
-    })
+    let had_less = |failure: &Failure| {
+        let more = asked
+            .zip(failure.memory)
+            .is_some_and(|(asked, had)| asked > had);
+        failure.code == fault::USAGE && more
+    };
+    Ok(
+        match failure.filter(|failure| failure.key == key && !had_less(failure)) {
+            Some(failure) => State::Failed(Outcome::Failed {
+                why: failure.why,
+                code: failure.code,
+                work: failure.work,
+            }),
+            None => State::Missing,
+        },
+    )
 }
 
 /// The points that a job has: its number, and whether it runs.

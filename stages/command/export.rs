@@ -13,7 +13,7 @@ use coronet::record::log::Reel;
 use serde_json::json;
 
 use super::footage;
-use super::place::{Thing, thing};
+use super::place::{Thing, keep_results, thing};
 use crate::arguments::{ExportArguments, Format};
 use crate::fault::Usage;
 use crate::journal::FRAMES;
@@ -49,6 +49,7 @@ pub fn export(arguments: &ExportArguments) -> Result<()> {
             revolve: arguments.revolve,
         },
     };
+    keep_results(&arguments.output, &arguments.store.artifacts)?;
     let store = Store::new(&arguments.store.artifacts);
     let name = arguments.path.to_string_lossy();
     let thing = match footage::under_way(&store, &name)? {

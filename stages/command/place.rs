@@ -11,6 +11,26 @@ use coronet::record::log::Reel;
 
 use crate::fault::Usage;
 
+/// An error if a new file or folder would be among results.
+pub fn keep_results(path: &Path, artifacts: &Path) -> Result<()> {
+    let path = std::path::absolute(path)?;
+    let folder = path
+        .ancestors()
+        .find_map(|folder| folder.canonicalize().ok());
+    let store = artifacts.canonicalize();
+    if folder
+        .zip(store.ok())
+        .is_some_and(|(folder, store)| folder.starts_with(store))
+    {
+        let text = format!(
+            "{} would be among results; give an --output elsewhere",
+            path.display()
+        );
+        bail!(Usage(text));
+    }
+    Ok(())
+}
+
 /// The thing at a path.
 pub enum Thing {
     Checkpoint(PathBuf),

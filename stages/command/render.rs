@@ -15,6 +15,7 @@ use coronet::scene::{Dimension, Scene};
 use serde_json::json;
 
 use super::footage::Footage;
+use super::place::keep_results;
 use crate::arguments::{self, RenderArguments};
 use crate::fault::Usage;
 use crate::print::{note, out, shown};
@@ -31,9 +32,8 @@ The frames are those of the log: `frames.interval` of the scene decides which th
 
 /// Options that only a film heeds, and those that a mesh does not.
 const OF_FILMS: [&str; 1] = ["rate"];
-const OF_PICTURES: [&str; 12] = [
+const OF_PICTURES: [&str; 11] = [
     "size",
-    "material",
     "background",
     "azimuth",
     "elevation",
@@ -85,7 +85,7 @@ pub fn render(arguments: &RenderArguments) -> Result<()> {
             "an MP4 film needs an even width and height; change --size".into()
         ));
     }
-    keep_results(arguments)?;
+    keep_results(&arguments.output, &arguments.store.artifacts)?;
     let threads = arguments.threads.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build().context("cannot start the threads")?;
@@ -106,27 +106,6 @@ pub fn render(arguments: &RenderArguments) -> Result<()> {
         print(arguments, &made);
         Ok(())
     })
-}
-
-/// An error if a file would be among results.
-fn keep_results(arguments: &RenderArguments) -> Result<()> {
-    let path = std::path::absolute(&arguments.output)?;
-    let folder = path
-        .ancestors()
-        .skip(1)
-        .find_map(|folder| folder.canonicalize().ok());
-    let store = arguments.store.artifacts.canonicalize();
-    if folder
-        .zip(store.ok())
-        .is_some_and(|(folder, store)| folder.starts_with(store))
-    {
-        let text = format!(
-            "{} would be among results; give an --output elsewhere",
-            path.display()
-        );
-        bail!(Usage(text));
-    }
-    Ok(())
 }
 
 /// An error if a file that would be replaced or removed is not of this program.

@@ -12,7 +12,7 @@ use crate::study::cost::Cost;
 use crate::study::figures::{cells, number};
 use crate::study::page;
 use crate::study::points::Study;
-use crate::study::target::{Found, Target};
+use crate::study::target::{COLUMNS, Found, Target};
 use crate::study::trial::{Outcome, Trial};
 
 /// Order below which an error does not decrease significantly with the spacing.
@@ -103,17 +103,7 @@ pub fn table(
 ) -> Result<Vec<u8>> {
     let mut file = csv::Writer::from_writer(Vec::new());
     let axes = study.axis.iter().map(|axis| axis.name.as_str());
-    let rest = [
-        "spacing_m",
-        "particles",
-        "status",
-        "error",
-        "pareto",
-        "cpu_s",
-        "wall_s",
-        "memory_MB",
-    ];
-    file.write_record(cells(["point"].into_iter().chain(axes).chain(rest)))?;
+    file.write_record(cells(["point"].into_iter().chain(axes).chain(COLUMNS)))?;
     for (k, trial) in trials.iter().enumerate() {
         let mut row = vec![trial.name.clone()];
         row.extend(trial.labels.iter().cloned());

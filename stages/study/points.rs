@@ -11,8 +11,8 @@ use serde::Deserialize;
 
 use crate::fault::Usage;
 use crate::study::cost::Cost;
-use crate::study::promise::{Case, Ending};
-use crate::study::target::{Feature, Target};
+use crate::study::promise::{self, Case, Ending};
+use crate::study::target::{self, Feature, Target};
 use crate::study::trial::{Trial, source};
 
 /// Largest size of a study file, bytes.
@@ -221,7 +221,13 @@ impl Study {
             }
         }
         self.check_axes()?;
-        let names = ["point", "status", "cpu_s"].into_iter();
+        let own: &[&str] = match (&self.error, self.case.is_empty()) {
+            (Some(_), _) => &target::COLUMNS,
+            (None, false) => &promise::COLUMNS,
+            (None, true) => &["status", "cpu_s"],
+        };
+        let case = (!self.case.is_empty()).then_some("case");
+        let names = ["point"].into_iter().chain(case).chain(own.iter().copied());
         let names = names.chain(self.axis.iter().map(|axis| axis.name.as_str()));
         let names = names.chain(self.figure.iter().map(|figure| figure.name.as_str()));
         if let Some(name) = twice(names) {

@@ -14,6 +14,9 @@ use serde::Deserialize;
 use crate::fault;
 use crate::study::trial::{Outcome, Trial};
 
+/// Columns of the table of promises, beside the point, the case and the axes.
+pub const COLUMNS: [&str; 5] = ["promise", "bound", "found", "kept", "known"];
+
 /// A named case; with axes, it runs at each of their points.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct Case {

@@ -17,6 +17,18 @@ use crate::fault::Usage;
 use crate::print::note;
 use crate::study::trial::{Outcome, Trial};
 
+/// Columns of the table of costs, beside the point and the axes.
+pub const COLUMNS: [&str; 8] = [
+    "spacing_m",
+    "particles",
+    "status",
+    "error",
+    "pareto",
+    "cpu_s",
+    "wall_s",
+    "memory_MB",
+];
+
 /// The reference of the error: exactly one of `value`, `theory`, `reference` and `finest`.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct Target {

@@ -7,15 +7,16 @@ use anyhow::Result;
 use crate::study::figures::cells;
 use crate::study::page;
 use crate::study::points::Study;
-use crate::study::promise::Verdict;
+use crate::study::promise::{COLUMNS, Verdict};
 use crate::study::trial::{Outcome, Trial};
 
 /// All promises, one row for each, as CSV.
 pub fn table(study: &Study, trials: &[Trial], verdicts: &[Verdict]) -> Result<Vec<u8>> {
     let mut file = csv::Writer::from_writer(Vec::new());
     let axes = study.axis.iter().map(|axis| axis.name.as_str());
-    let rest = ["promise", "bound", "found", "kept", "known"];
-    file.write_record(cells(["point", "case"].into_iter().chain(axes).chain(rest)))?;
+    file.write_record(cells(
+        ["point", "case"].into_iter().chain(axes).chain(COLUMNS),
+    ))?;
     for (trial, verdict) in trials.iter().zip(verdicts) {
         for promise in &verdict.promises {
             let mut row = vec![trial.name.clone(), case(study, trial).to_string()];

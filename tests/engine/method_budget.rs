@@ -127,6 +127,6 @@ fn friction_of_a_contact_line_takes_what_it_is_booked_for() {
         let scene = splash(method, &format!("{WATER}{hysteresis}{square}"));
         let (last, most) = run(&scene, 10e-3);
         assert!(last["wall_work_J"] < 0.0, "{method}");
-        assert!(most < 3e-4, "{method}: {most}");
+        assert!(most < 6e-4, "{method}: {most}");
     }
 }

@@ -191,6 +191,7 @@ fn hostile_lengths_are_refused_before_anything_is_allocated() {
         (1 << 50, 8),
         (u64::MAX, 8),
         (u64::MAX, u64::MAX),
+        (8, 1 << 40),
         (1 << 61, 0),
     ] {
         let mut craft = Craft::new(&[("v", 0, count, compressed, digest)]);

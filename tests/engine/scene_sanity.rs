@@ -196,6 +196,11 @@ const TRUE: &[(&str, &[&str])] = &[
         "scenes/hard/water-tank.toml",
         &["effects.tension.coefficient"],
     ),
+    // It runs down.
+    (
+        "scenes/verification/film.toml",
+        &["effects.gravity.direction"],
+    ),
     // It has no end.
     ("scenes/verification/pipe.toml", &["box.z"]),
     // What is not within the thread is removed before it runs.

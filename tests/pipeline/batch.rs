@@ -340,3 +340,41 @@ fn a_killed_task_is_queued_again_and_a_cancelled_one_is_not() {
         assert_eq!(said, expected, "{signal} to point: {to_point}");
     }
 }
+
+#[test]
+fn a_study_of_the_same_name_is_refused() {
+    let program = slurm();
+    fs::write(program.path("later"), "").unwrap();
+    fs::write(program.path("queue"), "7 1 RUNNING\n7 2 RUNNING\n").unwrap();
+    study(&program, &["--on", "slurm"]).well();
+    fs::create_dir(program.path("b")).unwrap();
+    for name in ["study.toml", "tiny.toml"] {
+        fs::copy(program.path(name), program.path("b").join(name)).unwrap();
+    }
+    for more in [&[][..], &["--look"], &["--cancel"]] {
+        let mut command = program.command(&["study", "b/study.toml", "--on", "slurm"]);
+        let path = format!("{}:/usr/bin:/bin", program.path("bin").display());
+        command.args(more).env("PATH", path);
+        let ended: Ended = command.output().unwrap().into();
+        ended.badly(2, &["b/study.toml", "has the name of", "--artifacts"]);
+    }
+    assert_eq!(read(&program, "scancel.log"), "");
+}
+
+#[test]
+fn what_was_refused_for_its_memory_runs_with_more() {
+    let program = slurm();
+    study(&program, &["--on", "slurm"]).well();
+    let name = "artifacts/latest/study/batch/failed-2.json";
+    let mut failure: Value = serde_json::from_str(&read(&program, name)).unwrap();
+    failure["code"] = 2.into();
+    failure["memory"] = 1e9.into();
+    fs::write(program.path(name), failure.to_string()).unwrap();
+    let submitted = || read(&program, "sbatch.log").lines().count();
+    study(&program, &["--on", "slurm", "--memory", "900M"]).well();
+    assert_eq!(submitted(), 1);
+    study(&program, &["--on", "slurm", "--memory", "2G"]).well();
+    assert_eq!(submitted(), 2);
+    let script = read(&program, "artifacts/latest/study/batch/job.sh");
+    assert!(script.contains("#SBATCH --array=2\n"), "{script}");
+}

@@ -23,6 +23,7 @@ mod points;
 mod program;
 mod promise;
 #[cfg(unix)]
+mod push;
 mod remote;
 mod render;
 mod resume;

@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::Ordering;
 
-use coronet::pipeline::remote::{Folder, Remote, RemoteError};
+use coronet::pipeline::remote::{Folder, Put, Remote, RemoteError};
 use coronet::pipeline::*;
 use tempfile::TempDir;
 
 use crate::laboratory::{FILE, Lab, Notes, grow, pipeline, shared, store, watched, words};
-use crate::program::{Program, members};
 
 /// A folder as remote store, with the results of one run in it.
 struct Shared {
@@ -113,7 +112,7 @@ fn is_made_again(what: &str, word: &str, spoil: impl Fn(&Shared)) {
 }
 
 /// Changes the bytes of a file.
-fn change(path: &Path, change: impl Fn(&mut Vec<u8>)) {
+pub fn change(path: &Path, change: impl Fn(&mut Vec<u8>)) {
     let mut bytes = fs::read(path).unwrap();
     change(&mut bytes);
     fs::write(path, bytes).unwrap();
@@ -296,6 +295,35 @@ fn another_result_of_the_same_key_is_told_and_not_put() {
 }
 
 #[test]
+fn what_another_put_is_left_or_mended_as_a_whole() {
+    let there = Shared::new();
+    let (_home, here) = store();
+    let (lab, notes) = (Lab::default(), Notes::default());
+    let made = watched(&here, &pipeline(&lab, 1, 0), &notes).unwrap();
+    // As of a machine whose report reads otherwise.
+    let mut own = made[0].stamp.clone();
+    let report = made[0].folder.join("report.html");
+    fs::write(&report, "own").unwrap();
+    own.outputs.push(stamp::OutputStamp {
+        file: "report.html".into(),
+        bytes: 3,
+        digest: content::content(&report).unwrap(),
+        sha256: None,
+        counted: false,
+    });
+    own.write(&made[0].folder).unwrap();
+    let objects = Folder::new(there.folder.path());
+    let remote = Remote::new(&objects);
+    let files = || fs::read_dir(there.path("files")).unwrap().count();
+    let before = files();
+    assert_eq!(remote.put(&made[0].folder, &own).unwrap(), Put::Known);
+    assert_eq!(files(), before);
+    fs::remove_file(there.file()).unwrap();
+    assert_eq!(remote.put(&made[0].folder, &own).unwrap(), Put::New);
+    assert_eq!(files(), before + 1);
+}
+
+#[test]
 fn many_at_once_put_one_result() {
     let folder = tempfile::tempdir().unwrap();
     let digests = || {
@@ -317,74 +345,4 @@ fn many_at_once_put_one_result() {
     let results = ["results/grow", "results/sum"].map(|name| folder.path().join(name));
     let count = |folder: &PathBuf| fs::read_dir(folder).unwrap().count();
     assert_eq!(results.each_ref().map(count), [2, 1]);
-}
-
-/// Leaves the first bytes of each file in a folder.
-fn cut_short(folder: &Path) {
-    for entry in fs::read_dir(folder).unwrap() {
-        change(&entry.unwrap().path(), |bytes| bytes.truncate(10));
-    }
-}
-
-#[test]
-fn the_program_shares_results() {
-    let shared = tempfile::tempdir().unwrap();
-    let url = format!("file://{}", shared.path().display());
-    let first = Program::new();
-    let made = first.run(&["--remote", &url]);
-    let second = Program::new();
-    let fetched = second.run(&["--remote", &url]);
-    let statuses = members(&fetched, "status");
-    assert!(
-        statuses.values().all(|status| status == "fetched"),
-        "{statuses:?}"
-    );
-    assert_eq!(second.fingerprint(&fetched), first.fingerprint(&made));
-    second.call(&["verify"]).well();
-
-    // What a store has is put there by command, and comes by command.
-    let shared = tempfile::tempdir().unwrap();
-    let url = format!("file://{}", shared.path().display());
-    let third = Program::new();
-    let pull = ["pull", "tiny.toml", "--json"];
-    let pull = || {
-        third
-            .command(&pull)
-            .env("CORONET_REMOTE", &url)
-            .output()
-            .unwrap()
-    };
-    let ended = crate::program::Ended::from(pull());
-    ended.badly(1, &["does not have this result", "run --remote"]);
-    let said = first.call(&["push", "--remote", &url]).well();
-    assert!(said.out.contains("7 results put"), "{}", said.out);
-    let said = first.call(&["push", "tiny", "--remote", &url]).well();
-    assert!(said.out.contains("7 were there"), "{}", said.out);
-    cut_short(&shared.path().join("files"));
-    let said = first.call(&["push", "--remote", &url]).well();
-    assert!(said.out.contains("7 results put"), "{}", said.out);
-    let ended = crate::program::Ended::from(pull()).well();
-    assert_eq!(
-        third.fingerprint(&ended.objects()),
-        first.fingerprint(&made)
-    );
-    let fresh = members(&third.run(&[]), "status");
-    assert!(fresh.values().all(|status| status == "fresh"), "{fresh:?}");
-
-    // Stamps that are wrong here stay here.
-    let shared = tempfile::tempdir().unwrap();
-    let url = format!("file://{}", shared.path().display());
-    let drop = first.latest("pack-drop");
-    let mut stamp = Stamp::read(&drop).unwrap().unwrap();
-    stamp.settings.pop();
-    stamp.write(&drop).unwrap();
-    change(&first.latest("calibrate").join("stamp.json"), |bytes| {
-        bytes.truncate(9)
-    });
-    let ended = first.call(&["push", "--remote", &url]);
-    ended.badly(
-        4,
-        &["pack drop", "contradicts itself", "calibrate", "2 results"],
-    );
-    assert!(ended.out.contains("5 results put"), "{}", ended.out);
 }

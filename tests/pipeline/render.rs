@@ -197,3 +197,30 @@ fn a_run_under_way_is_shown_as_far_as_it_is() {
     let index = fs::read_to_string(program.path("tables/frames.csv")).unwrap();
     assert!(index.lines().count() > 1, "{index}");
 }
+
+#[test]
+fn a_stopped_attempt_does_not_stand_for_the_run_that_ended() {
+    let program = Program::new();
+    program.run(&[]);
+    let sets = ["impact.end=400 ms", "impact.checkpoint_every=5 ms"];
+    let other = ["run", "tiny.toml", "--set", sets[0], "--set", sets[1]];
+    let mut child = program.start(&other);
+    let work = program.in_flight(&mut child);
+    while !work.join("progress.json").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let state = || program.call(&["list", "--json"]).well().objects()[0]["state"].clone();
+    assert_eq!(state(), "unfinished");
+    program.run(&[]);
+    assert_eq!(state(), "finished");
+    let export = ["export", "tiny", "--to", "csv", "--output", "tables"];
+    let printed = program.call(&export).well().out;
+    let index = fs::read_to_string(program.path("tables/frames.csv")).unwrap();
+    let last = index.lines().last().unwrap();
+    assert!(last.contains("0.004"), "{printed}{last}");
+    let inside = ["export", "tiny", "--to", "csv", "--output", "artifacts/a"];
+    program.call(&inside).badly(2, &["among results"]);
+}

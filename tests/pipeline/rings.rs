@@ -32,13 +32,16 @@ fn run(more: &[&str]) -> Program {
 #[test]
 fn rings_are_drawn_as_the_body_of_revolution() {
     let program = run(&[]);
-    let render = |more: &[&str]| {
-        let small = ["--size", "96x64", "--samples", "1"];
-        let arguments = [&["render", "rings"], more, &small[..]].concat();
-        program.call(&arguments).well()
-    };
-    render(&["--output", "water.png"]);
-    render(&["--output", "speed.png", "--material", "speed"]);
+    let render = |more: &[&str]| program.call(&[&["render", "rings"], more].concat()).well();
+    let small = ["--size", "96x64", "--samples", "1"];
+    render(&[&["--output", "water.png"], &small[..]].concat());
+    render(
+        &[
+            &["--output", "speed.png", "--material", "speed"],
+            &small[..],
+        ]
+        .concat(),
+    );
     let [water, speed] = ["water.png", "speed.png"].map(|n| fs::read(program.path(n)).unwrap());
     assert_ne!(water, speed);
     render(&["--output", "mesh.obj", "--material", "body", "--at", "0 ms"]);

@@ -310,3 +310,14 @@ fn an_axis_of_a_table_and_one_of_its_keys_are_refused() {
     ];
     program.call(&["study", "study.toml"]).badly(2, &words);
 }
+
+#[test]
+fn an_axis_has_no_name_of_a_column() {
+    let program = program();
+    for name in ["error", "particles", "wall_s"] {
+        let study = STUDY.replace("name = \"spacing\"", &format!("name = \"{name}\""));
+        fs::write(program.path("study.toml"), study).unwrap();
+        let said = program.call(&["study", "study.toml"]);
+        said.badly(2, &["two columns of the table", name, "rename"]);
+    }
+}

@@ -31,10 +31,15 @@ fn head(command: &str) -> String {
         rest.and_then(|rest| rest.split(end).next()).unwrap_or("?")
     };
     let flow = between("pub const FLOW: u32 = ", ';');
-    let part = |name: &str| format!("{name} {}", between(&format!("part(\"{name}\", "), ')'));
-    let parts = ["isph", "mps", "surface-energy", "wcsph", "wetting"]
-        .map(part)
-        .join(", ");
+    let parts = ["isph", "mps", "surface-energy", "wcsph", "wetting"].map(|name| {
+        let begin = format!("part(\"{name}\", ");
+        let found = jobs.split(&begin).skip(1);
+        let mut versions: Vec<_> = found.filter_map(|rest| rest.split(')').next()).collect();
+        versions.sort();
+        let versions = versions.iter().map(|version| format!("{name} {version}"));
+        versions.collect::<Vec<_>>().join(", ")
+    });
+    let parts = parts.join(", ");
     let here = Machine::here();
     let version = env!("CARGO_PKG_VERSION");
     let day: String = now().chars().take(10).collect();

@@ -63,7 +63,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         self.close_walls(dt);
         self.liquid
             .end_step(outer, &self.own.held, &self.own.steady);
-        self.check_energy()
+        self.check_energy(count)
     }
 
     /// The longest acoustic step, s.

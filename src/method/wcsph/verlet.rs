@@ -57,7 +57,7 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
     fn bounded_step(&mut self, dt: f64) -> Result<(), Diverged> {
         self.bound(dt);
         self.verlet_step(dt);
-        self.check().and_then(|()| self.check_energy())
+        self.check().and_then(|()| self.check_energy(1.0))
     }
 
     fn next_step(&self) -> f64 {

@@ -24,16 +24,15 @@ pub fn put(
         true => Some(other(objects, &name, stamp)?),
         false => None,
     };
-    let mut mended = false;
+    // Of what is there a file may have gone, as by a rule of age, or be damaged.
+    if let Some(known) = &known
+        && are_there(objects, known)?
+    {
+        return Ok(Put::Known);
+    }
+    // Files that hold no numbers, as a report, may differ from those of another machine.
+    let replace_stamp = replace || known.is_some();
     for output in &stamp.outputs {
-        // Of what is there a file may have gone, as by a rule of age, or be damaged.
-        let object = sha256(output).map(|sha256| file_name(&sha256));
-        let there = object.map(|object| objects.size(&object)).transpose()?;
-        let is_there = there.is_none_or(|bytes| bytes == Some(output.bytes));
-        if known.is_some() && is_there {
-            continue;
-        }
-        mended |= known.is_some();
         let path = folder.join(&output.file);
         let local = |error: ContentError| match error {
             ContentError::File(error) => RemoteError::File(error),
@@ -46,21 +45,30 @@ pub fn put(
         };
         let object = file_name(&sha256);
         // An object of this name and size holds these bytes, unless it was found bad.
-        if replace || !is_there {
+        if replace || objects.size(&object)? != Some(output.bytes) {
             objects.put(&object, &path, true)?;
         }
     }
-    if let Some(known) = known {
-        return Ok(if mended { Put::New } else { known });
-    }
-    match objects.put(&name, &folder.join(stamp::FILE), replace)? {
+    match objects.put(&name, &folder.join(stamp::FILE), replace_stamp)? {
         true => Ok(Put::New),
-        false => other(objects, &name, stamp),
+        false => other(objects, &name, stamp).map(|_| Put::Known),
     }
 }
 
+/// Whether all files of a result are there.
+fn are_there(objects: &dyn Objects, stamp: &Stamp) -> Result<bool, RemoteError> {
+    for output in &stamp.outputs {
+        let object = sha256(output).map(|sha256| file_name(&sha256));
+        let there = object.map(|object| objects.size(&object)).transpose()?;
+        if there.is_some_and(|bytes| bytes != Some(output.bytes)) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
 /// The result of this key that is there already must be the same one.
-fn other(objects: &dyn Objects, name: &str, stamp: &Stamp) -> Result<Put, RemoteError> {
+fn other(objects: &dyn Objects, name: &str, stamp: &Stamp) -> Result<Stamp, RemoteError> {
     let mut bytes = Vec::new();
     if !objects.get(name, stamp::LONGEST, &mut bytes)? {
         return Err(RemoteError::bad(name, "has gone"));
@@ -68,7 +76,7 @@ fn other(objects: &dyn Objects, name: &str, stamp: &Stamp) -> Result<Put, Remote
     match stamp::parse(bytes, name) {
         Ok(there) if there.key == stamp.key && contradiction(&there).is_none() => {
             if there.digest == stamp.digest {
-                return Ok(Put::Known);
+                return Ok(there);
             }
             let what = format!("gives {}, not {} as here", there.digest, stamp.digest);
             Err(RemoteError::bad(name, what))

@@ -19,6 +19,9 @@ const BLOCK: usize = 128 << 10;
 /// zstd's smallest block (4 bytes) contains at most 128 KiB: no frame expands more.
 const LARGEST_EXPANSION: u64 = 32 << 10;
 
+/// Most bytes that are added to what cannot be compressed, besides a sixty-fourth.
+const OVERHEAD: u64 = 64 << 10;
+
 /// Largest permitted window of a frame, log2 of bytes: that of level 19.
 const WINDOW_LOG: u32 = 23;
 
@@ -180,8 +183,9 @@ pub fn unpack(section: &Section, bytes: &[u8]) -> Result<Array, Unreadable> {
 pub fn length(section: &Section) -> Result<u64, String> {
     let length = section.count.checked_mul(section.element.size() as u64);
     let most = section.compressed.saturating_mul(LARGEST_EXPANSION);
+    let least = |length: u64| length.saturating_add(length / 64 + OVERHEAD);
     match length {
-        Some(length) if length <= most => Ok(length),
+        Some(length) if length <= most && section.compressed <= least(length) => Ok(length),
         _ => Err(format!(
             "array {:?} of {} elements in {} bytes",
             section.name, section.count, section.compressed

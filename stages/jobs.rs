@@ -72,7 +72,8 @@ pub mod version {
         if let Some(wetting) = problem.effects.wetting {
             parts.push(part("wetting", 2));
             if wetting.hysteresis.is_some() {
-                parts.push(part("hysteresis", 1));
+                // 2: relative to the wall, and across the line alone.
+                parts.push(part("hysteresis", 2));
             }
         }
         if problem.effects.vibration.is_some() {

@@ -346,7 +346,12 @@ fn particles_of_a_contact_line_are_pulled_at_the_angle() {
             let film = cloud.flow.position(i)[2] < 2.1 * S0;
             let most = if film { f32::MAX } else { 0.0 };
             let [most, drive] = [[most, 0.0, 0.0], [0.0; 3]];
-            assert_eq!(*held, Hold { most, drive });
+            let hold = Hold {
+                most,
+                drive,
+                ..Hold::default()
+            };
+            assert_eq!(*held, hold);
         }
     }
 }

@@ -298,7 +298,7 @@ fn hysteresis_holds_a_contact_line_up_to_the_advancing_angle() {
 fn friction_stops_but_does_not_turn() {
     let hold = Hold {
         most: [3.0, 3.0, 0.0],
-        drive: [0.0; 3],
+        ..Hold::default()
     };
     assert_eq!(hold.slowed([1e-3, -2e-3, 5.0], 1e-2), [0.0, 0.0, 5.0]);
     let [x, y, z] = hold.slowed([3.0, 4.0, 5.0], 0.1);
@@ -312,4 +312,16 @@ fn friction_stops_but_does_not_turn() {
     assert_eq!(ready.slowed([1.0, 0.0, 0.0], 0.1), [1.0, 0.0, 0.0]);
     let [back, ..] = ready.slowed([-1.0, 0.0, 0.0], 0.1);
     assert!((back + 0.4).abs() < 1e-12, "{back}");
+    // Along itself a line is free.
+    let across = [1.0, 0.0, 0.0];
+    let crossed = Hold { across, ..hold };
+    let [x, y, z] = crossed.slowed([1.0, 4.0, 5.0], 0.1);
+    assert!((x - 0.7).abs() < 1e-12 && y == 4.0 && z == 5.0, "{x}");
+    // On a wall that slides it moves with the wall.
+    let sliding = Hold {
+        wall: [0.5, 0.0, 0.0],
+        ..crossed
+    };
+    assert_eq!(sliding.slowed([0.5, 4.0, 5.0], 0.1), [0.5, 4.0, 5.0]);
+    assert_eq!(sliding.slowed([0.25, 0.0, 0.0], 1.0), [0.5, 0.0, 0.0]);
 }

@@ -17,7 +17,7 @@
 use super::Tension;
 use crate::effect::surface::Surface;
 use crate::effect::wetting::friction::Hold;
-use crate::effect::wetting::survey::nearest;
+use crate::effect::wetting::survey::{direction, nearest};
 use crate::kernel::Kernel;
 use crate::kernel::ring::{Rings, mean};
 use crate::particle::ring;
@@ -290,14 +290,16 @@ impl Tension {
                 continue;
             }
             let at = [0, 1, 2].map(|a| flow.position[a][i as usize]);
-            let across = nearest(&wetting.setting.domain, at);
-            let along = |a: usize, value: f32| if a == across { 0.0 } else { value };
+            let (normal, wall) = nearest(&wetting.setting.domain, at);
+            let along = |a: usize, value: f32| if a == normal { 0.0 } else { value };
             let y = [0, 1, 2].map(|a| along(a, wet[a]));
             let most = half as f32 * y.iter().map(|y| y * y).sum::<f32>().sqrt();
             self.lines.push(i);
             wetting.friction.hold.push(Hold {
                 most: [0, 1, 2].map(|a| along(a, most)),
                 drive: [0, 1, 2].map(|a| middle as f32 * y[a] - along(a, line[a])),
+                across: direction(wetting.setting.dimension, y),
+                wall,
             });
         }
     }

@@ -7,6 +7,7 @@ use crate::effect::depth::depths;
 use crate::effect::normal::Gradient;
 use crate::effect::surface::Surface;
 use crate::effect::wetting::friction::Hold;
+use crate::effect::wetting::survey::{direction, nearest};
 use crate::effect::wetting::{TIMES, Walls, Wetting};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::scene::KernelName;
@@ -181,7 +182,15 @@ impl Tension {
             *own = young.map(|y| (factor * y) as f32);
             if rubs {
                 let [most, drive] = held.map(|f| f.map(|f| (factor * f) as f32));
-                *hold = Hold { most, drive };
+                let (normal, wall) = nearest(&wetting.setting.domain, at);
+                let tilt = [0, 1, 2].map(|a| if a == normal { 0.0 } else { u[a] });
+                let across = direction(wetting.setting.dimension, tilt);
+                *hold = Hold {
+                    most,
+                    drive,
+                    across,
+                    wall,
+                };
             }
         }
         if !rubs {

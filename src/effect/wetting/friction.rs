@@ -16,7 +16,9 @@
 //! A line that rolls forward has particles at rest at the wall, which friction cannot slow. So what
 //! they do not take of (1) goes to those that move: with v along the wall (1) is
 //! (2) max(1, |v_a| SUM y_b W / SUM y_b |v_b| W) times as large.
-//! It only ever stops what moves (Coulomb), so it needs no time step of its own.
+//! It only ever stops what moves (Coulomb), so it needs no time step of its own. v is relative to
+//! the wall, and in three dimensions what of it crosses the line: along itself a line does not
+//! advance or recede.
 //!
 //! Cannot fail; absent, it costs nothing. Test: tests/engine/effect_wetting.rs.
 
@@ -33,6 +35,10 @@ pub struct Hold {
     pub most: [f32; 3],
     /// D y.
     pub drive: [f32; 3],
+    /// Unit vector along the wall and across the line; zero where all along the wall is.
+    pub across: [f32; 3],
+    /// Velocity of the wall, m/s.
+    pub wall: [f32; 3],
 }
 
 impl Entry for Hold {}
@@ -42,24 +48,38 @@ impl Hold {
         self.most[0].max(self.most[1]).max(self.most[2])
     }
 
-    /// Speed along the wall, m/s.
-    fn along(&self, velocity: [f64; 3]) -> f64 {
-        let moves = (0..3).filter(|a| self.most[*a] > 0.0);
-        moves.map(|a| velocity[a].powi(2)).sum::<f64>().sqrt()
+    /// What friction acts on of a velocity, m/s.
+    fn part(&self, velocity: [f64; 3]) -> [f64; 3] {
+        let slip = |a: usize| match self.most[a] > 0.0 {
+            true => velocity[a] - self.wall[a] as f64,
+            false => 0.0,
+        };
+        let (slip, across) = ([0, 1, 2].map(slip), self.across.map(f64::from));
+        if across == [0.0; 3] {
+            return slip;
+        }
+        let speed: f64 = (0..3).map(|a| slip[a] * across[a]).sum();
+        across.map(|a| speed * a)
+    }
+
+    /// Speed across the line, m/s.
+    fn speed(&self, velocity: [f64; 3]) -> f64 {
+        let squares = self.part(velocity).map(|v| v.powi(2));
+        squares.iter().sum::<f64>().sqrt()
     }
 
     /// Velocity, m/s, of a particle after friction acted on it for `dt` s.
     #[inline(always)]
     pub fn slowed(&self, velocity: [f64; 3], dt: f64) -> [f64; 3] {
-        let speed = self.along(velocity);
+        let (part, speed) = (self.part(velocity), self.speed(velocity));
         if speed == 0.0 {
             return velocity;
         }
-        let drive = (0..3).map(|a| self.drive[a] as f64 * velocity[a] / speed);
+        let drive = (0..3).map(|a| self.drive[a] as f64 * part[a] / speed);
         let most = (self.size() as f64 - drive.sum::<f64>()).max(0.0);
         let left = (1.0 - dt * most / speed).max(0.0);
         std::array::from_fn(|a| match self.most[a] > 0.0 {
-            true => left * velocity[a],
+            true => velocity[a] - part[a] + left * part[a],
             false => velocity[a],
         })
     }
@@ -90,7 +110,7 @@ impl Friction {
         into: &mut [Hold],
     ) {
         self.means.clear(flow);
-        let speed = |i: usize, hold: &Hold| hold.along([0, 1, 2].map(|a| velocity[a][i]));
+        let speed = |i: usize, hold: &Hold| hold.speed([0, 1, 2].map(|a| velocity[a][i]));
         for (&i, hold) in lines.iter().zip(&self.hold) {
             let weight = hold.size();
             let moving = weight * speed(i as usize, hold) as f32;
@@ -103,7 +123,11 @@ impl Friction {
                 false => 1.0,
             };
             let [most, drive] = [hold.most, hold.drive].map(|f| f.map(|f| part * f));
-            into[i as usize] = Hold { most, drive };
+            into[i as usize] = Hold {
+                most,
+                drive,
+                ..*hold
+            };
         }
     }
 }

@@ -49,16 +49,26 @@ pub fn survey(setting: &Setting, wall: &[Vec<f64>; 3]) -> Vec<Place> {
     (0..wall[0].len()).map(place).collect()
 }
 
-/// The axis across the wall whose face is nearest to `at`, m.
-pub fn nearest(domain: &Domain, at: [f64; 3]) -> usize {
-    let mut nearest = (f64::INFINITY, 2);
+/// The axis across the wall whose face is nearest to `at`, m, and its velocity, m/s.
+pub fn nearest(domain: &Domain, at: [f64; 3]) -> (usize, [f32; 3]) {
+    let mut nearest = (f64::INFINITY, 2, [0.0; 3]);
     for (axis, sides) in domain.boundary.iter().enumerate() {
         let away = [at[axis], domain.size[axis] - at[axis]];
-        for (side, away) in sides.iter().zip(away) {
+        for (end, (side, away)) in sides.iter().zip(away).enumerate() {
             if *side == Side::Wall && away < nearest.0 {
-                nearest = (away, axis);
+                let velocity = domain.wall_velocity[axis][end];
+                nearest = (away, axis, velocity.map(|v| v as f32));
             }
         }
     }
-    nearest.1
+    (nearest.1, nearest.2)
+}
+
+/// `y` over its length; zero in two dimensions, where all along a wall is across a line.
+pub fn direction(dimension: usize, y: [f32; 3]) -> [f32; 3] {
+    let length = y.iter().map(|y| y * y).sum::<f32>().sqrt();
+    match dimension == 3 && length > 0.0 {
+        true => y.map(|y| y / length),
+        false => [0.0; 3],
+    }
 }

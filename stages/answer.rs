@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use coronet::file::{changed, exists};
 use coronet::measure::answer::{Answer, Figures};
 use coronet::measure::series::Series;
+use coronet::measure::summary::digits;
 use coronet::pipeline::content::ContentError;
 use coronet::pipeline::{Report, Stamp, Store, content, stamp};
 use coronet::record::log;
@@ -82,8 +83,8 @@ pub fn lines(figures: &Figures) -> Vec<String> {
     let timed = figures.answers.iter().any(|answer| answer.time.is_some());
     if timed && figures.contact > 0.0 {
         lines.push(format!(
-            "times count from contact, {:.3} ms after the start",
-            1e3 * figures.contact
+            "times count from contact, {} ms after the start",
+            digits(1e3 * figures.contact)
         ));
     }
     lines

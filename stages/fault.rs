@@ -93,7 +93,7 @@ fn code_of(error: &(dyn std::error::Error + 'static)) -> Option<u8> {
     if let Some(error) = error.downcast_ref::<RemoteError>() {
         return match error {
             RemoteError::Bad { .. } => Some(UNTRUSTED),
-            RemoteError::Unusable(_) | RemoteError::File(_) => Some(FILES),
+            _ => Some(FILES),
         };
     }
     if let Some(error) = error.downcast_ref::<csv::Error>() {

@@ -26,7 +26,9 @@ use crate::settings::{self, Forecast};
 /// without a new version.
 pub mod version {
     use coronet::particle::wall::Lattice;
+    use coronet::particle::{completion, crowd};
     use coronet::pipeline::Setting;
+    use coronet::scene::input::PackInput;
     use coronet::scene::{
         Density, Dimension, Domain, Method, Problem, Side, TensionForm, TimeStepping, driven,
     };
@@ -38,7 +40,7 @@ pub mod version {
     /// Of relaxation and impact.
     pub const FLOW: u32 = 25;
     /// Of the evaluation.
-    pub const POST: u32 = 25;
+    pub const POST: u32 = 26;
 
     /// Versions of the parts of the program that a relaxation or an impact uses.
     pub fn flow(problem: &Problem) -> Vec<Setting> {
@@ -61,13 +63,15 @@ pub mod version {
                 if shifts && (is_inviscid || problem.effects.wetting.is_some()) {
                     parts.push(part("shifting", 1));
                 }
-                if problem.domain.is_axial() {
-                    parts.push(part("adaption", 1));
-                }
             }
-            // 3 and 4 were trials (docs/lab.md).
-            Method::Isph(_) => parts.push(part("isph", 5)),
-            Method::Mps(_) => parts.push(part("mps", 3)),
+            // 3 and 4 were trials (docs/lab.md). 6: near pairs of spray, short limits.
+            Method::Isph(_) => parts.push(part("isph", 6)),
+            // 4: short limits.
+            Method::Mps(_) => parts.push(part("mps", 4)),
+        }
+        if problem.domain.is_axial() {
+            // 2: as often as rings cross a spacing; columns of stretched lattices.
+            parts.push(part("adaption", 2));
         }
         if let Some(wetting) = problem.effects.wetting {
             parts.push(part("wetting", 2));
@@ -75,6 +79,11 @@ pub mod version {
                 // 2: relative to the wall, and across the line alone.
                 parts.push(part("hysteresis", 2));
             }
+        }
+        // 1: of the eigenvalues of the form, and of the radius that MPS has for it.
+        let dynamic = problem.effects.viscosity.map(|viscosity| viscosity.dynamic);
+        if problem.stiff_viscosity() > dynamic {
+            parts.push(part("viscous-limit", 1));
         }
         if problem.effects.vibration.is_some() {
             parts.push(part("vibration", 1));
@@ -93,6 +102,19 @@ pub mod version {
         }
         if problem.domain.wall_velocity.as_flattened().as_flattened() != [0.0; 18] {
             parts.push(part("sliding-walls", 1));
+        }
+        parts
+    }
+
+    /// Of the packing of a body.
+    pub fn pack(input: &PackInput) -> Vec<Setting> {
+        let mut parts = Vec::new();
+        parts.extend(stretched(&input.domain, input.dimension, input.spacing));
+        if crowd::wall_shift(input) != [0.0; 3] {
+            parts.push(part("wall-rows", 1));
+        }
+        if completion::is_sharp(input) {
+            parts.push(part("sharp", 1));
         }
         parts
     }
@@ -239,11 +261,7 @@ fn identity(name: &'static str, part: &str, version: u32, settings: Vec<Setting>
 fn pack(scene: &Scene, body: usize) -> Result<Box<dyn Stage + '_>> {
     let input = scene.pack_input(body);
     let mut settings = settings::list(&input, &scene.resting(body))?;
-    settings.extend(version::stretched(
-        &input.domain,
-        input.dimension,
-        input.spacing,
-    ));
+    settings.extend(version::pack(&input));
     Ok(Box::new(Pack {
         identity: identity("pack", &input.name, version::PACK, settings),
         input,

@@ -125,8 +125,14 @@ impl Relax<'_> {
             relax.density_spread
         );
         if !unrest.is_calm {
-            let text =
-                format!("{UNREST} {reached}; raise relax.time or relax.damping, or the limits");
+            let is_still = unrest.energy <= relax.kinetic_energy;
+            let remedy = match self.input.problem.method.projection() {
+                Some(_) if is_still => {
+                    "raise relax.density_spread: a projection does not even out density in time"
+                }
+                _ => "raise relax.time or relax.damping, or the limits",
+            };
+            let text = format!("{UNREST} {reached}; {remedy}");
             context.warn(&text);
             context.note(text);
         } else {

@@ -16,6 +16,7 @@ import json
 import os
 import shutil
 import subprocess
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -129,13 +130,18 @@ def _read_table(file: Path) -> pd.DataFrame:
 
 
 class Run:
-    """A finished run: its settings, measures, figures, frames and final state."""
+    """A finished run: its settings, measures, figures, frames and final state.
+
+    It stays the run that the name meant when it was opened.
+    """
 
     def __init__(self, folder: PathLike):
         """`folder`: the latest results of a name, `artifacts/latest/NAME`."""
         self.folder = Path(folder)
         self.name = self.folder.name
-        if not (self.folder / "impact" / "stamp.json").is_file():
+        # Links that another run turns elsewhere.
+        self._impact, self._post = ((self.folder / stage).resolve() for stage in ("impact", "post"))
+        if not (self._impact / "stamp.json").is_file():
             raise FileNotFoundError(
                 f"{self.folder}: no finished impact here; give the folder of a run, as "
                 "artifacts/latest/NAME"
@@ -148,7 +154,7 @@ class Run:
     @property
     def log(self) -> Path:
         """The log of the frames, in MCAP."""
-        return self.folder / "impact" / "frames.mcap"
+        return self._impact / "frames.mcap"
 
     @property
     def measures(self) -> pd.DataFrame:
@@ -173,7 +179,7 @@ class Run:
     @property
     def settings(self) -> dict[str, str]:
         """All settings that the impact depends on, by name, with their units."""
-        stamp = json.loads((self.folder / "impact" / "stamp.json").read_text("utf-8"))
+        stamp = json.loads((self._impact / "stamp.json").read_text("utf-8"))
         return {setting["name"]: setting["value"] for setting in stamp["settings"]}
 
     @property
@@ -230,12 +236,14 @@ class Run:
 
     def state(self) -> Checkpoint:
         """All that the solver had at the end of the impact, in double precision."""
-        return read_checkpoint(self.folder / "impact" / "state.checkpoint")
+        return read_checkpoint(self._impact / "state.checkpoint")
 
     def _measures(self) -> Path:
-        path = self.folder / "post" / "measures.csv"
+        path = self._post / "measures.csv"
         if not path.is_file():
-            raise FileNotFoundError(f"{path}: not evaluated yet; finish it with `coronet run`")
+            raise FileNotFoundError(
+                f"{path}: not evaluated yet; finish it with `coronet run` and open it again"
+            )
         return path
 
 
@@ -301,12 +309,13 @@ def run(
 
     What was computed before is reused, and an interrupted run continues. `settings` override those
     of the file: `{"pack.spacing": "0.25 mm"}`. `program` is the path of the program if it is not
-    found as `coronet`. Raises CoronetError with the message of the program if it fails.
+    found as `coronet`. Its warnings are those of Python. Raises CoronetError with the message of the
+    program if it fails. If this process ends, the program stops after its next checkpoint.
     """
     found = program or os.environ.get("CORONET") or shutil.which("coronet")
     if found is None:
         raise FileNotFoundError("there is no program `coronet` on the path; give program=...")
-    command = [os.fspath(found), "run", os.fspath(scene), "--json"]
+    command = [os.fspath(found), "run", os.fspath(scene), "--json", "--stop-at-end-of-input"]
     command += ["--artifacts", os.fspath(artifacts)]
     for each in _sets(settings or {}):
         command += ["--set", each]
@@ -314,10 +323,18 @@ def run(
         command += ["--name", name]
     if threads is not None:
         command += ["--threads", str(threads)]
-    ended = subprocess.run(command, capture_output=True, encoding="utf-8")
+    # Nothing is ever written; its end is that of this process.
+    reader, writer = os.pipe()
+    try:
+        ended = subprocess.run(command, stdin=reader, capture_output=True, encoding="utf-8")
+    finally:
+        os.close(reader)
+        os.close(writer)
     if ended.returncode != 0:
         raise CoronetError(ended.stderr.strip() or f"coronet ended with {ended.returncode}")
     summary = json.loads(ended.stdout.splitlines()[-1])
+    for warning in summary["warnings"]:
+        warnings.warn(warning, stacklevel=2)
     # The name without the settings is that of the newest run.
     return Run(Path(summary["artifacts"], "latest", summary["name"]))
 

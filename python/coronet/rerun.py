@@ -78,7 +78,7 @@ def log(run: Run) -> None:
             colour = COLOURS[number % len(COLOURS)]
             rr.log(f"liquid/{name}", rr.Points3D(position[own], colors=colour, radii=radius))
     table = run.measures
-    columns = [c for c in table.columns if not c.startswith("time_")]
+    columns = [c for c in table.columns if c not in ("time_s", "time_after_contact_s")]
     for column in columns:
         known = table[column].notna()
         rr.send_columns(

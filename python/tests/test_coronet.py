@@ -1,7 +1,10 @@
 """The package against a run of the program: `python/check` runs these."""
 
+import fcntl
 import os
 import subprocess
+import sys
+import time
 from pathlib import Path
 
 import coronet
@@ -37,6 +40,45 @@ def test_a_store_lists_its_runs(store):
         coronet.Store(store.folder / "latest")
     with pytest.raises(FileNotFoundError, match="artifacts/latest/NAME"):
         coronet.open(store.folder)
+
+
+def test_a_run_stays_what_it_was_and_warns(tmp_path):
+    with pytest.warns(UserWarning, match="floor"):
+        coronet.run(TINY, SHORT, artifacts=tmp_path, program=PROGRAM)
+    first = coronet.open(tmp_path / "latest" / "tiny")
+    speed = first.settings["body.drop.velocity"]
+    faster = {**SHORT, "body.drop.velocity": "1.3 m/s"}
+    second = coronet.run(TINY, faster, artifacts=tmp_path, program=PROGRAM)
+    assert first.settings["body.drop.velocity"] == speed != second.settings["body.drop.velocity"]
+    assert not first.measures.equals(second.measures)
+
+
+def test_a_program_ends_with_its_caller(tmp_path):
+    call = f"import coronet; coronet.run({str(TINY)!r}, {{'impact.end': '10 s'}}, "
+    call += f"artifacts={str(tmp_path)!r}, program={PROGRAM!r})"
+    caller = subprocess.Popen([sys.executable, "-c", call])
+    work = tmp_path / "impact"
+    wait_for(lambda: any(work.glob("*/work/*.checkpoint")))
+    (lock,) = work.glob("*/lock")
+    caller.kill()
+    caller.wait()
+    with open(lock, "a") as file:
+        wait_for(lambda: is_free(file))
+
+
+def is_free(file):
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def wait_for(what):
+    end = time.monotonic() + 60
+    while not what():
+        assert time.monotonic() < end
+        time.sleep(0.1)
 
 
 def test_measures_are_a_table(run):

@@ -193,12 +193,19 @@ impl Figures<'_> {
     /// Energies from those of the first frame; kinetic from zero.
     fn energy(&self) -> Plot {
         let kinetic = self.series.column("kinetic_energy_J").map(<[f64]>::to_vec);
+        let compression = self.since_first("compression_energy_J");
+        let mut sum = summary::total_energy(self.series);
+        if let (Some(sum), Some(compression)) = (&mut sum, &compression) {
+            sum.iter_mut()
+                .zip(compression)
+                .for_each(|(sum, e)| *sum += e);
+        }
         let parts = [
             ("kinetic", kinetic),
             ("potential", self.since_first("potential_energy_J")),
             ("surface", self.since_first("surface_energy_J")),
-            ("compression", self.since_first("compression_energy_J")),
-            ("sum", summary::total_energy(self.series)),
+            ("compression", compression),
+            ("sum", sum),
         ];
         self.energies("Energy", "energy from the start", &parts)
     }

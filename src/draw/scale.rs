@@ -49,10 +49,11 @@ impl Scale {
     /// For values in `range`; from zero on if they have no sign worth showing.
     pub fn new([low, high]: [f64; 2], plain: Plain) -> Scale {
         let is_signed = low < -SIGNED * high.abs();
-        let high = if high > 0.0 {
-            high
-        } else {
-            f64::MIN_POSITIVE.max(-SIGNED * low)
+        let high = match (high > 0.0, low < 0.0) {
+            (true, _) => high,
+            (_, true) => -SIGNED * low,
+            // Of nothing but zeros.
+            _ => 1.0,
         };
         match is_signed {
             true => Scale {

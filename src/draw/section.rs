@@ -1,11 +1,14 @@
-//! A slice through the axis, 1 mm thick, particles coloured by body.
+//! A thin slice through the axis, particles coloured by body.
 
 use super::canvas::{Anchor, Canvas, Colour, FAINT, INK, WHITE};
+use super::scale::round_number;
 use crate::particle::Frame;
+use crate::scene::quantity::{Unit, legible};
 use crate::scene::{Dimension, Scene, Side};
 
-/// Thickness of the slice, m (at least one spacing).
+/// Largest thickness of the slice, m, and over the depth of the box; at least one spacing.
 const THICKNESS: f64 = 1e-3;
+const PART: f64 = 0.05;
 /// Pixels above the liquid, for the label and the scale bar, and below z = 0.
 const STRIP: f64 = 48.0;
 const FLOOR: f64 = 8.0;
@@ -25,16 +28,16 @@ pub fn words(scene: &Scene) -> String {
         (_, true) => "Section through the axis, and bird's-eye view.".into(),
         (Dimension::Two, _) => "All particles of the plane.".into(),
         (Dimension::Three, _) => {
-            let thickness = 1e3 * thickness(scene);
-            format!("Section of {thickness:.3} mm through the axis, and bird's-eye view.")
-                .replace(".000 mm", " mm")
+            let thickness = legible(thickness(scene), Unit::Length);
+            format!("Section of {thickness} through the axis, and bird's-eye view.")
         }
     }
 }
 
 /// m.
 fn thickness(scene: &Scene) -> f64 {
-    THICKNESS.max(scene.spacing)
+    let depth = PART * scene.domain.size[1];
+    THICKNESS.min(depth).max(scene.spacing)
 }
 
 /// The particles of the slice at one instant.
@@ -98,19 +101,18 @@ impl Section {
 
 /// A bar of a round length in the upper right corner.
 fn draw_scale(canvas: &mut Canvas, width: f64, scale: f64) {
-    let lengths = [
-        0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0,
-    ];
-    let fits = lengths.iter().rev().find(|l| **l * 1e-3 <= 0.16 * width);
-    let length = fits.copied().unwrap_or(0.1);
+    let mut length = round_number(0.16 * width);
+    if length > 0.16 * width {
+        length = round_number(0.5 * length);
+    }
     let right = canvas.width as f32 - 16.0;
-    let left = right - (length * 1e-3 * scale) as f32;
+    let left = right - (length * scale) as f32;
     canvas.line([left, 38.0], [right, 38.0], 3.0, INK);
     let middle = 0.5 * (left + right);
     canvas.text(
         [middle, 28.0],
         18.0,
-        &format!("{length} mm"),
+        &legible(length, Unit::Length),
         Anchor::Middle,
         INK,
     );

@@ -73,15 +73,16 @@ pub fn flat_strength(settings: &Sph, dimension: usize) -> f64 {
     1.0 / (0..CELLS).map(square).sum::<f64>()
 }
 
-/// The effects of a scene as a solver calls them; `space`: dimensions, three of rings; `tension`:
-/// that of [`tension`], or normals.
-pub fn active(effects: &Effects, space: usize, tension: Option<Tension>) -> ActiveEffects {
+/// The effects of a scene as a solver calls them; `stiff`: [`Problem::stiff_viscosity`], Pa s;
+/// `tension`: that of [`tension`], or normals.
+///
+/// [`Problem::stiff_viscosity`]: crate::scene::Problem::stiff_viscosity
+pub fn active(effects: &Effects, stiff: Option<f64>, tension: Option<Tension>) -> ActiveEffects {
     let mut others: Vec<Box<dyn Effect>> = Vec::new();
     if let Some(gravity) = effects.gravity {
         others.push(Box::new(Gravity(gravity)));
     }
-    if let Some(viscosity) = effects.viscosity {
-        let stiff = viscosity.stiff(space);
+    if let Some(stiff) = stiff {
         others.push(Box::new(Newtonian { stiff }));
     }
     if let Some(vibration) = effects.vibration {

@@ -20,12 +20,12 @@
 //! Souto-Iglesias & Le Touze 2011), and none in what turns. (2) conserves linear momentum only, (3)
 //! and (4) angular momentum too.
 //!
-//! Time step: 0.125 h^2 / nu (Morris, Fox & Zhu 1997). A particle's own velocity enters its
-//! acceleration with 7 nu / h^2 in (2), 7.5 at most in (4), and (d+2)/d times 7 in (3)
-//! ([`Viscosity::stiff`]).
+//! Time step: 0.125 h^2 / nu (Morris, Fox & Zhu 1997), less where the largest eigenvalue of a form
+//! on a lattice asks for it ([`Method::stiffness`]): 7 nu / h^2 in (2), 18 in (3), 11 to 15 in (4),
+//! of two particles that pass each other.
 //! Tests: tests/engine/effect_viscosity.rs, effect_select.rs and method_operator.rs.
 //!
-//! [`Viscosity::stiff`]: crate::scene::Viscosity::stiff
+//! [`Method::stiffness`]: crate::scene::Method::stiffness
 
 use super::Effect;
 use crate::kernel::Kernel;

@@ -200,14 +200,17 @@ pub fn unexplained_part(scene: &Scene, measures: &Series, mass: f64) -> [f64; 2]
     [most, last(measures, "energy_unexplained_J").abs()].map(|e| e / whole)
 }
 
-/// The most work of the pressure of a projection, which should do none, over the same energy;
-/// `None` without it.
-pub fn pressed_part(scene: &Scene, measures: &Series, mass: f64) -> Option<f64> {
+/// The most work of the pressure of a projection, which should do none, and the most that it gave,
+/// over the same energy; `None` without it.
+pub fn pressed_parts(scene: &Scene, measures: &Series, mass: f64) -> Option<[f64; 2]> {
     let pressed = measures.column("pressure_work_J")?;
+    let whole = turnover(scene, measures, mass)?;
     let most = pressed
         .iter()
-        .fold(0.0, |most: f64, work| most.max(work.abs()));
-    Some(most / turnover(scene, measures, mass)?)
+        .fold([0.0; 2], |[most, given]: [f64; 2], work| {
+            [most.max(work.abs()), given.max(*work)]
+        });
+    Some(most.map(|work| work / whole))
 }
 
 /// The initial energy or, if that is more, the work of what drives or slows a flow, or the motion,

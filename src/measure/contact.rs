@@ -35,6 +35,10 @@ const FAR: f64 = 20.0;
 /// Largest |cos θ| of (1) that is one of 180 degrees: outlines are uncertain by that.
 const TOUCHES: f64 = 1.02;
 
+/// Largest root mean square distance of the outline from its circle, spacings: that of a drop at
+/// rest without gravity is a fifth of it.
+const ROUND: f64 = 0.5;
+
 /// Least number of points of a fit for each unknown.
 const FEWEST: usize = 3;
 
@@ -70,10 +74,13 @@ impl Contact {
         let low = above.iter().filter(|p| p[2] < flank);
         let mut contact = Contact::default();
         let top = above.iter().fold(0.0, |top: f64, p| top.max(p[2]));
-        let is_drop = |round: &&Round| round.0.last().is_some_and(|height| *height <= top);
+        let nearly = ROUND * raster.particle_spacing;
+        let is_round = |Round { centre, rms, .. }: &&Round| {
+            *rms <= nearly && centre.last().is_some_and(|height| *height <= top)
+        };
         if raster.count[1] == 1 {
             let whole = round(&above, &[0, 2]);
-            contact.fitted = whole.as_ref().filter(is_drop).and_then(angle);
+            contact.fitted = whole.as_ref().filter(is_round).and_then(angle);
             let middle = above.iter().map(|p| p[0]).sum::<f64>() / above.len().max(1) as f64;
             let sides = [-1.0, 1.0].map(|side| {
                 let beside = low.clone().map(|p| [side * (p[0] - middle), 0.0, p[2]]);
@@ -90,8 +97,8 @@ impl Contact {
             });
             contact.base = feet[0].zip(feet[1]).map(|(low, high)| low + high);
         } else if let Some(sphere) = round(&above, &[0, 1, 2]) {
-            contact.fitted = Some(&sphere).filter(is_drop).and_then(angle);
-            let [x, y] = [sphere.0[0], sphere.0[1]];
+            contact.fitted = Some(&sphere).filter(is_round).and_then(angle);
+            let [x, y] = [sphere.centre[0], sphere.centre[1]];
             let about = low.map(|p| [(p[0] - x).hypot(p[1] - y), 0.0, p[2]]);
             let about: Vec<[f64; 3]> = about.collect();
             let foot = round(&about, &[0, 2]).and_then(|side| foot(&side, &about, reach));
@@ -137,18 +144,23 @@ fn crossing(raster: &Raster, node: [usize; 3], axis: usize, up: bool) -> Option<
     Some(point)
 }
 
-/// Centre and radius of a circle or sphere, m.
-type Round = (Vec<f64>, f64);
+/// A circle or sphere through points, m.
+struct Round {
+    centre: Vec<f64>,
+    radius: f64,
+    /// Of the distances of the points from it.
+    rms: f64,
+}
 
 /// (1); `None` if the circle is above the wall.
-fn angle((centre, radius): &Round) -> Option<f64> {
+fn angle(Round { centre, radius, .. }: &Round) -> Option<f64> {
     let cosine = -centre[centre.len() - 1] / radius;
     (cosine.abs() <= TOUCHES).then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
 }
 
 /// Whether the centre of a circle through points of one side, which are at x > 0, is on the side of
 /// the liquid: where a drop runs out into a film, it is not.
-fn is_convex((centre, _): &Round, points: &[[f64; 3]]) -> bool {
+fn is_convex(Round { centre, .. }: &Round, points: &[[f64; 3]]) -> bool {
     let middle = points.iter().map(|p| p[0]).sum::<f64>() / points.len().max(1) as f64;
     centre[0] < middle
 }
@@ -156,7 +168,7 @@ fn is_convex((centre, _): &Round, points: &[[f64; 3]]) -> bool {
 /// Where a circle through `points` meets the wall, nearest to the lowest of them, m (where a film
 /// extends from a drop the circle lies outside); `None` if it does not meet it on this side, within
 /// `reach` m of that.
-fn foot((centre, radius): &Round, points: &[[f64; 3]], reach: f64) -> Option<f64> {
+fn foot(Round { centre, radius, .. }: &Round, points: &[[f64; 3]], reach: f64) -> Option<f64> {
     let lowest = points.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let half = (radius * radius - centre[1] * centre[1]).sqrt();
     let feet = [centre[0] + half, centre[0] - half];
@@ -167,7 +179,7 @@ fn foot((centre, radius): &Round, points: &[[f64; 3]], reach: f64) -> Option<f64
     found.min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
-/// Centre along `axes` and radius of the circle or sphere that fits `points`, m.
+/// The circle or sphere that fits `points`, with its centre along `axes`.
 fn round(points: &[[f64; 3]], axes: &[usize]) -> Option<Round> {
     let (n, d) = (points.len(), axes.len());
     if n < FEWEST * (d + 1) {
@@ -192,24 +204,31 @@ fn round(points: &[[f64; 3]], axes: &[usize]) -> Option<Round> {
     let kasa = solve(&design, &squares)?;
     let mut centre: Vec<f64> = (0..d).map(|k| kasa[k]).collect();
     let mut radius = (kasa[d] + centre.iter().map(|c| c * c).sum::<f64>()).sqrt();
+    let away = |i: usize, centre: &[f64]| {
+        let to: Vec<f64> = (0..d).map(|k| local(&points[i], k) - centre[k]).collect();
+        let far = to.iter().map(|x| x * x).sum::<f64>().sqrt();
+        (to, far)
+    };
     for _ in 0..STEPS {
-        let away = |i: usize| {
-            let to: Vec<f64> = (0..d).map(|k| local(&points[i], k) - centre[k]).collect();
-            let far = to.iter().map(|x| x * x).sum::<f64>().sqrt();
-            (to, far)
-        };
         let design = DMatrix::from_fn(n, d + 1, |i, k| {
-            let (to, far) = away(i);
+            let (to, far) = away(i, &centre);
             if k < d { to[k] / far } else { 1.0 }
         });
-        let residual = DVector::from_fn(n, |i, _| away(i).1 - radius);
+        let residual = DVector::from_fn(n, |i, _| away(i, &centre).1 - radius);
         let step = solve(&design, &residual)?;
         (0..d).for_each(|k| centre[k] += step[k]);
         radius += step[d];
     }
+    let squares = (0..n).map(|i| (away(i, &centre).1 - radius).powi(2));
+    let rms = scale * (squares.sum::<f64>() / n as f64).sqrt();
     let centre: Vec<f64> = (0..d).map(|k| origin[k] + scale * centre[k]).collect();
     let known = centre.iter().all(|c| c.is_finite()) && radius > 0.0;
-    known.then_some((centre, scale * radius))
+    let radius = scale * radius;
+    known.then_some(Round {
+        centre,
+        radius,
+        rms,
+    })
 }
 
 fn square(p: &[f64; 3], axes: &[usize], origin: &[f64]) -> f64 {

@@ -69,15 +69,15 @@ fn drop(scene: &Scene) -> Option<(&Body, Axis)> {
     drops.min_by(|(a, _), (b, _)| key(a).total_cmp(&key(b)))
 }
 
-/// Axis of a drop, or of a block that becomes a drop on a wall with a contact angle: with the
+/// Axis of a drop, or of a block that becomes a drop on a wall with a contact angle, with the
 /// diameter of equal volume.
 fn axis(scene: &Scene, body: &Body) -> Option<Axis> {
+    let equal = || 2.0 * body.shape.equivalent_radius(&scene.domain, scene.dimension);
     let (centre, diameter) = match &body.shape {
         Geometry::Sphere { centre, radius } => (*centre, 2.0 * radius),
-        Geometry::Ellipsoid { centre, semi_axes } => (*centre, 2.0 * semi_axes[0]),
+        Geometry::Ellipsoid { centre, .. } => (*centre, equal()),
         Geometry::Block { low, high } if scene.effects.wetting.is_some() => {
-            let radius = body.shape.equivalent_radius(&scene.domain, scene.dimension);
-            ([0, 1, 2].map(|a| 0.5 * (low[a] + high[a])), 2.0 * radius)
+            ([0, 1, 2].map(|a| 0.5 * (low[a] + high[a])), equal())
         }
         _ => return None,
     };

@@ -16,6 +16,7 @@
 use super::layer::{self, crossing};
 use super::raster::{LEVEL, Raster};
 use super::region::{Class, Region};
+use super::series::Series;
 use crate::scene::Dimension;
 
 /// Axis of the measures of a pool.
@@ -288,4 +289,19 @@ fn beside(raster: &Raster, i: usize, j: usize) -> impl Iterator<Item = (usize, u
     let along = [last(i, nx, px), next(i, nx, px)].map(|place| place.map(|a| (a, j)));
     let across = [last(j, ny, py), next(j, ny, py)].map(|place| place.map(|b| (i, b)));
     along.into_iter().chain(across).flatten()
+}
+
+/// Blanks the jet until the crater is deepest: till then the liquid at the axis is the drop.
+/// `contact`: time of contact, s.
+pub fn blank_early_jet(series: &mut Series, contact: f64) {
+    let after = series.window(contact, f64::INFINITY);
+    let deepest = after.maximum("crater_depth_m").map(|(_, t)| t);
+    let times = series.time().to_vec();
+    if let Some(jet) = series.column_mut("jet_height_m") {
+        for (height, time) in jet.iter_mut().zip(times) {
+            if deepest.is_none_or(|t| time <= t) {
+                *height = f64::NAN;
+            }
+        }
+    }
 }

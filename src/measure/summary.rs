@@ -137,7 +137,7 @@ fn shape(scene: &Scene, series: &Series, lines: &mut Vec<Line>) {
     }
     if let Some(period) = rayleigh(scene) {
         let name = "Rayleigh's period for small amplitude".into();
-        lines.push((name, format!("{:.3} ms", 1e3 * period)));
+        lines.push((name, format!("{} ms", digits(1e3 * period))));
     }
 }
 

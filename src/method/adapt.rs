@@ -6,13 +6,15 @@
 //! centre of mass and volume are kept, and the kinetic energy that is lost is booked. A ring of
 //! more than root 2 cells, which is as far from one as its halves are, becomes two beside each
 //! other in the direction in which it has the fewest neighbours: what it has of energy is kept,
-//! but for that of the surface, which is booked too. These limits are those of
+//! but for that of the surface, which is booked too: in a disc of water that collapses to its axis
+//! a tenth of the largest kinetic energy, whatever the spacing. These limits are those of
 //! [`crate::scene::Rings`].
 
 use super::liquid::Liquid;
 use crate::kernel::{Kernel, WendlandC2};
 use crate::particle::State;
 use crate::particle::column::{Blend, Columns, Duplicate, Retain, Scalar, Scalars};
+use crate::space::parallel::max;
 use std::f64::consts::{PI, TAU};
 
 /// Distance below which rings merge, in spacings.
@@ -21,8 +23,10 @@ const NEAR: f64 = 0.6;
 /// Distance of half a ring from where the whole was, in edges of its area.
 const ASIDE: f64 = 0.25;
 
-/// Steps between two looks at the areas, which change with the flow.
-const STEPS: u64 = 100;
+/// Part by which the area of any ring may change, as its radius does, until areas are looked at
+/// again, and most steps until then.
+const CHANGE: f64 = 0.1;
+const STEPS: f64 = 100.0;
 
 /// When areas are looked at next.
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,7 +76,8 @@ impl Adaption {
         if !liquid.adapts() || step < self.next_step {
             return None;
         }
-        self.next_step = step + STEPS;
+        let changed = liquid.radial_rate() * liquid.now.last_step;
+        self.next_step = step + (CHANGE / changed).clamp(1.0, STEPS) as u64;
         let splits = liquid.splits();
         let merged = liquid.merging();
         (!splits.is_empty() || !merged.is_empty()).then_some(Plan { splits, merged })
@@ -107,6 +112,13 @@ impl Liquid {
         let (p, spacing) = (&self.flow.particles, self.case.spacing);
         let radius = (p.position[0][i] / spacing).max(0.5);
         p.weight(i) / (TAU * radius)
+    }
+
+    /// Largest rate at which a radius changes, over itself, 1/s.
+    fn radial_rate(&self) -> f64 {
+        let (p, least) = (&self.flow.particles, 0.5 * self.case.spacing);
+        let rate = |i: usize| p.velocity[0][i].abs() / p.position[0][i].max(least);
+        max(self.flow.span(), rate).max(0.0)
     }
 
     /// Neighbours of ring `i` among the liquid, and where they are from it, m.

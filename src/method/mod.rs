@@ -224,7 +224,7 @@ fn build_on(
     let pool = problem.bodies.iter().any(layer);
     let tension = tension_of(&case, strength, problem.method.shifting() > 0.0)
         .or_else(|| normals_of(&case, &problem.method));
-    let effects = select::active(&case.effects, case.space, tension);
+    let effects = select::active(&case.effects, problem.stiff_viscosity(), tension);
     let (settings, d, h) = (case.sph, case.space, case.h);
     let mut asked = case.effects.clone();
     if matches!(problem.method, Method::Wcsph(_)) && case.shifts(problem.method.shifting()) {

@@ -2,7 +2,7 @@
 
 use super::Phase;
 use super::model::Model;
-use crate::particle::{Particles, State, pack, ring};
+use crate::particle::{Particles, State, pack, ring, wall};
 use crate::scene::input::{ImpactInput, Start};
 use crate::scene::{Body, Dimension, Method, Motion, Problem, Shape, Side};
 use std::borrow::Cow;
@@ -44,8 +44,9 @@ fn weigh(problem: &Problem, spec: &Body, body: &mut Particles) {
         return;
     }
     let spacing = problem.spacing;
+    let pitch = wall::Lattice::new(&problem.domain, problem.dimension, spacing).pitch[0];
     let rings = body.position[0].iter_mut();
-    let weights = rings.map(|r| ring::settle(r, spacing)).collect();
+    let weights = rings.map(|r| ring::settle(r, pitch, spacing)).collect();
     body.weight = weights;
     let whole = spec.shape.revolved(&problem.domain) / spacing.powi(3);
     let part = whole / body.weight.iter().sum::<f64>();

@@ -21,11 +21,15 @@
 use super::ellipsoid;
 use super::shape::{Face, Form, Region};
 use crate::kernel::Kernel;
+use crate::scene::input::PackInput;
 
 /// Depths tabulated between -support and support.
 const DEPTHS: usize = 512;
 /// Curvatures tabulated between the least and the largest of an ellipsoid.
 const CURVATURES: usize = 17;
+/// Largest curvature, 1 / spacing: (2) is of first order in it, and no spacing resolves a sharper
+/// rim.
+pub const SHARPEST: f64 = 0.8;
 /// Intervals of the quadrature (1) over s.
 const INTERVALS: usize = 400;
 
@@ -40,6 +44,17 @@ pub struct Completion {
     table: Vec<Vec<[f64; 2]>>,
 }
 
+/// Whether a body has rims that are sharper than [`SHARPEST`].
+pub fn is_sharp(input: &PackInput) -> bool {
+    match Region::new(input).form {
+        Form::Block { .. } => false,
+        Form::Ellipsoid { semi_axes } => {
+            let (_, most) = ellipsoid::curvatures(input.dimension, semi_axes);
+            most * input.spacing > SHARPEST
+        }
+    }
+}
+
 impl Completion {
     /// For kernel `K` of smoothing length `h`; `region` and `h` in units of the spacing.
     pub fn new<K: Kernel>(region: &Region, h: f64) -> Self {
@@ -47,6 +62,7 @@ impl Completion {
             Form::Block { .. } => (0.0, 0.0),
             Form::Ellipsoid { semi_axes } => ellipsoid::curvatures(region.dimension, *semi_axes),
         };
+        let [least, most] = [least, most].map(|kappa: f64| kappa.min(SHARPEST));
         let rows = if most - least > 1e-9 { CURVATURES } else { 1 };
         let step = (most - least) / (CURVATURES - 1) as f64;
         let dimension = region.dimension.count();

@@ -5,6 +5,8 @@
 use super::column::{Entry, Role, Visitor};
 use super::migrate::Emigrate;
 use super::shape::{Face, Form, Region};
+use super::wall::Lattice;
+use crate::scene::input::PackInput;
 use crate::scene::{Domain, Side};
 use crate::space::grid::{Grid, TooSmall};
 use crate::space::lane::{Record, WIDTH};
@@ -21,6 +23,9 @@ use std::sync::Arc;
 
 /// Reach of neighbour lists beyond the support, so that a list is valid for several steps.
 const SLACK: f64 = 0.3;
+
+/// Shift of walls below which there is none, in spacings: lengths come from decimal texts.
+const EQUAL: f64 = 1e-9;
 
 /// Liquid and wall particles with neighbour rows of the liquid; of several ranks, the liquid of
 /// this one. Records: liquid, wall, ghosts of other ranks, images.
@@ -332,15 +337,51 @@ fn grid(region: &Region, support: f64) -> Result<Grid, TooSmall> {
     Ok(grid)
 }
 
+/// By how much the rows of the walls beside a body are moved along each axis, so that they end
+/// where it ends, as what completes it has it; in spacings. 0 where they do, as where its length is
+/// a multiple of the spacing.
+pub fn wall_shift(input: &PackInput) -> [f64; 3] {
+    let region = Region::new(input);
+    let Form::Block { low, high, face } = &region.form else {
+        return [0.0; 3];
+    };
+    let lattice = Lattice::new(&input.domain, input.dimension, input.spacing);
+    std::array::from_fn(|k| {
+        let beside = |&j: &usize| j != k && face[j].contains(&Face::Wall);
+        let end = match face[k] {
+            [_, Face::Free] => high[k],
+            [Face::Free, _] => low[k],
+            _ => return 0.0,
+        };
+        let shift = (end - (end / lattice.pitch[k]).round() * lattice.pitch[k]) / input.spacing;
+        match region.axes().iter().any(beside) && shift.abs() > EQUAL {
+            true => shift,
+            false => 0.0,
+        }
+    })
+}
+
 /// The wall particles that touch the region: within `reach` of it and not behind a free face,
-/// where the completion replaces them.
-pub fn wall_near(region: &Region, wall: &[Vec<f64>; 3], reach: f64) -> [Vec<f64>; 3] {
+/// where the completion replaces them; those beside it moved by `shift`.
+pub fn wall_near(
+    region: &Region,
+    wall: &[Vec<f64>; 3],
+    shift: [f64; 3],
+    reach: f64,
+) -> [Vec<f64>; 3] {
     let Form::Block { low, high, face } = &region.form else {
         return Default::default();
     };
+    let at = |i: usize, k: usize| {
+        let out = |&j: &usize| j != k && (wall[j][i] < low[j] || wall[j][i] > high[j]);
+        match region.axes().iter().any(out) {
+            true => wall[k][i] + shift[k],
+            false => wall[k][i],
+        }
+    };
     let near = |i: usize| {
         region.axes().iter().all(|&k| {
-            let x = wall[k][i];
+            let x = at(i, k);
             let margin = |side: usize| {
                 if face[k][side] == Face::Wall {
                     reach
@@ -352,5 +393,5 @@ pub fn wall_near(region: &Region, wall: &[Vec<f64>; 3], reach: f64) -> [Vec<f64>
         })
     };
     let chosen: Vec<usize> = (0..wall[0].len()).filter(|&i| near(i)).collect();
-    [0, 1, 2].map(|k| chosen.iter().map(|&i| wall[k][i]).collect())
+    [0, 1, 2].map(|k| chosen.iter().map(|&i| at(i, k)).collect())
 }

@@ -8,7 +8,7 @@
 //! layers and blocks, the box; not on the number of threads.
 
 use super::completion::Completion;
-use super::crowd::{Crowd, wall_near};
+use super::crowd::{Crowd, wall_near, wall_shift};
 use super::fault::PAIRED;
 pub use super::fault::PackError;
 use super::optimise::{self, Measure, Work};
@@ -139,7 +139,7 @@ impl<'a, K: Kernel> Packing<'a, K> {
         Ok(Packing {
             input,
             with,
-            wall: wall_near(&region, &wall, reach),
+            wall: wall_near(&region, &wall, wall_shift(input), reach),
             region,
             biased: input.sph.kernel == KernelName::WendlandC2,
             count,
@@ -340,8 +340,9 @@ impl<'a, K: Kernel> Packing<'a, K> {
             let mass = crowd.span().total() as f64 * particle_mass(self.input);
             return (mass, nominal * self.region.volume());
         }
+        let pitch = wall::Lattice::new(domain, self.input.dimension, *spacing).pitch[0] / spacing;
         let rings = crowd.position[0].iter();
-        let weights = rings.map(|r| ring::settle(&mut r.clone(), 1.0));
+        let weights = rings.map(|r| ring::settle(&mut r.clone(), pitch, 1.0));
         let mass = nominal * spacing * weights.sum::<f64>();
         (mass, density * shape.revolved(domain))
     }

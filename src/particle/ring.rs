@@ -14,17 +14,18 @@ const COLUMNS: [[f64; 2]; 3] = [[0.698, 1.227], [1.577, 0.9405], [2.5099, 0.9745
 const ALIKE: f64 = 1e-6;
 
 /// The mass of a ring at `radius` m whose area is that of a lattice cell, over that of a cube with
-/// this edge and density. What is in a column of a lattice goes where it is at rest.
-pub fn settle(radius: &mut f64, spacing: f64) -> f64 {
-    let place = *radius / spacing;
-    let annulus = std::f64::consts::TAU * place.abs();
+/// an edge of `spacing` m and its density. What is in a column of a lattice, which are `pitch` m
+/// apart, goes where it is at rest.
+pub fn settle(radius: &mut f64, pitch: f64, spacing: f64) -> f64 {
+    let place = *radius / pitch;
+    let annulus = std::f64::consts::TAU * (*radius / spacing).abs();
     let column = COLUMNS.iter().enumerate().find(|(k, _)| {
         let middle = *k as f64 + 0.5;
         (place - middle).abs() < ALIKE
     });
     match column {
         Some((_, [at, mass])) => {
-            *radius = at * spacing;
+            *radius = at * pitch;
             mass * annulus
         }
         None => annulus,

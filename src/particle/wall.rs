@@ -33,7 +33,9 @@ pub fn build_where(problem: &Problem, is_wanted: &dyn Fn(f64) -> bool) -> Wall {
     let mut wall = layers_of(domain, &lattice, layers(problem), is_wanted);
     if domain.is_axial() {
         let rings = wall.position[0].iter_mut();
-        wall.weight = rings.map(|r| ring::settle(r, *spacing)).collect();
+        wall.weight = rings
+            .map(|r| ring::settle(r, lattice.pitch[0], *spacing))
+            .collect();
     }
     wall
 }

@@ -300,7 +300,8 @@ impl Check<'_> {
         let wording = match (above, low, high) {
             (Some(_), ..) => "above zero".to_string(),
             (_, Some(low), Some(high)) => format!("between {low} and {high}"),
-            (_, Some(_), None) => "zero or above".to_string(),
+            (_, Some(0.0), None) => "zero or above".to_string(),
+            (_, Some(low), None) => format!("{low} or above"),
             _ => "finite".to_string(),
         };
         let remedy = format!("it must be {wording}");

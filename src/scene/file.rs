@@ -16,7 +16,7 @@ use super::problem::Liquid;
 use super::schema::{self, named};
 use super::stage::{Frames, Impact, Pack, Post, Relax};
 use super::tree::{Sources, Tree};
-use super::{Dimension, Problem, Scene, check, conform, preset, symmetry};
+use super::{Dimension, Problem, Scene, ViscosityForm, check, conform, preset, symmetry};
 
 /// Largest size of a scene file, bytes.
 const LONGEST: u64 = 16 << 20;
@@ -197,11 +197,15 @@ impl Document {
 
     fn method(&self, tree: &Tree<'_>) -> Result<Method, SceneError> {
         let method = self.method.method();
-        if let Some(Method::Mps(_)) = method
+        let form = self.effects.viscosity.map(|viscosity| viscosity.form);
+        let of_mps = [ViscosityForm::Morris, ViscosityForm::Central];
+        if let (Some(Method::Mps(_)), Some(form)) = (&method, form)
+            && !of_mps.contains(&form)
             && tree.get("effects.viscosity.form").is_some()
         {
-            let problem = "has no effect with mps, which uses Eq. 9";
-            return Err(tree.fault("effects.viscosity.form", problem, "remove it"));
+            let problem = "is no form of mps, which has Eq. 9 or pairs along their lines";
+            let remedy = "set it to \"morris\" (Eq. 9) or \"central\"";
+            return Err(tree.fault("effects.viscosity.form", problem, remedy));
         }
         let absent = || tree.fault("method", "has no settings", "give a preset");
         method.ok_or_else(absent)

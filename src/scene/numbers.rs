@@ -274,9 +274,13 @@ pub fn limits(scene: &Problem) -> Vec<Row> {
             vec![of("advective", value, "courant s0 / V")]
         }
     };
-    if let Some(viscosity) = scene.effects.viscosity {
-        let value = limit::viscous(h, scene.density, viscosity.stiff(scene.space()));
-        limits.push(of("viscous", value, "0.125 h^2 / nu, cleary 3/5 or 1/2"));
+    if let Some(stiff) = scene.stiff_viscosity() {
+        let value = limit::viscous(h, scene.density, stiff);
+        limits.push(of(
+            "viscous",
+            value,
+            "0.125 h^2 / nu, less of stiffer forms",
+        ));
     }
     if let Some(tension) = scene.effects.sigma() {
         let value = limit::capillary(h, scene.density, tension);
@@ -289,11 +293,6 @@ pub fn limits(scene: &Problem) -> Vec<Row> {
     }
     limits.sort_by(|a, b| a.value.total_cmp(&b.value));
     limits
-}
-
-/// Limit of a fixed step, s, with the largest published acoustic constant: 0.6 h / (c + V).
-pub fn unstable_step(scene: &Problem) -> f64 {
-    0.6 * smoothing_length(scene) / (sound_speed(scene) + reference_speed(scene))
 }
 
 /// Diameter of equal volume of the drop, m: of the fastest free body.

@@ -9,7 +9,8 @@ use super::effects::EffectTables;
 use super::method::MethodName;
 use super::schema::positive;
 use super::{
-    Body, Dimension, Domain, Effects, Method, Motion, MpsClosure, Pairs, Shape, Side, SpeedOf, unit,
+    Body, Dimension, Domain, Effects, Method, Motion, MpsClosure, Pairs, Shape, Side, SpeedOf,
+    Viscosity, unit,
 };
 
 /// Liquid in a box, the effects that act on it, and the method that computes its motion, SI.
@@ -88,6 +89,13 @@ impl Problem {
             true => 3,
             false => self.dimension.count(),
         }
+    }
+
+    /// The dynamic viscosity that limits an explicit step, Pa s.
+    pub fn stiff_viscosity(&self) -> Option<f64> {
+        let Viscosity { dynamic, form } = self.effects.viscosity?;
+        let method = &self.method;
+        Some(dynamic * method.stiffness(form, self.space(), self.domain.is_axial()))
     }
 
     /// Depth of the deepest layer, m.

@@ -32,6 +32,8 @@ use std::path::Path;
 
 use crate::measure::ending::{Ending, Memory};
 use crate::measure::gauge::Gauge;
+use crate::measure::kind::contact_time;
+use crate::measure::pool;
 use crate::measure::series::{Row, Series};
 use crate::measure::whole::Unfold;
 use crate::method::frame::Schedule;
@@ -241,6 +243,7 @@ impl Simulation {
         while goes_on && solver.time() < scene.impact.end && ending.met().is_none() {
             solver.advance(&mut |solver| take(solver, ending, &mut goes_on))?;
         }
+        pool::blank_early_jet(measures, contact_time(&scene.whole()));
         Ok(measures)
     }
 }

@@ -8,6 +8,7 @@ use coronet::scene::file;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::record;
 use super::state::Known;
 use crate::arguments::{On, StudyArguments};
 use crate::fault::Usage;
@@ -16,8 +17,9 @@ use crate::print::quoted;
 /// Folder of the output of the tasks.
 pub const LOGS: &str = "logs";
 
-/// The script that the batch system runs.
-const SCRIPT: &str = "job.sh";
+/// The script that the batch system runs. Slurm keeps a copy; HyperQueue reads it when a task
+/// starts, so that each of its jobs has its own.
+const SCRIPT: &str = "job";
 
 /// The longest time is this many forecasts, and at least this many minutes.
 const TIMES: f64 = 3.0;
@@ -123,11 +125,14 @@ impl Job {
     /// Writes the script and makes the folder of the output.
     pub fn write(&self, on: On) -> Result<PathBuf> {
         create_folder(&self.folder.join(LOGS))?;
-        let path = self.folder.join(SCRIPT);
-        let text = match on {
-            On::Slurm => self.slurm(),
-            _ => self.hq(),
+        let (name, text) = match on {
+            On::Slurm => (format!("{SCRIPT}.sh"), self.slurm()),
+            _ => {
+                let number = record::jobs(&self.folder)?.len() + 1;
+                (format!("{SCRIPT}-{number}.sh"), self.hq())
+            }
         };
+        let path = self.folder.join(name);
         write_file(&path, text.as_bytes())?;
         Ok(path)
     }
@@ -147,10 +152,12 @@ impl Job {
         let limit = self
             .at_once
             .map_or(String::new(), |most| format!("%{most}"));
+        // Slurm fills in what begins with one %.
+        let logs = self.logs("").replace('%', "%%");
         let mut options = vec![
             format!("--job-name={}", quoted(&self.name)),
             format!("--array={}{limit}", self.array()),
-            format!("--output={}", quoted(&self.logs("%a.txt"))),
+            format!("--output={}", quoted(&format!("{logs}%a.txt"))),
             "--open-mode=append".to_string(),
             "--requeue".to_string(),
             format!("--signal=B:USR1@{NOTICE}"),

@@ -14,7 +14,7 @@
 
 mod job;
 pub mod point;
-mod record;
+pub mod record;
 mod state;
 mod system;
 
@@ -37,6 +37,9 @@ use state::{Known, State};
 /// Time between two looks of a command that waits.
 const BETWEEN: Duration = Duration::from_secs(5);
 
+/// Looks one after the other that may fail in a command that waits, as those at a busy system do.
+const UNANSWERED: usize = 60;
+
 /// Folder of the files of this module, in that of the study's results.
 const FOLDER: &str = "batch";
 
@@ -54,7 +57,6 @@ pub fn collect(
     let options = &arguments.batch;
     let submits = !options.look && !options.cancel;
     let lock = submits.then(|| record::lock(&folder)).transpose()?;
-    record::claim(&folder, &arguments.study, submits)?;
     let mut known = state::look(trials, arguments, &folder)?;
     if options.cancel {
         return cancel(&known, arguments).map(|()| None);
@@ -62,16 +64,30 @@ pub fn collect(
     let missing: Vec<usize> = places(&known, |state| matches!(state, State::Missing));
     if !missing.is_empty() && submits {
         let job = Job::new(&missing, &known, arguments, &folder)?;
+        let server = system::server(options.on)?;
         let id = system::submit(options.on, &job)?;
-        let (on, points) = (options.on.into(), job.points.clone());
-        let at = machine::now();
-        record::add(&folder, Submitted { on, id, points, at })?;
+        let submitted = Submitted {
+            on: options.on.into(),
+            id,
+            server,
+            points: job.points.clone(),
+            at: machine::now(),
+        };
+        record::add(&folder, submitted)?;
         known = state::look(trials, arguments, &folder)?;
     }
     drop(lock);
+    let mut unanswered = 0;
     while options.wait && known.iter().any(|known| known.state.is_active()) {
         std::thread::sleep(BETWEEN);
-        known = state::look(trials, arguments, &folder)?;
+        match state::look(trials, arguments, &folder) {
+            Ok(found) => (known, unanswered) = (found, 0),
+            Err(error) if unanswered < UNANSWERED => {
+                unanswered += 1;
+                note!("warning: {error:#}; the jobs go on, and are looked at again");
+            }
+            Err(error) => return Err(error),
+        }
     }
     let is_whole = known.iter().all(|known| known.state.has_ended());
     if !is_whole || options.look {

@@ -1,10 +1,11 @@
 //! Files beside the table of a study on a cluster: which jobs were submitted, why points failed.
 
 use std::fs::{self, File};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail};
-use coronet::file;
+use coronet::file::{self, FileError};
 use coronet::record::Digest;
 use coronet::record::atomic::{create_folder, write_file};
 use serde::de::DeserializeOwned;
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::fault::{Untrusted, Usage};
 
 const JOBS: &str = "jobs.json";
-const STUDY: &str = "study.json";
+const STUDY: &str = "origin.json";
 const LOCK: &str = "lock";
 
 /// Largest size of these files, bytes.
@@ -25,6 +26,9 @@ pub struct Submitted {
     /// Word of the batch system.
     pub on: String,
     pub id: String,
+    /// Identity of the server, where numbers begin again with each.
+    #[serde(default)]
+    pub server: Option<String>,
     pub points: Vec<usize>,
     /// UTC.
     pub at: String,
@@ -50,7 +54,8 @@ pub fn jobs(folder: &Path) -> Result<Vec<Submitted>> {
     Ok(read(&folder.join(JOBS))?.unwrap_or_default())
 }
 
-/// Refuses a folder that a study of the same name has; `takes`: it belongs to this one from now on.
+/// Refuses a folder that another study of the same name has, unless both files are equal; `takes`:
+/// it belongs to this one from now on.
 ///
 /// # Errors
 /// If another study has it, or files cannot be read or written.
@@ -62,9 +67,9 @@ pub fn claim(folder: &Path, study: &Path, takes: bool) -> Result<()> {
     );
     let known: Option<PathBuf> = read(&path)?;
     match known {
-        Some(other) if other != own && other.exists() => bail!(Usage(format!(
-            "{} has the name of {}, whose jobs are kept in {}; rename one, or give another \
-             --artifacts",
+        Some(other) if other != own && differs(&other, &own) => bail!(Usage(format!(
+            "{} has the name of {}, whose results are in {}; rename one, give another \
+             --artifacts, or forget it with `coronet gc --forget NAME`",
             study.display(),
             other.display(),
             folder.display()
@@ -73,6 +78,23 @@ pub fn claim(folder: &Path, study: &Path, takes: bool) -> Result<()> {
         _ if takes => write(&path, &own),
         _ => Ok(()),
     }
+}
+
+/// Lets another study have the folder, whose tables stay until then.
+pub fn release(folder: &Path) -> Result<()> {
+    let path = folder.join(STUDY);
+    match fs::remove_file(&path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(FileError::new(&path, "remove")(error).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a file that is there has other bytes than one's own.
+fn differs(other: &Path, own: &Path) -> bool {
+    let [other, own] = [other, own].map(|path| fs::read(path).ok());
+    other.is_some() && other != own
 }
 
 /// Lets one process at a time look for what is missing and submit it.

@@ -160,11 +160,13 @@ fn ended(
 fn active(arguments: &StudyArguments, folder: &Path) -> Result<HashMap<usize, (String, bool)>> {
     let on = arguments.batch.on;
     let word: String = on.into();
-    let jobs = record::jobs(folder)?.into_iter();
-    let ids: Vec<String> = jobs
-        .filter(|job| job.on == word)
-        .map(|job| job.id)
-        .collect();
+    let mut jobs = record::jobs(folder)?;
+    jobs.retain(|job| job.on == word);
+    if !jobs.is_empty() {
+        let server = system::server(on)?;
+        jobs.retain(|job| job.server == server);
+    }
+    let ids: Vec<String> = jobs.into_iter().map(|job| job.id).collect();
     let tasks = system::active(on, &ids)?.into_iter();
     Ok(tasks
         .map(|task| (task.point, (task.job, task.runs)))

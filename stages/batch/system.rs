@@ -64,6 +64,18 @@ pub fn submit(on: On, job: &Job) -> Result<String> {
     Ok(number.to_string())
 }
 
+/// Identity of the server of HyperQueue, each of which numbers its jobs from 1.
+pub fn server(on: On) -> Result<Option<String>> {
+    if on != On::Hq {
+        return Ok(None);
+    }
+    let said = call("hq", &["--output-mode", "json", "server", "info"])?;
+    let info: Value = serde_json::from_str(&said).context("cannot read the answer of hq")?;
+    let uid = info["server_uid"].as_str().map(str::to_string);
+    uid.map(Some)
+        .context("hq does not tell the identity of its server")
+}
+
 /// The tasks of these jobs that have not ended.
 pub fn active(on: On, jobs: &[String]) -> Result<Vec<Task>> {
     if jobs.is_empty() {

@@ -15,6 +15,7 @@ use coronet::scene::Scene;
 use crate::arguments::RenderArguments;
 use crate::fault::Usage;
 use crate::journal::FRAMES;
+use crate::print::note;
 use crate::runs::Run;
 
 /// Two times are equal if they differ by less, s.
@@ -154,13 +155,27 @@ pub fn under_way(store: &Store, name: &str) -> Result<Option<Reel>> {
     };
     // A run that was stopped is named after its last checkpoint, and has no impact then.
     let run = Run::meant(store, name).ok();
-    let named = run.filter(|run| run.result("impact").is_some());
-    if job.holder.is_none() && job.touched() <= named.and_then(|run| run.named) {
+    let is_finished = run.is_some_and(|run| run.result("impact").is_some());
+    if job.holder.is_none() && is_finished {
         return Ok(None);
     }
-    match Reel::under_way(&job.folder.join(WORK))? {
-        Some(reel) => Ok(Some(reel)),
-        None => bail!(no_frames(name)),
+    let begun = Reel::under_way(&job.folder.join(WORK))?;
+    let has_frames = |reel: &Reel| Ok::<_, LogError>(reel.frames()?.next().is_some());
+    let reel = match begun {
+        Some(reel) if has_frames(&reel)? => Some(reel),
+        _ => None,
+    };
+    match (reel, is_finished) {
+        (Some(reel), false) => Ok(Some(reel)),
+        (Some(reel), true) => {
+            note!(
+                "these are frames of the run of {name} that is under way, not of the finished one \
+                 in latest"
+            );
+            Ok(Some(reel))
+        }
+        (None, true) => Ok(None),
+        (None, false) => bail!(no_frames(name)),
     }
 }
 

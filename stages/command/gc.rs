@@ -11,6 +11,7 @@ use serde_json::json;
 
 use super::verify::existing;
 use crate::arguments::SweepArguments;
+use crate::batch::record;
 use crate::jobs;
 use crate::print::{counted, note, out, size};
 
@@ -34,6 +35,9 @@ pub fn sweep(arguments: &SweepArguments) -> Result<()> {
     }
     let approved: Vec<PathBuf> = planned.removed.into_iter().map(|(path, ..)| path).collect();
     let swept = sweep::sweep(&store, &options, &approved)?;
+    for name in &arguments.forget {
+        record::release(&latest::folder(&store, name))?;
+    }
     print_swept(swept, json, "removed")
 }
 

@@ -1,12 +1,15 @@
 //! `coronet recover`: a log that was cut off or damaged.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
+use coronet::file::exists;
 use coronet::pipeline::content::LOG;
+use coronet::pipeline::stamp;
 use coronet::record::log::{self, LogError};
 use serde_json::json;
 
 use crate::arguments::RecoverArguments;
 use crate::fault::{Stopped, Untrusted, Usage};
+use crate::journal::FRAMES;
 use crate::print::{out, shown};
 use crate::signals;
 
@@ -18,6 +21,11 @@ pub fn recover(arguments: &RecoverArguments) -> Result<()> {
     beside.push(format!("-recovered.{LOG}"));
     let beside = arguments.log.with_file_name(beside);
     let new = arguments.output.clone().unwrap_or(beside);
+    let is_log = new.file_name().is_some_and(|name| name == FRAMES);
+    if is_log && exists(&new.with_file_name(stamp::FILE))? {
+        let text = format!("{} is that of a result; give another --output", shown(&new));
+        bail!(Usage(text));
+    }
     let stop = signals::stop_flag(STOPPING)?;
     let recovered = log::recover_unless(&stop, &arguments.log, &new);
     let recovered = recovered.map_err(|error| match error {

@@ -59,8 +59,17 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
     if !arguments.batch.look && !arguments.batch.cancel {
         columns::check(&study, &trials, &arguments.study)?;
     }
+    batch::record::claim(&out, &arguments.study, false)?;
     if let (On::Local, Some(option)) = (arguments.batch.on, arguments.batch.of_jobs()) {
         bail!(Usage(format!("{option} needs --on slurm or --on hq")));
+    }
+    if let Some(folder) = &arguments.into {
+        create_folder(folder)?;
+        copies::check(folder, &arguments.study)?;
+    }
+    if !arguments.batch.look && !arguments.batch.cancel {
+        Store::new(&arguments.store.artifacts).create(&out)?;
+        batch::record::claim(&out, &arguments.study, true)?;
     }
     let failed = match arguments.batch.on {
         On::Local if !arguments.batch.look => Vec::new(),
@@ -69,10 +78,6 @@ pub fn study(arguments: &StudyArguments) -> Result<()> {
             None => return Ok(()),
         },
     };
-    if let Some(folder) = &arguments.into {
-        create_folder(folder)?;
-        copies::check(folder, &arguments.study)?;
-    }
     let outcomes = || run_rest(&study, &trials, failed, arguments);
     match &study.error {
         Some(target) => tell_costs((&study, target), &trials, outcomes, arguments, &out),
@@ -95,11 +100,14 @@ fn folder(path: &Path, artifacts: &Path) -> Result<PathBuf> {
     Ok(latest::folder(&Store::new(artifacts), &stem))
 }
 
-/// Makes the folder of a study's results; no clean-up begins while it is written.
-fn make(out: &Path, arguments: &StudyArguments) -> Result<Option<Lock>> {
+/// Makes the folder of a study's results, without what it had of another form than `own`; no
+/// clean-up begins while it is written.
+fn make(out: &Path, arguments: &StudyArguments, own: [&str; 2]) -> Result<Option<Lock>> {
     let store = Store::new(&arguments.store.artifacts);
     let shared = store.share(&mut |_| true)?;
     store.create(out)?;
+    let all = [TABLE, COSTS, FIGURES, READ, PROMISES, PAGE];
+    copies::remove(out, all.iter().filter(|name| !own.contains(name)))?;
     Ok(shared)
 }
 
@@ -117,7 +125,7 @@ fn tell_costs(
     let errors: Vec<f64> = found.iter().map(|f| f.error).collect();
     let samples = samples(study.cost, trials, &outcomes, &errors);
     let on_front = on_front(&samples);
-    let _shared = make(out, arguments)?;
+    let _shared = make(out, arguments, [TABLE, COSTS])?;
     let table = table(study, trials, &outcomes, &samples, &on_front)?;
     copies::write_table(&out.join(TABLE), &table, arguments, &outcomes)?;
     let page = finding::page(study, target, trials, &outcomes, &samples);
@@ -129,7 +137,7 @@ fn tell_costs(
     if let Some(figure) = &figure {
         figures.write(figure, FIGURE, !target.varies())?;
     }
-    warn_unknown(target, &outcomes, &errors);
+    doubt::warn_unknown(target, &outcomes, &errors);
     let plot = target
         .varies()
         .then(|| comparison(study, target, trials, &found));
@@ -184,18 +192,6 @@ fn some_ended(outcomes: &[Outcome]) -> Result<()> {
     bail!(Failed(text, code))
 }
 
-/// Warns if points have ended and none has an error.
-fn warn_unknown(target: &Target, outcomes: &[Outcome], errors: &[f64]) {
-    let is_done = |outcome: &Outcome| matches!(outcome, Outcome::Done { .. });
-    if outcomes.iter().any(is_done) && errors.iter().all(|error| error.is_nan()) {
-        note!(
-            "warning: no point has an error: {} and what it is compared with share no instant of \
-             the impact with values, or it is not measured",
-            target.column
-        );
-    }
-}
-
 fn tell_figures(
     study: &Study,
     trials: &[Trial],
@@ -207,7 +203,7 @@ fn tell_figures(
     let measured = figures::from_contact(trials, outcomes)?;
     let found = figures::measure(study, &measured, folder)?;
     let drawn = figures::plots(study, trials, &measured, folder)?;
-    let _shared = make(out, arguments)?;
+    let _shared = make(out, arguments, [FIGURES, READ])?;
     let (table, read) = (out.join(FIGURES), out.join(READ));
     let rows = figures::table(study, trials, outcomes, &found)?;
     copies::write_table(&table, &rows, arguments, outcomes)?;
@@ -269,7 +265,7 @@ fn tell_promises(
     };
     let points = trials.iter().zip(outcomes);
     let verdicts = points.map(judge).collect::<Result<Vec<Verdict>>>()?;
-    let _shared = make(out, arguments)?;
+    let _shared = make(out, arguments, [PROMISES, PAGE])?;
     let rows = verdict::table(study, trials, &verdicts)?;
     copies::write_table(&out.join(PROMISES), &rows, arguments, outcomes)?;
     let page = verdict::page(study, trials, outcomes, &verdicts);

@@ -2,6 +2,7 @@
 //! `--into`.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
@@ -96,6 +97,19 @@ pub fn write_table(
         let name = name.file_name().expect("a study file has a name");
         let text = headed(&arguments.study, outcomes, table);
         write_file(&folder.join(name), &text)?;
+    }
+    Ok(())
+}
+
+/// Removes files of a folder, if they are there.
+pub fn remove<'a>(folder: &Path, names: impl Iterator<Item = &'a &'a str>) -> Result<()> {
+    for path in names.map(|name| folder.join(name)) {
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(FileError::new(&path, "remove")(error).into());
+            }
+            _ => {}
+        }
     }
     Ok(())
 }

@@ -5,6 +5,7 @@
 
 use crate::print::note;
 use crate::relax::UNREST;
+use crate::study::target::Target;
 use crate::study::trial::{Outcome, Trial};
 
 /// Points that are named; further ones are counted.
@@ -81,4 +82,16 @@ pub fn objects(trials: &[Trial], outcomes: &[Outcome]) -> Vec<serde_json::Value>
     let failures = failures(trials, outcomes);
     let object = |(name, why)| serde_json::json!({ "point": name, "why": why });
     failures.map(object).collect()
+}
+
+/// Warns if points have ended and none has an error.
+pub fn warn_unknown(target: &Target, outcomes: &[Outcome], errors: &[f64]) {
+    let is_done = |outcome: &Outcome| matches!(outcome, Outcome::Done { .. });
+    if outcomes.iter().any(is_done) && errors.iter().all(|error| error.is_nan()) {
+        note!(
+            "warning: no point has an error: {} and what it is compared with share no instant of \
+             the impact with values, or it is not measured",
+            target.column
+        );
+    }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::jobs::version;
+use crate::print::quoted;
 use crate::study::trial::{Made, Outcome};
 
 /// How a table with its origin begins.
@@ -22,7 +23,8 @@ pub fn headed(study: &Path, outcomes: &[Outcome], table: &[u8]) -> Vec<u8> {
     }
     head += &format!("# machine: {}\n", all(&|made| made.machine.clone()));
     head += &format!("# date: {}\n", all(&|made| made.date.clone()));
-    head += &format!("# command: coronet study {}\n", study.display());
+    let study = quoted(&study.display().to_string());
+    head += &format!("# command: coronet study {study}\n");
     [head.into_bytes(), table.to_vec()].concat()
 }
 

@@ -41,7 +41,7 @@ pub fn frame(body: impl Fn(f64, f64) -> Option<u8>) -> Frame {
         for k in 0..50 {
             let [mut r, z] = [i, k].map(|n| (f64::from(n) + 0.5) * SPACING);
             let Some(body) = body(r, z) else { continue };
-            let mass = DENSITY * SPACING.powi(3) * ring::settle(&mut r, SPACING);
+            let mass = DENSITY * SPACING.powi(3) * ring::settle(&mut r, SPACING, SPACING);
             frame.id.push(frame.id.len() as u32);
             frame.body.push(body);
             frame.pressure.push(1.0);

@@ -114,3 +114,63 @@ fn viscous_drops_become_round_as_in_stokes_flow() {
         assert!((found / theory - 1.0).abs() < 0.1, "{found} {theory}");
     }
 }
+
+/// Vortices of a liquid so viscous that its limit rules the step die out with every form, with the
+/// single-rate scheme and with MPS whose Laplacian is narrower than its gradient: modes of one
+/// spacing must not grow.
+#[test]
+fn a_step_at_the_viscous_limit_is_stable() {
+    let wcsph = "[method.wcsph]
+time_stepping = { adaptive = { safety = 1 } }";
+    let mps = "[method.mps]
+radius = 3.1
+laplacian_radius = 2.1";
+    let cases = [
+        ("wcsph", wcsph, "morris"),
+        ("wcsph", wcsph, "two-term"),
+        ("wcsph", wcsph, "two-term-exact"),
+        ("wcsph", wcsph, "cleary"),
+        ("wcsph", wcsph, "central"),
+        ("mps", mps, "morris"),
+        ("mps", mps, "central"),
+    ];
+    for (method, settings, form) in cases {
+        let text = format!(
+            "dimension = 2
+[box]
+size = ['10 mm', '10 mm']
+x = 'periodic'
+z = 'periodic'
+[liquid]
+density = '1000 kg/m^3'
+[effects.viscosity]
+dynamic = '2 Pa s'
+form = '{form}'
+[body.liquid]
+rectangle = {{ low = [0, 0], high = ['10 mm', '10 mm'] }}
+taylor_green = {{ speed = '0.1 m/s' }}
+[pack]
+spacing = '0.5 mm'
+arrangement = 'lattice'
+[impact]
+end = '10 ms'
+[frames]
+interval = '5 ms'
+[method]
+name = '{method}'
+{settings}
+"
+        );
+        let mut run = Simulation::new(&scene(&text).unwrap()).unwrap();
+        let (mut first, mut last) = (None, 0.0);
+        run.run(|frame, _| {
+            let squares = |v: &Vec<f32>| v.iter().map(|v| (*v as f64).powi(2)).sum::<f64>();
+            last = frame.velocity.iter().map(squares).sum();
+            first.get_or_insert(last);
+        })
+        .unwrap();
+        let left = last / first.unwrap();
+        println!("{method} {form}: {left:.1e} of the kinetic energy is left");
+        assert!(left < 1e-4, "{method} {form}: {left}");
+    }
+}

@@ -347,3 +347,21 @@ fn detected_surfaces_are_the_outermost_layer() {
         assert!((0..local.len()).all(seen), "{dimension:?}");
     }
 }
+
+/// Two particles alone that come together have more weight than a full support, and an equation.
+#[test]
+fn a_pair_alone_is_never_without_what_it_lacks() {
+    for dimension in [2, 3] {
+        let closure = Completion::of::<WendlandC2>(KernelName::WendlandC2, dimension, SMOOTHING);
+        let alone = WendlandC2::norm(dimension) / SMOOTHING.powi(dimension as i32);
+        for q in [1.0, 0.1, 0.03, 0.0] {
+            let sum = alone * (WendlandC2::w(0.0) + WendlandC2::w(q));
+            let slope = alone * WendlandC2::slope(q) * q;
+            // Densities of a half on both sides.
+            let degree = 4.0 * -WendlandC2::slope(q);
+            let moment = [degree * q, 0.0, 0.0];
+            let lack = closure.surface(sum, [slope, 0.0, 0.0], degree, moment);
+            assert!(lack > 0.03 * closure.full(), "{dimension}, {q}: {lack}");
+        }
+    }
+}

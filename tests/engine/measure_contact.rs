@@ -69,14 +69,17 @@ fn caps_have_their_contact_angle() {
     }
 }
 
-/// A film with hollow edges, and liquid that does not touch the floor, have no angle.
+/// A film with hollow edges, a drop flattened by gravity, which is on no circle, and liquid that
+/// does not touch the floor have no angle.
 #[test]
 fn what_is_no_drop_on_the_floor_has_no_angle() {
     let scene = dry(Dimension::Two, 0.1);
     let film = |x: f64, z: f64| z < 0.45 + 0.05 * (0.5 * (x - 12.0)).powi(2) && z < 1.2;
+    let flat = |x: f64, z: f64| ((x - 12.0) / 6.0).powi(4) + (z / 3.0).powi(4) < 1.0;
     let hanging = |x: f64, z: f64| (x - 12.0).hypot(z - 6.0) < 3.0;
     for (name, is_inside) in [
         ("film", &film as &dyn Fn(f64, f64) -> bool),
+        ("flat", &flat),
         ("hanging", &hanging),
     ] {
         let row = Gauge::new(&scene).measure(&lattice(&scene, |x, _, z| is_inside(x, z)));

@@ -208,3 +208,27 @@ fn liquid_that_reaches_the_sides_is_told() {
         "{text}"
     );
 }
+
+/// The budget books what pressure gives, so that nothing is unexplained.
+#[test]
+fn energy_that_pressure_gives_is_told() {
+    let ended = |given: f64| {
+        let row = |time: f64, given: f64| {
+            [
+                ("time_s", time),
+                ("mass_kg", 1.0),
+                ("kinetic_energy_J", 2.0),
+                ("pressure_work_J", given),
+                ("energy_unexplained_J", 0.0),
+            ]
+        };
+        warned(&rows([row(0.0, 0.0), row(1.0, given)]), None)
+    };
+    assert_eq!(ended(0.2), []);
+    assert_eq!(ended(-1.5), []);
+    let text = ended(0.5)[0].to_string();
+    assert!(
+        text.contains("pressure_work_J") && text.contains("25.0 %"),
+        "{text}"
+    );
+}

@@ -4,7 +4,7 @@ use coronet::measure::gauge::Gauge;
 use coronet::measure::kind::Kind;
 use coronet::measure::series::Row;
 use coronet::particle::Frame;
-use coronet::scene::{Dimension, Motion, Rings, Scene};
+use coronet::scene::{Dimension, Motion, Rings, Scene, Shape};
 use std::f64::consts::PI;
 
 use crate::measure_splash::{DEPTH, SIDE, Splash, lattice, pool_scene, push, splash};
@@ -326,4 +326,19 @@ fn the_axis_is_where_the_drop_lands() {
     let size = scene.domain.size[0];
     let expected = (before.at[0] + 100.0 * way).rem_euclid(size);
     assert!((landed.at[0] - expected).abs() < 1e-9, "{}", landed.at[0]);
+}
+
+#[test]
+fn the_diameter_of_an_ellipsoid_is_that_of_equal_volume() {
+    let mut flat = pool_scene(Dimension::Three, 0.5);
+    let (centre, semi_axes) = ([12e-3; 3], [1e-3, 2e-3, 4e-3]);
+    flat.bodies[1].shape = Shape::Ellipsoid { centre, semi_axes };
+    let Kind::Pool(axis) = Kind::new(&flat) else {
+        panic!("not a pool");
+    };
+    assert!(
+        (axis.diameter / 4e-3 - 1.0).abs() < 1e-12,
+        "{}",
+        axis.diameter
+    );
 }

@@ -252,6 +252,33 @@ fn drop_and_pool_have_their_colours_in_section_and_view() {
     assert_eq!(edges.filter(|c| is_orange(*c) || is_cold(*c)).count(), 0);
 }
 
+/// Of a box 20 mm deep and more 1 mm, of one of 0.4 mm a twentieth, of one of few spacings one.
+#[test]
+fn a_section_is_thin_beside_its_box() {
+    let mut scene = pool_scene(Dimension::Three, 0.5);
+    let frame = splash(&scene, &Splash::default());
+    scene.domain.size[1] = 24e-3;
+    assert_eq!(
+        section::words(&scene).split(" through").next(),
+        Some("Section of 1 mm")
+    );
+    let share = |k: f32| {
+        let mut scene = scene.clone();
+        let mut frame = frame.clone();
+        scene.spacing *= k as f64;
+        scene.domain.size = scene.domain.size.map(|side| side * k as f64);
+        for along in &mut frame.position {
+            along.iter_mut().for_each(|x| *x *= k);
+        }
+        let at = 0.5 * scene.domain.size[1];
+        let picture = Section::new(&scene, &frame, at, String::new());
+        let picture = picture.draw(&scene, 20e-3 * k as f64);
+        has(&picture, |c| c != [255, 255, 255]) as f64 / (picture.width * picture.height) as f64
+    };
+    let [whole, tiny] = [1.0, 0.01].map(share);
+    assert!((tiny / whole - 1.0).abs() < 0.02, "{whole} {tiny}");
+}
+
 #[test]
 fn a_section_has_a_floor_where_there_is_a_wall_and_no_liquid_behind_its_label() {
     let mut scene = pool_scene(Dimension::Two, 0.5);

@@ -217,3 +217,32 @@ fn a_pool_that_was_not_relaxed_settles() {
     done.unwrap();
     assert_eq!(last, 3e-3);
 }
+
+/// What a lattice has of compression at the start is no energy of the first step.
+#[test]
+fn summed_density_and_dual_steps_begin() {
+    let text = "dimension = 2
+[box]
+size = ['6 mm', '6 mm']
+x = 'wall'
+z = ['wall', 'open']
+[liquid]
+density = '1000 kg/m^3'
+[effects.gravity]
+acceleration = '9.81 m/s^2'
+[body.pool]
+layer = { depth = '3 mm' }
+[pack]
+spacing = '0.5 mm'
+arrangement = 'lattice'
+[impact]
+end = '5 ms'
+[frames]
+interval = '1 ms'
+[method.wcsph]
+density = 'summation'
+wall_pressure = 'summation'
+";
+    let mut run = Simulation::new(&coronet::simulate::scene(text).unwrap()).unwrap();
+    run.run(|_, _| ()).unwrap();
+}

@@ -239,3 +239,48 @@ fn packing_stops_when_told_to() {
         );
     }
 }
+
+/// The rows of a wall beside a pool end where it ends, whatever its depth: at rest nobody is in it.
+#[test]
+fn a_pool_of_any_depth_is_not_pressed_into_the_wall_beside_it() {
+    for depth in [8.0, 8.25, 8.44, 8.56, 8.8] {
+        let layer = Shape::Layer { depth: depth * S0 };
+        let mut scene = scene(Dimension::Two, [20.0, 0.0, 16.0], layer);
+        scene.problem.domain.boundary[0] = [Side::Wall; 2];
+        scene.pack.iterations = 2000;
+        let (pool, _) = packed(&scene);
+        let highest = pool.position[2].iter().fold(0.0, |z: f64, x| z.max(*x)) / S0;
+        let beside = pool.position[0].iter().map(|x| x / S0);
+        let least = beside.fold(f64::INFINITY, |least, x| least.min(x).min(20.0 - x));
+        println!("{depth}: {least:.3} from the walls, {highest:.3} high");
+        assert!(least > 0.2, "{depth}: {least}");
+        assert!((highest - depth).abs() < 0.6, "{depth}: {highest}");
+    }
+}
+
+/// No spacing resolves the rim: it is packed as the sharpest that one does.
+#[test]
+fn a_flat_ellipsoid_is_packed() {
+    for (dimension, thick) in [
+        (Dimension::Two, 1.2),
+        (Dimension::Two, 2.4),
+        (Dimension::Three, 1.6),
+    ] {
+        let wide = if dimension == Dimension::Two {
+            24.0
+        } else {
+            12.0
+        };
+        let ellipsoid = Shape::Ellipsoid {
+            centre: [0.01; 3],
+            semi_axes: [wide * S0, wide * S0, thick * S0],
+        };
+        let mut scene = scene(dimension, [60.0; 3], ellipsoid);
+        scene.pack.iterations = 2000;
+        scene.pack.tolerance = 1.0;
+        let packed = pack(&scene.pack_input(0), &mut |_| Continue(()));
+        let (_, report) = packed.unwrap_or_else(|error| panic!("{thick}: {error}"));
+        println!("{dimension:?} {thick}: {} iterations", report.iterations);
+        assert!(report.nearest.least > 0.5, "{thick}: {report:?}");
+    }
+}

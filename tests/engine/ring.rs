@@ -5,7 +5,7 @@ use coronet::kernel::ring::{FAR, Rings};
 use coronet::kernel::{Kernel, WendlandC2};
 use coronet::measure::series::Series;
 use coronet::method::{self, Phase, Solver};
-use coronet::particle::State;
+use coronet::particle::{State, ring};
 use coronet::scene::{Precision, Scene, file};
 use coronet::simulate::Simulation;
 use coronet::space::lane::{self, Job, Lanes, Real, WIDTH};
@@ -304,4 +304,45 @@ fn what_is_not_of_revolution_is_refused_with_the_reason() {
         };
         assert!(error.contains(reason), "{error}");
     }
+}
+
+/// No area is far above root 2 cells while a disc collapses to its axis and rises there, whatever
+/// the length of a step.
+#[test]
+fn areas_of_rings_stay_near_their_limits() {
+    for method in ["wcsph", "isph", "mps"] {
+        let text = format!(
+            "[box]\nsize = ['8 mm', '8 mm', '8 mm']\nx = 'open'\ny = 'open'\nz = 'open'\n\
+             symmetry = 'axis'\n[liquid]\ndensity = '998 kg/m^3'\n\
+             [effects.viscosity]\ndynamic = '1 mPa s'\n\
+             [effects.tension]\ncoefficient = '72.8 mN/m'\n[body.drop]\n\
+             ellipsoid = {{ semi_axes = ['3 mm', '3 mm', '0.5 mm'], centre = ['4 mm', '4 mm', \
+             '4 mm'] }}\n[pack]\nspacing = '0.125 mm'\narrangement = 'lattice'\n\
+             [impact]\nend = '8 ms'\n[frames]\ninterval = '0.1 ms'\n\
+             [method]\nname = '{method}'\n"
+        );
+        let scene = coronet::simulate::scene(&text).unwrap();
+        let mut run = Simulation::new(&scene).unwrap();
+        let mut largest = 0.0_f64;
+        run.run(|frame, _| {
+            for i in 0..frame.id.len() {
+                let radius = (frame.position[0][i] as f64).max(0.5 * 0.125e-3);
+                let area = frame.mass[i] as f64 / (998.0 * 2.0 * PI * radius * 0.125e-3f64.powi(2));
+                largest = largest.max(area);
+            }
+        })
+        .unwrap();
+        println!("{method}: {largest:.2} cells");
+        assert!(largest < 1.8, "{method}: {largest}");
+    }
+}
+
+/// Columns that are a pitch apart go where those of a lattice are at rest.
+#[test]
+fn columns_of_a_stretched_lattice_settle() {
+    let [mut plain, mut stretched] = [0.5e-3, 0.55e-3];
+    let mass = ring::settle(&mut plain, 1e-3, 1e-3);
+    let wide = ring::settle(&mut stretched, 1.1e-3, 1e-3);
+    assert!((stretched / plain - 1.1).abs() < 1e-12);
+    assert!((wide / mass - 1.1).abs() < 1e-12);
 }

@@ -293,6 +293,12 @@ fn sides_walls_and_times_are_checked() {
             "adaptive",
         ],
     );
+    let sets = [
+        "effects.viscosity.dynamic=20 Pa s",
+        "method.wcsph.time_stepping={ fixed = { step = \"4 us\" } }",
+    ];
+    let viscous = file::read(SMALL, Path::new("small.toml"), &sets.map(String::from)).unwrap_err();
+    holds(&viscous.to_string(), &["above the viscous limit of"]);
     let none = SMALL.replace("[body.", "[post.");
     let error = file::read(&none, Path::new("small.toml"), &[])
         .unwrap_err()

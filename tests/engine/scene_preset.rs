@@ -1,7 +1,8 @@
 //! What presets supply where the scene asks for something else.
 
-use super::scene_file::small;
-use coronet::scene::{Gradient, Method, TensionForm};
+use super::scene_file::{SMALL, small};
+use coronet::scene::{Gradient, Method, TensionForm, file};
+use std::path::Path;
 
 /// Where the energy of the surface is not served, `modern` has the stress; angles of MPS too.
 #[test]
@@ -40,4 +41,18 @@ fn presets_follow_what_the_scene_says() {
     let wets = [&corrected[..], &["effects.wetting.angle=60 deg"]].concat();
     assert_eq!(form(&corrected), TensionForm::NumberDensityExact);
     assert_eq!(form(&wets), TensionForm::RawColour);
+}
+
+#[test]
+fn mps_has_two_viscous_forms() {
+    let form = |form: &str| {
+        let form = format!("effects.viscosity.form={form}");
+        let sets = ["method.name=mps".to_string(), form];
+        file::read(SMALL, Path::new("small.toml"), &sets)
+    };
+    assert!(form("morris").is_ok() && form("central").is_ok());
+    let cleary = form("cleary").unwrap_err().to_string();
+    for part in ["effects.viscosity.form", "no form of mps", "central"] {
+        assert!(cleary.contains(part), "{cleary}");
+    }
 }

@@ -43,18 +43,7 @@ done
 echo "7;cluster"
 "#;
 
-const HQ: &str = r#"#!/bin/bash
-echo "$*" >> hq.log
-case "$*" in
-*submit*)
-    for word in "$@"; do case $word in --array=*) tasks=${word#--array=} ;; esac; done
-    for task in ${tasks//,/ }; do HQ_TASK_ID=$task bash "${!#}" >> tasks.log 2>&1; done
-    echo 7 ;;
-*"task list 7"*) echo '{"7": [{"id": 1, "state": "finished"}, {"id": 2, "state": "failed"}]}' ;;
-esac
-"#;
-
-fn program(commands: &[(&str, &str)]) -> Program {
+pub fn program(commands: &[(&str, &str)]) -> Program {
     let program = Program::with("study.toml", STUDY);
     fs::create_dir(program.path("bin")).unwrap();
     for (name, text) in commands {
@@ -77,19 +66,23 @@ fn slurm() -> Program {
 }
 
 /// `coronet study study.toml` with more arguments, beside the stand-ins.
-fn study(program: &Program, more: &[&str]) -> Ended {
-    let mut command = program.command(&["study", "study.toml"]);
+pub fn study(program: &Program, more: &[&str]) -> Ended {
+    study_of(program, "study.toml", more)
+}
+
+pub fn study_of(program: &Program, file: &str, more: &[&str]) -> Ended {
+    let mut command = program.command(&["study", file]);
     let path = format!("{}:/usr/bin:/bin", program.path("bin").display());
     command.args(more).env("PATH", path);
     command.output().unwrap().into()
 }
 
-fn read(program: &Program, name: &str) -> String {
+pub fn read(program: &Program, name: &str) -> String {
     fs::read_to_string(program.path(name)).unwrap_or_default()
 }
 
 /// The table without the times.
-fn table(program: &Program) -> Vec<String> {
+pub fn table(program: &Program) -> Vec<String> {
     let text = read(program, "artifacts/latest/study/figures.csv");
     let lines = text.lines();
     lines
@@ -98,7 +91,7 @@ fn table(program: &Program) -> Vec<String> {
 }
 
 /// The local table, which others must equal.
-fn local() -> Vec<String> {
+pub fn local() -> Vec<String> {
     let program = program(&[]);
     study(&program, &[]).well();
     let table = table(&program);
@@ -221,27 +214,6 @@ fn points_of_another_store_come_from_the_remote_store() {
 }
 
 #[test]
-fn a_study_on_hyperqueue_has_the_table_of_a_local_one() {
-    let program = program(&[("hq", HQ)]);
-    study(&program, &["--on", "hq", "--time", "1h", "--memory", "2G"]).well();
-    assert_eq!(table(&program), local());
-    let said = read(&program, "hq.log");
-    let first = said.lines().next().unwrap();
-    assert!(first.starts_with("--output-mode quiet submit "), "{first}");
-    for word in [
-        "--array=1,2,3,4",
-        "--cpus=1",
-        "--resource=mem=2000",
-        "--time-limit=1h",
-        " -- bash ",
-    ] {
-        assert!(first.contains(word), "{word}: {first}");
-    }
-    study(&program, &["--on", "hq"]).well();
-    assert_eq!(read(&program, "hq.log").matches("submit").count(), 1);
-}
-
-#[test]
 fn a_profile_is_read_and_options_come_first() {
     let program = slurm();
     let text = "partition = \"long\"\naccount = \"fluid\"\nmemory = \"3G\"\ncores = 4\n\
@@ -351,11 +323,18 @@ fn a_study_of_the_same_name_is_refused() {
     for name in ["study.toml", "tiny.toml"] {
         fs::copy(program.path(name), program.path("b").join(name)).unwrap();
     }
-    for more in [&[][..], &["--look"], &["--cancel"]] {
-        let mut command = program.command(&["study", "b/study.toml", "--on", "slurm"]);
-        let path = format!("{}:/usr/bin:/bin", program.path("bin").display());
-        command.args(more).env("PATH", path);
-        let ended: Ended = command.output().unwrap().into();
+    // A copy in another folder is the same study.
+    study_of(&program, "b/study.toml", &["--on", "slurm", "--look"]).well();
+    let text = read(&program, "study.toml") + "# another\n";
+    fs::write(program.path("b/study.toml"), text).unwrap();
+    let slurm = ["--on", "slurm"];
+    for more in [
+        &slurm[..],
+        &["--on", "slurm", "--look"],
+        &["--on", "slurm", "--cancel"],
+        &[],
+    ] {
+        let ended = study_of(&program, "b/study.toml", more);
         ended.badly(2, &["b/study.toml", "has the name of", "--artifacts"]);
     }
     assert_eq!(read(&program, "scancel.log"), "");

@@ -81,6 +81,10 @@ fn column(table: &str, name: &str) -> Vec<Option<f64>> {
 fn figures_are_those_of_the_measures() {
     let of_isph = "[[figure]]\nname = \"iterations\"\ncolumn = \"pressure_iterations\"\n";
     let program = program(&(STUDY.to_string() + of_isph));
+    // Of a form that the study had before.
+    let old = program.path("artifacts/latest/study/promises.md");
+    fs::create_dir_all(old.parent().unwrap()).unwrap();
+    fs::write(&old, "old").unwrap();
     let said = program.call(&["study", "study.toml"]).well();
     let warning = "warning: wcsph, 71 does not measure `pressure_iterations`";
     assert!(said.err.contains(warning), "{}", said.err);
@@ -89,6 +93,7 @@ fn figures_are_those_of_the_measures() {
         "{}",
         said.out
     );
+    assert!(!old.exists());
     let read = |name: &str| fs::read_to_string(program.path(&format!("artifacts/latest/{name}")));
     let table = read("study/figures.csv").unwrap();
     let found = |name: &str| column(&table, name);

@@ -78,6 +78,10 @@ fn recover_saves_frames_or_fails_and_never_writes_over_a_file() {
         let ended = program.call(&["recover", "cut.mcap", taken]);
         ended.badly(2, &[taken, "name another file"]);
     }
+    fs::create_dir(program.path("result")).unwrap();
+    fs::write(program.path("result/stamp.json"), "{}").unwrap();
+    let ended = program.call(&["recover", "cut.mcap", "result/frames.mcap"]);
+    ended.badly(2, &["result/frames.mcap", "that of a result"]);
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("cut.mcap", program.path("link.mcap")).unwrap();

@@ -13,6 +13,8 @@ mod export;
 mod fault;
 mod figures;
 mod golden;
+#[cfg(unix)]
+mod hyperqueue;
 mod inspect;
 mod keys;
 mod laboratory;

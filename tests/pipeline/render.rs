@@ -214,13 +214,17 @@ fn a_stopped_attempt_does_not_stand_for_the_run_that_ended() {
     child.wait().unwrap();
     let state = || program.call(&["list", "--json"]).well().objects()[0]["state"].clone();
     assert_eq!(state(), "unfinished");
+    let ends_as_the_first = || {
+        let export = ["export", "tiny", "--to", "csv", "--output", "tables"];
+        let printed = program.call(&export).well().out;
+        let index = fs::read_to_string(program.path("tables/frames.csv")).unwrap();
+        let last = index.lines().last().unwrap();
+        assert!(last.contains("0.004"), "{printed}{last}");
+    };
+    ends_as_the_first();
     program.run(&[]);
     assert_eq!(state(), "finished");
-    let export = ["export", "tiny", "--to", "csv", "--output", "tables"];
-    let printed = program.call(&export).well().out;
-    let index = fs::read_to_string(program.path("tables/frames.csv")).unwrap();
-    let last = index.lines().last().unwrap();
-    assert!(last.contains("0.004"), "{printed}{last}");
+    ends_as_the_first();
     let inside = ["export", "tiny", "--to", "csv", "--output", "artifacts/a"];
     program.call(&inside).badly(2, &["among results"]);
 }

@@ -7,7 +7,7 @@ use crate::draw::sheet::{POINT, Sheet, Text, Weight};
 use crate::scene::FigureStyle;
 
 /// Margins, ems.
-const LEFT: f64 = 4.4;
+const LEFT: f64 = 5.2;
 const RIGHT: f64 = 6.6;
 const TOP: f64 = 2.6;
 const BOTTOM: f64 = 3.4;

@@ -22,7 +22,7 @@ use crate::measure::gauge::{Gauge, Start};
 use crate::measure::kind::{Kind, contact, contact_within};
 use crate::measure::loss;
 use crate::measure::norm::{Norm, compare};
-use crate::measure::pool::Axis;
+use crate::measure::pool::{self, Axis};
 use crate::measure::series::{Reference, Row, Series, SeriesError};
 use crate::measure::summary;
 use crate::measure::whole::Unfold;
@@ -284,7 +284,7 @@ impl Post {
         if self.series.is_empty() {
             return Err(PostError::Empty);
         }
-        self.blank_early_jet();
+        pool::blank_early_jet(&mut self.series, self.shift);
         self.series.write(&self.out.join("measures.csv"))?;
         let mut report = Report {
             title: match self.scene.title.as_str() {
@@ -341,20 +341,6 @@ impl Post {
             losses,
             files,
         })
-    }
-
-    /// Before the crater is deepest there is no jet: the liquid at the axis is the drop.
-    fn blank_early_jet(&mut self) {
-        let series = self.series.window(self.shift, f64::INFINITY);
-        let deepest = series.maximum("crater_depth_m").map(|(_, t)| t);
-        let times = self.series.time().to_vec();
-        if let Some(jet) = self.series.column_mut("jet_height_m") {
-            for (height, time) in jet.iter_mut().zip(times) {
-                if deepest.is_none_or(|t| time <= t) {
-                    *height = f64::NAN;
-                }
-            }
-        }
     }
 
     fn norms(&self) -> Vec<Norm> {

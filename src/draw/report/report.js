@@ -309,11 +309,14 @@
   const [slider, clock, play] = [element("time"), element("clock"), element("play")];
   slider.max = film.shots.length - 1;
   slider.value = 0;
+  const { ms: last } = film.shots[film.shots.length - 1];
+  const apart = (last - film.shots[0].ms) / Math.max(1, film.shots.length - 1);
+  const places = Math.min(6, Math.max(2, 1 - Math.floor(Math.log10(apart || 1))));
   const show = async (index) => {
     wanted = index;
     slider.value = index;
     const { ms } = film.shots[index];
-    clock.textContent = `${ms.toFixed(2)} ms`.replace("-", "\u2212");
+    clock.textContent = `${ms.toFixed(places)} ms`.replace("-", "\u2212");
     times.forEach((show) => show(ms));
     const loaded = await load(film.shots[index]);
     const drop = ({ array, parts }) => {

@@ -179,7 +179,7 @@ impl Shore {
         let reach = [0, 2].map(|a| lattice.within(a, 2.0 * length) + 1);
         let column = |i: i64| {
             let mut radius = lattice.middle(0, i);
-            let mass = ring::settle(&mut radius, self.spacing);
+            let mass = ring::settle(&mut radius, lattice.pitch[0], self.spacing);
             (radius / length, mass)
         };
         // Two rings see each other by their columns and by how far they are apart.

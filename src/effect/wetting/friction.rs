@@ -62,16 +62,17 @@ impl Hold {
         across.map(|a| speed * a)
     }
 
-    /// Speed across the line, m/s.
-    fn speed(&self, velocity: [f64; 3]) -> f64 {
-        let squares = self.part(velocity).map(|v| v.powi(2));
-        squares.iter().sum::<f64>().sqrt()
+    /// [`Hold::part`] and its size, m/s.
+    fn moving(&self, velocity: [f64; 3]) -> ([f64; 3], f64) {
+        let part = self.part(velocity);
+        let squares = part.map(|v| v.powi(2));
+        (part, squares.iter().sum::<f64>().sqrt())
     }
 
     /// Velocity, m/s, of a particle after friction acted on it for `dt` s.
     #[inline(always)]
     pub fn slowed(&self, velocity: [f64; 3], dt: f64) -> [f64; 3] {
-        let (part, speed) = (self.part(velocity), self.speed(velocity));
+        let (part, speed) = self.moving(velocity);
         if speed == 0.0 {
             return velocity;
         }
@@ -110,7 +111,7 @@ impl Friction {
         into: &mut [Hold],
     ) {
         self.means.clear(flow);
-        let speed = |i: usize, hold: &Hold| hold.speed([0, 1, 2].map(|a| velocity[a][i]));
+        let speed = |i: usize, hold: &Hold| hold.moving([0, 1, 2].map(|a| velocity[a][i])).1;
         for (&i, hold) in lines.iter().zip(&self.hold) {
             let weight = hold.size();
             let moving = weight * speed(i as usize, hold) as f32;

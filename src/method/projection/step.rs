@@ -41,7 +41,7 @@ impl<S: Scheme> Projection<S> {
                 done = self.solution.outcome.converged;
             }
             self.peak = self.peak();
-            let stable = self.elastic().max(self.settings.shortest);
+            let stable = self.elastic();
             let last = attempt == HALVINGS;
             let short = dt <= 2.0 * stable || last;
             if done && short {
@@ -106,10 +106,11 @@ impl<S: Scheme> Projection<S> {
         if self.scheme.is_symmetric() {
             least = least.min(self.elastic());
         }
+        // Only what is a matter of accuracy has a least length, not what is one of stability.
         let (shortest, longest) = (self.settings.shortest, self.settings.longest);
         self.advective()
-            .min(least)
             .clamp(shortest, longest)
+            .min(least)
             .min(IDLE)
     }
 

@@ -173,8 +173,9 @@ pub struct Completion {
     pub share: Share,
 }
 
-/// Part of a full support that spray lacks at least: weights that grow as particles come near can
-/// be more for a pair than for a full support, and their equation would be singular.
+/// Part of a full support that spray lacks at least: weights grow as particles come near, and with
+/// their densities in spray, and can be more for a pair than for a full support; its equation would
+/// be singular.
 const SPARE: f64 = 0.1;
 
 /// Kernel sums between which a particle counts as film or spray, from wholly to not at all: those
@@ -213,7 +214,7 @@ impl Completion {
             from,
             to: 0.5 * (1.0 + from),
             least: 0.25 / smoothing,
-            spare: 0.0,
+            spare: SPARE * full,
             share,
         }
     }
@@ -260,7 +261,7 @@ impl Completion {
         }
     }
 
-    /// The same for other weights w, which have no bound, with their sum over a full support.
+    /// The same for other weights w, with their sum over a full support.
     pub fn with_full(self, full: f64) -> Self {
         let spare = SPARE * full;
         Completion {

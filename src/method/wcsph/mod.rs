@@ -154,6 +154,11 @@ impl<K: Kernel, V: PairViscosity> Wcsph<K, V> {
         } else if solver.liquid.lacks_surface() {
             solver.find_surface();
         }
+        if is_dual && solver.model.diffusion().is_none() && solver.liquid.now.step == 0 {
+            // The bound of the first step sees what is compressed already.
+            solver.rebuild();
+            solver.sum_density();
+        }
         solver
     }
 

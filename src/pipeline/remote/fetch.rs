@@ -20,6 +20,8 @@ use crate::record::checkpoint;
 
 /// Part of the free disk that a result may need.
 const OF_DISK: f64 = 0.9;
+/// Bytes that no result has.
+const HUGE: f64 = 1e15;
 /// Part of the memory that a decoded checkpoint may need.
 const OF_MEMORY: f64 = 0.5;
 
@@ -74,6 +76,7 @@ fn arrive(
         other => other.map_err(|error| bad(format!("is damaged: {error}")))?,
     };
     check_stamp(&stamp, wanted).map_err(bad)?;
+    check_room(&stamp, wanted.folder)?;
     for output in &stamp.outputs {
         fetch_file(objects, output, out)?;
     }
@@ -137,14 +140,29 @@ fn check_stamp(stamp: &Stamp, wanted: &Wanted) -> Result<(), String> {
             return Err(format!("names {name:?} inside another file"));
         }
     }
-    let sizes = stamp.outputs.iter().map(|output| output.bytes as f64);
-    let (size, free) = (sizes.sum::<f64>(), machine::free_disk(wanted.folder));
-    if size > OF_DISK * free {
-        return Err(format!(
-            "claims {size:.2e} bytes; the disk has {free:.2e} free"
-        ));
+    let size = size(stamp);
+    match size > HUGE {
+        true => Err(format!("claims {size:.2e} bytes")),
+        false => Ok(()),
     }
-    Ok(())
+}
+
+/// Of all files of a result, bytes.
+fn size(stamp: &Stamp) -> f64 {
+    let sizes = stamp.outputs.iter().map(|output| output.bytes as f64);
+    sizes.sum()
+}
+
+/// Whether the disk has room for a result.
+fn check_room(stamp: &Stamp, folder: &Path) -> Result<(), RemoteError> {
+    let (size, free) = (size(stamp), machine::free_disk(folder));
+    match size > OF_DISK * free {
+        true => Err(RemoteError::TooLarge(format!(
+            "{} has {size:.2e} bytes; the disk here has {free:.2e} free",
+            stamp.label()
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// Longest name from elsewhere, bytes: shorter than the path of a file may be.
@@ -186,8 +204,10 @@ fn fetch_file(objects: &dyn Objects, output: &OutputStamp, out: &Path) -> Result
             .sum();
         let memory = machine::memory();
         if decoded > OF_MEMORY * memory {
-            let what = format!("needs {decoded:.2e} bytes decoded; memory has {memory:.2e}");
-            return Err(bad(what));
+            return Err(RemoteError::TooLarge(format!(
+                "{name} ({}): needs {decoded:.2e} bytes decoded; memory has {memory:.2e}",
+                output.file
+            )));
         }
     }
     verify::check(out, &path, output).map_err(failed)

@@ -68,6 +68,9 @@ pub enum RemoteError {
         /// What is wrong.
         what: String,
     },
+    /// A result is too large for this machine, as it says of itself.
+    #[error("{0}")]
+    TooLarge(String),
     /// A file of this machine cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),

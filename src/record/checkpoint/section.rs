@@ -183,9 +183,9 @@ pub fn unpack(section: &Section, bytes: &[u8]) -> Result<Array, Unreadable> {
 pub fn length(section: &Section) -> Result<u64, String> {
     let length = section.count.checked_mul(section.element.size() as u64);
     let most = section.compressed.saturating_mul(LARGEST_EXPANSION);
-    let least = |length: u64| length.saturating_add(length / 64 + OVERHEAD);
+    let most_packed = |length: u64| length.saturating_add(length / 64 + OVERHEAD);
     match length {
-        Some(length) if length <= most && section.compressed <= least(length) => Ok(length),
+        Some(length) if length <= most && section.compressed <= most_packed(length) => Ok(length),
         _ => Err(format!(
             "array {:?} of {} elements in {} bytes",
             section.name, section.count, section.compressed

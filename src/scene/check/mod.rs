@@ -2,6 +2,7 @@
 
 mod axis;
 mod gradient;
+mod method;
 mod spacing;
 mod stop;
 mod tension;
@@ -15,7 +16,7 @@ use super::stage::LONGEST_REFERENCE;
 use super::tree::Tree;
 use super::{
     AXES, Clock, Dimension, Method, Motion, Projection, Scene, Shape, Side, TimeStepping, Wetting,
-    numbers,
+    limit, numbers,
 };
 
 /// Largest number of bodies: they are numbered by a byte.
@@ -41,6 +42,7 @@ pub fn scene(scene: &Scene, tree: &Tree<'_>, folder: &Path) -> Result<(), SceneE
     found.take(vortices(scene, tree));
     found.take(axis::check(scene, tree));
     found.take(gradient::check(scene, tree));
+    found.take(method::check(scene, tree));
     found.take(tension::check(scene, tree));
     found.take(times(scene, tree));
     found.take(stop::check(scene, tree));
@@ -211,8 +213,11 @@ fn mirrors(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
         }
         if scene.domain.size[axis] < MIRRORED * reach {
             let widened = widened(scene);
-            let problem =
-                format!("has mirrors in {name}, over less than {MIRRORED} kernels{widened}");
+            let has = match scene.domain.is_axial() {
+                true => "has a radius of".to_string(),
+                false => format!("has mirrors in {name}, over"),
+            };
+            let problem = format!("{has} less than {MIRRORED} kernels{widened}");
             // A symmetry cuts half of what the file says.
             let parts = match tree.get("box.symmetry") {
                 Some(_) => 2.0,
@@ -261,11 +266,11 @@ fn times(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
     let TimeStepping::Fixed { step } = settings.time_stepping else {
         return Ok(());
     };
-    let limit = numbers::unstable_step(scene);
+    let (name, limit) = unstable_step(scene);
     if step > limit {
         let key = "method.wcsph.time_stepping.fixed.step";
         let problem = format!(
-            "takes fixed steps of {}, above the acoustic limit of {}",
+            "takes fixed steps of {}, above the {name} limit of {}",
             legible(step, Unit::Time),
             legible(limit, Unit::Time)
         );
@@ -273,6 +278,20 @@ fn times(scene: &Scene, tree: &Tree<'_>) -> Result<(), SceneError> {
         return Err(tree.fault(key, &problem, &remedy));
     }
     Ok(())
+}
+
+/// The least limit of a fixed step by name, s: the acoustic one with the largest published
+/// constant, 0.6 h / (c + V), or the viscous one.
+fn unstable_step(scene: &Scene) -> (&'static str, f64) {
+    let h = numbers::smoothing_length(scene);
+    let acoustic = 0.6 * h / (numbers::sound_speed(scene) + numbers::reference_speed(scene));
+    match scene
+        .stiff_viscosity()
+        .map(|stiff| limit::viscous(h, scene.density, stiff))
+    {
+        Some(viscous) if viscous < acoustic => ("viscous", viscous),
+        _ => ("acoustic", acoustic),
+    }
 }
 
 fn steps(method: &str, settings: &Projection, tree: &Tree<'_>) -> Result<(), SceneError> {

@@ -11,6 +11,8 @@ mod wcsph;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::ViscosityForm;
+
 pub use isph::{Closure, Gradient, Isph};
 pub use mps::{Mps, MpsClosure, MpsGradient, MpsPressure};
 pub use projection::{PoissonSource, Preconditioner, Projection};
@@ -77,7 +79,7 @@ pub struct Pairs {
     pub precision: Precision,
     /// Extra reach of neighbour rows over the support, as a fraction of it: more makes rows longer,
     /// and the search less frequent.
-    #[schemars(range(min = 0.0, max = 0.5))]
+    #[schemars(range(min = 0.02, max = 0.5))]
     pub slack: f64,
 }
 
@@ -164,12 +166,28 @@ impl Method {
         }
     }
 
-    /// Strength of particle shifting; 0 turns it off.
+    /// Strength of particle shifting, which single-rate steps of WCSPH do not have; 0 turns it off.
     pub fn shifting(&self) -> f64 {
         match self {
+            Method::Wcsph(settings) if !settings.time_stepping.is_dual() => 0.0,
             Method::Wcsph(settings) => settings.shifting,
             Method::Isph(settings) => settings.projection.shifting,
             Method::Mps(settings) => settings.projection.shifting,
+        }
+    }
+
+    /// By what the limit 0.125 h^2 / nu of a step is divided for a viscous form in `space`
+    /// dimensions. The form of MPS has a radius of its own; `has_rings`: where it has not.
+    pub fn stiffness(&self, form: ViscosityForm, space: usize, has_rings: bool) -> f64 {
+        match self {
+            Method::Wcsph(settings) if !settings.time_stepping.is_dual() => {
+                form.single_rate_stiffness()
+            }
+            Method::Mps(settings) if !has_rings => {
+                let wider = (settings.radius / settings.laplacian_radius).max(1.0);
+                form.stiffness(space) * wider.powi(2)
+            }
+            _ => form.stiffness(space),
         }
     }
 

@@ -60,7 +60,7 @@ pub struct Mps {
     #[schemars(range(min = 2.0, max = 5.0))]
     pub laplacian_radius: f64,
     /// Distance over l0 below which the weight of gradients is constant.
-    #[schemars(range(min = 0.0, max = 1.5))]
+    #[schemars(range(min = 0.0, max = 0.9))]
     pub core: f64,
     /// Number density over n0 below which a particle is at the free surface.
     #[schemars(range(min = 0.5, max = 1.0))]

@@ -16,7 +16,7 @@ pub enum PoissonSource {
     Divergence {
         /// Part of the deviation of density that a step at the scene's speed removes.
         #[serde(default = "PoissonSource::density")]
-        #[schemars(range(min = 0.0, max = 1.0))]
+        #[schemars(range(min = 0.0, max = 0.2))]
         density: f64,
     },
 }
@@ -58,12 +58,12 @@ pub struct Projection {
     #[schemars(transform = not_negative)]
     pub shifting: f64,
     /// Part of a step after which the flow is divergence-free (theta method); 1: implicit Euler.
-    #[schemars(range(min = 0.5, max = 1.0))]
+    #[schemars(range(min = 0.55, max = 1.0))]
     pub theta: f64,
     /// Spacings that the fastest particle crosses in a step.
     #[schemars(range(min = 0.001, max = 5.0))]
     pub courant: f64,
-    /// Shortest time step.
+    /// Shortest step for the speed of the flow; limits of stability can be shorter.
     #[serde(with = "Time")]
     #[schemars(transform = positive)]
     pub shortest: f64,

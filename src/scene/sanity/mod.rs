@@ -6,6 +6,7 @@
 mod course;
 mod full;
 mod instants;
+mod method;
 mod values;
 
 use std::fmt;
@@ -67,6 +68,7 @@ impl Warning {
 pub fn warnings(scene: &Scene) -> Vec<Warning> {
     let mut all = values::all(scene);
     all.extend(gravity(scene));
+    all.extend(method::all(scene));
     all.extend(full::alternating(scene));
     all.extend(floor(scene));
     all.extend(flows_out(scene));

@@ -37,10 +37,15 @@ impl Limits<'_> {
         self.effects.limits(self.h, self.density)
     }
 
+    /// The least of the effects.
+    pub fn least_of_effects(&self) -> f64 {
+        let least = |least: f64, (_, limit): (_, f64)| least.min(limit);
+        self.of_effects().fold(f64::INFINITY, least)
+    }
+
     /// The least of the effects and of [`Limits::force`].
     pub fn slow(&self) -> f64 {
-        let least = |least: f64, (_, limit): (_, f64)| least.min(limit);
-        self.of_effects().fold(self.force(), least)
+        self.force().min(self.least_of_effects())
     }
 
     /// That of the tension; infinite without.

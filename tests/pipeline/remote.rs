@@ -181,7 +181,7 @@ fn a_bad_stamp_is_made_again() {
     is_made_again("without a SHA-256", "has no SHA-256", |shared| {
         shared.forge(|stamp| stamp.outputs[0].sha256 = None);
     });
-    is_made_again("with a huge size", "the disk has", |shared| {
+    is_made_again("with a huge size", "claims", |shared| {
         shared.forge(|stamp| stamp.outputs[1].bytes = 1 << 62);
     });
     is_made_again(

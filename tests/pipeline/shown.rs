@@ -83,8 +83,8 @@ fn a_watch_ends_with_its_reader() {
     drop(watch.stdout.take());
     let since = Instant::now();
     while watch.try_wait().unwrap().is_none() {
-        // It looks again after ten.
-        assert!(since.elapsed() < Duration::from_secs(8), "it goes on");
+        // It looks again after ten, if it was quicker than this process.
+        assert!(since.elapsed() < Duration::from_secs(25), "it goes on");
         std::thread::sleep(Duration::from_millis(10));
     }
     assert!(run.try_wait().unwrap().is_none());

@@ -4,6 +4,7 @@ use super::{Projection, Scheme};
 use crate::method::pass::{Mark, Marked, Moving};
 use crate::method::{Diverged, frame};
 use crate::particle::weight_of;
+use crate::scene::PoissonSource;
 use crate::space::parallel::{each_mut, max, sum_mut, three};
 use crate::space::room::resize;
 
@@ -91,24 +92,30 @@ impl<S: Scheme> Projection<S> {
         connected.min(self.liquid.case.spacing / self.liquid.now.max_speed.max(1e-30))
     }
 
-    /// Where a symmetric gradient stays stable, s.
+    /// Where a symmetric gradient stays stable, s. A pressure that brings back density at once
+    /// grows as steps become shorter, so that there they have a least length.
     fn elastic(&self) -> f64 {
         if !self.scheme.is_symmetric() {
             return f64::INFINITY;
         }
-        ELASTIC * self.liquid.case.spacing
-            / (self.peak / self.liquid.case.density).sqrt().max(1e-30)
+        let speed = (self.peak / self.liquid.case.density).sqrt();
+        let stable = ELASTIC * self.liquid.case.spacing / speed.max(1e-30);
+        match self.settings.source {
+            PoissonSource::Density => stable.max(self.settings.shortest),
+            PoissonSource::Divergence { .. } => stable,
+        }
     }
 
     fn next_step(&self) -> f64 {
         let limits = self.liquid.limits(f64::INFINITY);
-        let mut least = limits.slow();
+        let mut least = limits.least_of_effects();
         if self.scheme.is_symmetric() {
             least = least.min(self.elastic());
         }
-        // Only what is a matter of accuracy has a least length, not what is one of stability.
+        // What effects allow has no least length. That for a force has.
         let (shortest, longest) = (self.settings.shortest, self.settings.longest);
         self.advective()
+            .min(limits.force())
             .clamp(shortest, longest)
             .min(least)
             .min(IDLE)

@@ -63,7 +63,7 @@ pub struct Projection {
     /// Spacings that the fastest particle crosses in a step.
     #[schemars(range(min = 0.001, max = 5.0))]
     pub courant: f64,
-    /// Shortest step for the speed of the flow; limits of stability can be shorter.
+    /// Shortest step for speeds and forces; the limits of effects can be shorter.
     #[serde(with = "Time")]
     #[schemars(transform = positive)]
     pub shortest: f64,

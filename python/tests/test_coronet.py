@@ -43,7 +43,7 @@ def test_a_store_lists_its_runs(store):
 
 
 def test_a_run_stays_what_it_was_and_warns(tmp_path):
-    with pytest.warns(UserWarning, match="floor"):
+    with pytest.warns(UserWarning, match="No panel at 6.0 ms"):
         coronet.run(TINY, SHORT, artifacts=tmp_path, program=PROGRAM)
     first = coronet.open(tmp_path / "latest" / "tiny")
     speed = first.settings["body.drop.velocity"]

@@ -35,8 +35,8 @@ const FAR: f64 = 20.0;
 /// Largest |cos θ| of (1) that is one of 180 degrees: outlines are uncertain by that.
 const TOUCHES: f64 = 1.02;
 
-/// Largest root mean square distance of the outline from its circle, spacings: that of a drop at
-/// rest without gravity is a fifth of it.
+/// Largest root mean square distance of the outline from its circle, spacings: half of what the
+/// outline resolves. Flat caps of rings at coarse spacings are above it, too.
 const ROUND: f64 = 0.5;
 
 /// Least number of points of a fit for each unknown.

@@ -28,7 +28,7 @@ const DEPTHS: usize = 512;
 /// Curvatures tabulated between the least and the largest of an ellipsoid.
 const CURVATURES: usize = 17;
 /// Largest curvature, 1 / spacing: (2) is of first order in it, and no spacing resolves a sharper
-/// rim.
+/// rim. Flat ellipsoids with rims above about 1 could not be packed.
 pub const SHARPEST: f64 = 0.8;
 /// Intervals of the quadrature (1) over s.
 const INTERVALS: usize = 400;

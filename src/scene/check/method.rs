@@ -4,7 +4,8 @@ use super::super::error::SceneError;
 use super::super::tree::Tree;
 use super::super::{Closure, Method, MpsClosure, MpsGradient, MpsPressure, Scene};
 
-/// Least h / s0 that finds a free surface: below, a full support looks like one.
+/// Least h / s0 that finds a free surface: at 1 a full support looks like one, at 1.1 a pool at
+/// rest loses 3 % of its potential energy in 0.2 s.
 const NARROWEST: f64 = 1.2;
 
 /// Refuses what is unstable or has no effect.
